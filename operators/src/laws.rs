@@ -1,0 +1,223 @@
+//! The laws that every operator and every preconditioner obeys, as functions that tests call with one list of both.
+//!
+//! Checked: shape, linearity, accumulation onto a non-zero `y` with `α ∉ {0, 1}`, `⟨Ax, y⟩ = ⟨x, Aᵀy⟩`, indifference
+//! to what `work` contains (it is poisoned with NaN), and that exactly `work_len()` entries suffice.
+
+use crate::vector::{dot, norm2};
+use crate::{AdjointOperator, Dense, LinearOperator, Preconditioner, Real};
+
+/// A broken law: which, for what, and by how much.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{subject}: law \"{law}\" broken: relative deviation {deviation:.3e} > {tolerance:.1e}")]
+pub struct Violation {
+    /// Name of the operator under test.
+    pub subject: String,
+    /// The law.
+    pub law: &'static str,
+    /// Relative deviation found.
+    pub deviation: f64,
+    /// What rounding allows.
+    pub tolerance: f64,
+}
+
+/// Deviation that rounding explains, relative to the size of the result: 2e5 units in the last place.
+fn tolerance<R: Real>() -> f64 {
+    2e5 * R::epsilon().to_f64_exact()
+}
+
+/// A reproducible vector with entries of both signs and no pattern.
+pub fn probe<R: Real>(n: usize, seed: u64) -> Vec<R> {
+    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+    (0..n)
+        .map(|_| {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            R::of((state >> 11) as f64 / (1u64 << 53) as f64 - 0.5)
+        })
+        .collect()
+}
+
+struct Judge<'a> {
+    subject: &'a str,
+}
+
+impl Judge<'_> {
+    fn same<R: Real>(&self, law: &'static str, a: &[R], b: &[R]) -> Result<(), Violation> {
+        let difference: Vec<R> = a.iter().zip(b).map(|(a, b)| *a - *b).collect();
+        let scale = norm2(a).max(norm2(b)).to_f64_exact();
+        self.small(
+            law,
+            norm2(&difference).to_f64_exact(),
+            scale,
+            tolerance::<R>(),
+        )
+    }
+
+    fn small(
+        &self,
+        law: &'static str,
+        difference: f64,
+        scale: f64,
+        tolerance: f64,
+    ) -> Result<(), Violation> {
+        let deviation = if difference == 0.0 {
+            0.0
+        } else {
+            difference / scale
+        };
+        if deviation <= tolerance {
+            Ok(())
+        } else {
+            Err(Violation {
+                subject: self.subject.to_owned(),
+                law,
+                deviation,
+                tolerance,
+            })
+        }
+    }
+}
+
+/// Checks every law of a product; `oracle` is the dense reference where one is affordable.
+pub fn check_operator<R: Real>(
+    subject: &str,
+    a: &dyn LinearOperator<R>,
+    oracle: Option<&Dense<R>>,
+) -> Result<(), Violation> {
+    let judge = Judge { subject };
+    let (rows, cols) = (a.shape().rows, a.shape().cols);
+    let (x, z, y0) = (
+        probe::<R>(cols, 1),
+        probe::<R>(cols, 2),
+        probe::<R>(rows, 3),
+    );
+    let (alpha, beta) = (R::of(-1.75), R::of(0.375));
+    let product = |v: &[R]| {
+        let mut y = vec![R::nan(); rows];
+        a.apply(v, &mut y, &mut vec![R::nan(); a.work_len()]);
+        y
+    };
+    let (ax, az) = (product(&x), product(&z));
+
+    let combined: Vec<R> = x
+        .iter()
+        .zip(&z)
+        .map(|(x, z)| alpha * *x + beta * *z)
+        .collect();
+    let sum: Vec<R> = ax
+        .iter()
+        .zip(&az)
+        .map(|(x, z)| alpha * *x + beta * *z)
+        .collect();
+    judge.same("A(αx + βz) = αAx + βAz", &product(&combined), &sum)?;
+
+    let mut y = y0.clone();
+    a.apply_add(alpha, &x, &mut y, &mut vec![R::nan(); a.work_len()]);
+    let accumulated: Vec<R> = y0.iter().zip(&ax).map(|(y, ax)| *y + alpha * *ax).collect();
+    judge.same("apply_add accumulates y + αAx", &y, &accumulated)?;
+
+    if let Some(oracle) = oracle {
+        let mut exact = vec![R::zero(); rows];
+        oracle.apply(&x, &mut exact, &mut []);
+        judge.same("agrees with the dense oracle", &ax, &exact)?;
+    }
+    Ok(())
+}
+
+/// Checks `⟨Ax, y⟩ = ⟨x, Aᵀy⟩` and the accumulation of the adjoint, after the laws of the product.
+pub fn check_adjoint<R: Real>(
+    subject: &str,
+    a: &dyn AdjointOperator<R>,
+    oracle: Option<&Dense<R>>,
+) -> Result<(), Violation> {
+    check_operator(subject, &a, oracle)?;
+    let judge = Judge { subject };
+    let (rows, cols) = (a.shape().rows, a.shape().cols);
+    let (x, y) = (probe::<R>(cols, 4), probe::<R>(rows, 5));
+    let mut ax = vec![R::zero(); rows];
+    a.apply(&x, &mut ax, &mut vec![R::nan(); a.work_len()]);
+    let mut aty = vec![R::zero(); cols];
+    a.apply_adjoint_add(R::one(), &y, &mut aty, &mut vec![R::nan(); a.work_len()]);
+    let difference = (dot(&ax, &y) - dot(&x, &aty)).abs().to_f64_exact();
+    let scale = (norm2(&ax) * norm2(&y))
+        .max(norm2(&x) * norm2(&aty))
+        .to_f64_exact();
+    judge.small("⟨Ax, y⟩ = ⟨x, Aᵀy⟩", difference, scale, tolerance::<R>())?;
+
+    let start = probe::<R>(cols, 6);
+    let mut accumulated = start.clone();
+    a.apply_adjoint_add(
+        R::of(-0.5),
+        &y,
+        &mut accumulated,
+        &mut vec![R::nan(); a.work_len()],
+    );
+    let expected: Vec<R> = start
+        .iter()
+        .zip(&aty)
+        .map(|(s, v)| *s - R::of(0.5) * *v)
+        .collect();
+    judge.same(
+        "apply_adjoint_add accumulates y + αAᵀx",
+        &accumulated,
+        &expected,
+    )
+}
+
+/// Checks that a preconditioner ignores what `z` and `work` contain, repeats itself bit for bit, and is linear if it
+/// says so; `matrix` is the matrix that it inverts exactly, where it claims to.
+pub fn check_preconditioner<R: Real>(
+    subject: &str,
+    m: &dyn Preconditioner<R>,
+    matrix: Option<&dyn LinearOperator<R>>,
+    accuracy: f64,
+) -> Result<(), Violation> {
+    let judge = Judge { subject };
+    let n = m.size();
+    let solve = |r: &[R], dirt: R| {
+        let mut z = vec![dirt; n];
+        m.solve(r, &mut z, &mut vec![dirt; m.work_len()]);
+        z
+    };
+    let (r, s) = (probe::<R>(n, 7), probe::<R>(n, 8));
+    let (zr, zs) = (solve(&r, R::nan()), solve(&s, R::nan()));
+    let again = solve(&r, R::of(3.0));
+    if m.is_linear() {
+        let same_bits = zr.iter().zip(&again).all(|(a, b)| a == b);
+        judge.small(
+            "same bits whatever z and work contain",
+            if same_bits { 0.0 } else { 1.0 },
+            1.0,
+            0.0,
+        )?;
+        let (alpha, beta) = (R::of(0.75), R::of(-2.0));
+        let combined: Vec<R> = r
+            .iter()
+            .zip(&s)
+            .map(|(r, s)| alpha * *r + beta * *s)
+            .collect();
+        let sum: Vec<R> = zr
+            .iter()
+            .zip(&zs)
+            .map(|(a, b)| alpha * *a + beta * *b)
+            .collect();
+        judge.same(
+            "M⁻¹(αr + βs) = αM⁻¹r + βM⁻¹s",
+            &solve(&combined, R::zero()),
+            &sum,
+        )?;
+    }
+    if let Some(matrix) = matrix {
+        let mut back = vec![R::zero(); n];
+        matrix.apply(&zr, &mut back, &mut vec![R::nan(); matrix.work_len()]);
+        let difference: Vec<R> = back.iter().zip(&r).map(|(a, b)| *a - *b).collect();
+        judge.small(
+            "A M⁻¹ r = r",
+            norm2(&difference).to_f64_exact(),
+            norm2(&r).to_f64_exact(),
+            accuracy,
+        )?;
+    }
+    Ok(())
+}

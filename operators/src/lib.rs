@@ -1,0 +1,33 @@
+//! What a linear operator *is*: scalars, vectors, operators, preconditioners, block algebra, sparse formats,
+//! Matrix Market files and the laws that every operator obeys.
+//!
+//! No mesh lives here and no algorithm that inverts: those are `fracas` and `fracas-solvers`.
+//!
+//! ```
+//! use fracas_operators::{LinearOperator, sparse::Diagonal};
+//! let d = Diagonal::new(vec![2.0, 3.0]);
+//! let mut y = [0.0; 2];
+//! d.apply(&[1.0, 1.0], &mut y, &mut []);
+//! assert_eq!(y, [2.0, 3.0]);
+//! ```
+
+pub mod block;
+pub mod count;
+pub mod dense;
+pub mod laws;
+pub mod operator;
+pub mod preconditioner;
+pub mod real;
+pub mod shape;
+pub mod sparse;
+pub mod timed;
+pub mod vector;
+
+pub use block::{BlockOperator, Layout};
+pub use count::Counted;
+pub use dense::Dense;
+pub use operator::{AdjointOperator, LinearOperator};
+pub use preconditioner::{Identity, Inverse, Preconditioner};
+pub use real::Real;
+pub use shape::Shape;
+pub use timed::Timed;

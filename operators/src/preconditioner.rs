@@ -1,0 +1,100 @@
+//! Preconditioners solve: `z ← M⁻¹ r`.
+
+use crate::operator::assert_product;
+use crate::{LinearOperator, Real, Shape};
+
+/// An approximate solver: `z ← M⁻¹ r`.
+///
+/// A preconditioner is deliberately *not* a [`LinearOperator`]: the only bridge is [`Inverse`], so "is this the matrix
+/// or its inverse?" is a question for the compiler.
+pub trait Preconditioner<R: Real>: Send + Sync {
+    /// Length of `r` and `z`.
+    fn size(&self) -> usize;
+
+    /// `z ← M⁻¹ r`; `z` and `work` arrive with arbitrary content.
+    fn solve(&self, r: &[R], z: &mut [R], work: &mut [R]);
+
+    /// Scratch entries that one solve needs.
+    fn work_len(&self) -> usize {
+        0
+    }
+
+    /// Floating-point operations of one solve (a multiply-add counts two).
+    fn flops(&self) -> u64;
+
+    /// False when `M⁻¹` changes from call to call or depends non-linearly on `r` (then use FGMRES).
+    fn is_linear(&self) -> bool {
+        true
+    }
+}
+
+macro_rules! forward_preconditioner {
+    ($($pointer:ty),*) => {$(
+        impl<R: Real, M: Preconditioner<R> + ?Sized> Preconditioner<R> for $pointer {
+            fn size(&self) -> usize {
+                (**self).size()
+            }
+            fn solve(&self, r: &[R], z: &mut [R], work: &mut [R]) {
+                (**self).solve(r, z, work);
+            }
+            fn work_len(&self) -> usize {
+                (**self).work_len()
+            }
+            fn flops(&self) -> u64 {
+                (**self).flops()
+            }
+            fn is_linear(&self) -> bool {
+                (**self).is_linear()
+            }
+        }
+    )*};
+}
+forward_preconditioner!(&M, Box<M>, std::sync::Arc<M>);
+
+/// No preconditioner: `z ← r`.
+#[derive(Clone, Copy, Debug)]
+pub struct Identity {
+    /// Length of the vectors.
+    pub n: usize,
+}
+
+impl<R: Real> Preconditioner<R> for Identity {
+    fn size(&self) -> usize {
+        self.n
+    }
+    fn solve(&self, r: &[R], z: &mut [R], _work: &mut [R]) {
+        z.copy_from_slice(r);
+    }
+    fn flops(&self) -> u64 {
+        0
+    }
+}
+
+/// `M⁻¹` as an operator that multiplies.
+#[derive(Clone, Copy, Debug)]
+pub struct Inverse<M>(pub M);
+
+impl<R: Real, M: Preconditioner<R>> LinearOperator<R> for Inverse<M> {
+    fn shape(&self) -> Shape {
+        Shape::square(self.0.size())
+    }
+
+    fn apply_add(&self, alpha: R, x: &[R], y: &mut [R], work: &mut [R]) {
+        assert_product(self.shape(), x, y);
+        let (z, work) = work.split_at_mut(self.0.size());
+        self.0.solve(x, z, work);
+        crate::vector::axpy(alpha, z, y);
+    }
+
+    fn apply(&self, x: &[R], y: &mut [R], work: &mut [R]) {
+        self.0.solve(x, y, &mut work[self.0.size()..]);
+    }
+
+    fn work_len(&self) -> usize {
+        self.0.size() + self.0.work_len()
+    }
+
+    fn flops(&self) -> u64 {
+        self.0.flops() + 2 * self.0.size() as u64
+    }
+}

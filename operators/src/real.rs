@@ -1,0 +1,60 @@
+//! The scalars: `f64`, and `f32` inside preconditioners.
+
+use num_traits::{Float, FromPrimitive, NumAssign};
+use std::fmt::{Debug, Display, LowerExp};
+use std::iter::Sum;
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for f64 {}
+    impl Sealed for f32 {}
+}
+
+/// A real scalar: `f64` (the default everywhere) or `f32` (inside preconditioners). Sealed.
+pub trait Real:
+    sealed::Sealed
+    + Float
+    + NumAssign
+    + FromPrimitive
+    + Sum
+    + Default
+    + Debug
+    + Display
+    + LowerExp
+    + Send
+    + Sync
+    + 'static
+{
+    /// Name used in reports: `"f64"` or `"f32"`.
+    const NAME: &'static str;
+
+    /// Nearest value of this precision to `value`.
+    fn of(value: f64) -> Self;
+
+    /// This value in double precision (exact).
+    fn to_f64_exact(self) -> f64;
+}
+
+impl Real for f64 {
+    const NAME: &'static str = "f64";
+    #[inline(always)]
+    fn of(value: f64) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn to_f64_exact(self) -> f64 {
+        self
+    }
+}
+
+impl Real for f32 {
+    const NAME: &'static str = "f32";
+    #[inline(always)]
+    fn of(value: f64) -> Self {
+        value as f32
+    }
+    #[inline(always)]
+    fn to_f64_exact(self) -> f64 {
+        f64::from(self)
+    }
+}

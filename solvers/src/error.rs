@@ -1,0 +1,92 @@
+//! What can be wrong with the data of a solver: which block, which row, what to do.
+
+/// A preconditioner or factorization cannot be built from this data.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SetupError {
+    /// A block is not positive definite where the method needs it.
+    #[error("block {block} is not positive definite (row {row}, counted from 1): {advice}")]
+    NotPositiveDefinite {
+        /// `A`, `S_u`, `C`, …
+        block: &'static str,
+        /// First offending row, counted from 1.
+        row: usize,
+        /// What to do.
+        advice: String,
+    },
+    /// A block is singular to working precision.
+    #[error("block {block} is singular to working precision{}: {advice}", row.map_or(String::new(), |r| format!(" (row {r}, counted from 1)")))]
+    Singular {
+        /// `A`, `S_u`, …
+        block: &'static str,
+        /// First offending row, counted from 1, where it is known.
+        row: Option<usize>,
+        /// What to do.
+        advice: String,
+    },
+    /// A diagonal entry that must be divided by is zero, negative or missing.
+    #[error(
+        "block {block} has the diagonal entry {value:e} in row {row} (counted from 1); {method} needs a positive one"
+    )]
+    BadDiagonal {
+        /// `A`, `S_u`, …
+        block: &'static str,
+        /// Row, counted from 1.
+        row: usize,
+        /// The entry.
+        value: f64,
+        /// Who needs it.
+        method: &'static str,
+    },
+    /// NaN or infinity.
+    #[error("block {block} holds {value} at row {row}, column {column} (counted from 1)")]
+    NotFinite {
+        /// `A`, `B1`, …
+        block: &'static str,
+        /// Row, counted from 1.
+        row: usize,
+        /// Column, counted from 1.
+        column: usize,
+        /// NaN or ±inf.
+        value: f64,
+    },
+    /// Sizes of two blocks disagree.
+    #[error("block {block} is {found}, expected {expected} because {reason}")]
+    Shape {
+        /// `B1`, `H`, …
+        block: &'static str,
+        /// What it is.
+        found: fracas_operators::Shape,
+        /// What it must be.
+        expected: fracas_operators::Shape,
+        /// Which other block says so.
+        reason: &'static str,
+    },
+    /// A method that does not apply to this system.
+    #[error("{method} does not apply: {reason}")]
+    NotApplicable {
+        /// The method.
+        method: &'static str,
+        /// Why, and what to take instead.
+        reason: String,
+    },
+    /// A backend that was not compiled in.
+    #[error(
+        "{backend} is not part of this build; compile with --features {feature}, or choose another backend"
+    )]
+    NotBuilt {
+        /// `CHOLMOD`, `UMFPACK`.
+        backend: &'static str,
+        /// Cargo feature that adds it.
+        feature: &'static str,
+    },
+    /// Too little memory, or a size beyond what a library can index.
+    #[error("{method} ran out of memory on {n} equations; {advice}")]
+    OutOfMemory {
+        /// The method.
+        method: &'static str,
+        /// Equations.
+        n: usize,
+        /// What to do.
+        advice: String,
+    },
+}

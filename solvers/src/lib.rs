@@ -1,0 +1,15 @@
+//! How to *invert*: Krylov methods, smoothers, direct solvers, saddle-point preconditioners, and the spectra that say
+//! how good they are. Knows blocks, never a mesh or physics.
+
+pub mod direct;
+pub mod error;
+pub mod krylov;
+pub mod observer;
+pub mod prepare;
+pub mod saddle;
+pub mod smoothers;
+pub mod spectrum;
+
+pub use error::SetupError;
+pub use observer::{Observer, Silent, Step};
+pub use prepare::Prepare;

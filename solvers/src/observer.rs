@@ -1,0 +1,46 @@
+//! One observer for the active set, Newton and Krylov: progress, history, stop.
+
+use std::ops::ControlFlow;
+
+/// What an iteration reports.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Step {
+    /// One Krylov iteration with its relative residual (the recurrence's estimate).
+    Krylov {
+        /// Iteration, from 0 (the initial residual).
+        iteration: usize,
+        /// ‖r_k‖ / ‖b‖ as the method estimates it.
+        relative_residual: f64,
+    },
+    /// One step of a long set-up or sweep.
+    Progress {
+        /// What is being done.
+        stage: &'static str,
+        /// Parts done.
+        done: usize,
+        /// Parts in all.
+        total: usize,
+    },
+}
+
+/// Watches iterations; may stop them.
+pub trait Observer {
+    /// Called once per step; `Break` stops the iteration with [`Outcome::Stopped`](crate::krylov::Outcome).
+    fn observe(&mut self, step: &Step) -> ControlFlow<()>;
+}
+
+/// Watches nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Silent;
+
+impl Observer for Silent {
+    fn observe(&mut self, _step: &Step) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+impl<F: FnMut(&Step) -> ControlFlow<()>> Observer for F {
+    fn observe(&mut self, step: &Step) -> ControlFlow<()> {
+        self(step)
+    }
+}

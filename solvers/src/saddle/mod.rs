@@ -1,0 +1,5 @@
+//! Saddle points `[A B1; B2 −H]`, their augmentations C and their preconditioners.
+
+pub mod blocks;
+
+pub use blocks::{DofCoordinate, FlowBlocks, SaddleBlocks};

@@ -1,0 +1,10 @@
+//! The model: from a fractured scene to the blocks of its saddle point.
+//!
+//! Rooms, each importing only those before it: `units` ◄ `mesh` ◄ {`elasticity`, `contact`} ◄ `scene`; `io` writes.
+
+pub mod contact;
+pub mod elasticity;
+pub mod io;
+pub mod mesh;
+pub mod scene;
+pub mod units;

@@ -1,0 +1,51 @@
+//! Fractures as pairs of element faces.
+
+/// One side of a fracture face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FaceSide {
+    /// Element on this side.
+    pub element: u32,
+    /// Its four nodes, counter-clockwise seen from the + side (so that the right-hand rule gives n).
+    pub nodes: [u32; 4],
+}
+
+/// A quadrilateral of a fracture: two coinciding element faces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FractureFace {
+    /// Index of the fracture that it belongs to.
+    pub fracture: u16,
+    /// The side that the normal leaves.
+    pub minus: FaceSide,
+    /// The side that the normal points to; `plus.nodes[a]` coincides with `minus.nodes[a]`.
+    pub plus: FaceSide,
+    /// Area [m²].
+    pub area: f64,
+    /// Centroid [m].
+    pub center: [f64; 3],
+    /// Local frame (n, t1, t2) as rows, right-handed: t2 = n × t1. n points from − to +.
+    pub frame: [[f64; 3]; 3],
+    /// ∫_f N_a dS for the four nodes [m²].
+    pub node_areas: [f64; 4],
+}
+
+/// An edge shared by exactly two faces of one fracture and by no other fracture face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FractureEdge {
+    /// The two faces K and L.
+    pub faces: [u32; 2],
+    /// Local indices (0–3) in K of the two edge nodes.
+    pub nodes_k: [u8; 2],
+    /// Local indices (0–3) in L of the same two nodes, in the same order.
+    pub nodes_l: [u8; 2],
+}
+
+/// All fractures of a body.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FractureMesh {
+    /// Names, one per fracture.
+    pub names: Vec<String>,
+    /// Faces, grouped by fracture.
+    pub faces: Vec<FractureFace>,
+    /// Inner edges; those with more than two faces (junctions) are left out.
+    pub edges: Vec<FractureEdge>,
+}
