@@ -3,5 +3,5 @@
 mod coupling;
 mod stabilization;
 
-pub use coupling::Coupling;
+pub use coupling::{Coupling, prescribed_jump};
 pub use stabilization::{JumpStabilization, Side, side_stiffness};
