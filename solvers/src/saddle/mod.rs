@@ -1,5 +1,6 @@
 //! Saddle points `[A B1; B2 −H]`, their augmentations C and their preconditioners.
 
 pub mod blocks;
+pub mod folder;
 
 pub use blocks::{DofCoordinate, FlowBlocks, SaddleBlocks};
