@@ -2,5 +2,7 @@
 
 pub mod blocks;
 pub mod folder;
+pub mod operator;
 
 pub use blocks::{DofCoordinate, FlowBlocks, SaddleBlocks};
+pub use operator::SaddleOperator;
