@@ -4,9 +4,13 @@
 //! converged, 4 a check failed.
 
 mod list;
+mod memory;
+mod output;
 mod progress;
 mod reproduce;
 mod sentence;
+mod solve;
+mod source;
 
 use clap::{Parser, Subcommand};
 use std::io::{self, Write};
@@ -28,6 +32,8 @@ pub struct Arguments {
 enum Command {
     /// Figures and tables beside the published numbers, in one report.html.
     Reproduce(reproduce::Reproduce),
+    /// Solves one linear system and reports its cost and true residual.
+    Solve(solve::Solve),
     /// Experiments and scenes, a line each: id, question, expected answer.
     List,
 }
@@ -38,7 +44,6 @@ pub(crate) enum Status {
     /// 0.
     Done,
     /// 3.
-    #[expect(dead_code)]
     NotConverged,
     /// 4.
     CheckFailed,
@@ -78,6 +83,7 @@ impl Command {
     fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
         match self {
             Self::Reproduce(command) => command.run(out),
+            Self::Solve(command) => command.run(out),
             Self::List => list::run(out),
         }
     }
