@@ -1,7 +1,7 @@
 //! Small-strain isotropic elasticity on Q1 hexahedra.
 
-mod bricks;
 mod assembled;
+mod bricks;
 mod check;
 mod constraints;
 pub mod element;
@@ -11,8 +11,8 @@ mod material;
 #[cfg(test)]
 mod sample;
 
-pub use bricks::Bricks;
 pub use assembled::{lift, reduced, stiffness};
+pub use bricks::Bricks;
 pub use constraints::Constraints;
 pub use error::ElasticityError;
 pub use material::Elastic;

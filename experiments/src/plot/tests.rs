@@ -35,7 +35,10 @@ fn logarithmic_ticks_are_decades_or_plain_numbers() {
         labels(&axis, [-3.2, 2.2]),
         ["10⁻³", "10⁻²", "10⁻¹", "1", "10", "10²"]
     );
-    assert_eq!(labels(&axis, [-14.0, 2.0]), ["10⁻¹²", "10⁻⁹", "10⁻⁶", "10⁻³", "1"]);
+    assert_eq!(
+        labels(&axis, [-14.0, 2.0]),
+        ["10⁻¹²", "10⁻⁹", "10⁻⁶", "10⁻³", "1"]
+    );
     assert_eq!(labels(&axis, [0.1, 0.9]), ["2", "5"]);
     assert_eq!(labels(&axis, [-0.2, 0.1]), ["0.8", "1.0", "1.2"]);
     let minor = axis
