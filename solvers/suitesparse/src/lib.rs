@@ -77,8 +77,9 @@ unsafe extern "C" {
     /// Releases a handle; null is allowed.
     pub fn fracas_cholmod_free(h: *mut Cholmod);
 
-    /// Symbolic factorization in the given order of columns.
+    /// Symbolic factorization in the given order, which is kept if `symmetric` and may be refined otherwise.
     pub fn fracas_umfpack_analyze(
+        symmetric: c_int,
         n: i64,
         p: *const i64,
         i: *const i64,

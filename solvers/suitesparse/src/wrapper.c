@@ -110,10 +110,13 @@ static void umfpack_settings (double control [UMFPACK_CONTROL])
     control [UMFPACK_IRSTEP] = 0 ;                 /* the caller refines */
 }
 
-int fracas_umfpack_analyze (int64_t n, const int64_t *p, const int64_t *i, const int64_t *order, void **symbolic)
+/* symmetric: prefer the diagonal and keep the order; otherwise the order of columns may be refined */
+int fracas_umfpack_analyze (int symmetric, int64_t n, const int64_t *p, const int64_t *i, const int64_t *order,
+    void **symbolic)
 {
     double control [UMFPACK_CONTROL] ;
     umfpack_settings (control) ;
+    control [UMFPACK_STRATEGY] = symmetric ? UMFPACK_STRATEGY_SYMMETRIC : UMFPACK_STRATEGY_UNSYMMETRIC ;
     return umfpack_dl_qsymbolic (n, n, p, i, NULL, order, symbolic, control, NULL) ;
 }
 
