@@ -90,3 +90,19 @@ pub enum SetupError {
         advice: String,
     },
 }
+
+impl SetupError {
+    /// The same error with the name of the block that the caller knows.
+    #[must_use]
+    pub fn in_block(mut self, name: &'static str) -> Self {
+        match &mut self {
+            Self::NotPositiveDefinite { block, .. }
+            | Self::Singular { block, .. }
+            | Self::BadDiagonal { block, .. }
+            | Self::NotFinite { block, .. }
+            | Self::Shape { block, .. } => *block = name,
+            Self::NotApplicable { .. } | Self::NotBuilt { .. } | Self::OutOfMemory { .. } => {}
+        }
+        self
+    }
+}

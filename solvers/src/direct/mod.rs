@@ -1,9 +1,29 @@
 //! Sparse direct solvers behind one seam: faer with METIS ordering always, CHOLMOD and UMFPACK with the feature
 //! `suitesparse`.
+//!
+//! A backend is one file (or folder) here and one line in [`DirectChoice`].
+//!
+//! # Licence
+//! CHOLMOD's supernodal module and UMFPACK are GPL-2.0-or-later: a binary built with the feature `suitesparse` is
+//! under the GPL. Without it everything is MIT OR Apache-2.0.
+
+mod choice;
+pub mod condition;
+mod equilibration;
+mod faer_backend;
+mod graph;
+pub mod nested_dissection;
+mod pattern;
+mod refinement;
+
+pub use choice::DirectChoice;
+pub use condition::reciprocal_condition;
+pub use faer_backend::Faer;
 
 use crate::SetupError;
 use fracas_operators::Preconditioner;
 use fracas_operators::sparse::SparseMatrix;
+use rayon::prelude::*;
 use std::fmt::Debug;
 
 /// What may be assumed about the matrix.
@@ -34,10 +54,25 @@ pub trait Symbolic: Debug + Send + Sync {
 
 /// A factorized matrix: `solve` is A⁻¹ r.
 pub trait Factorization: Preconditioner<f64> {
-    /// Solves for `columns` right-hand sides stored one after the other, in place, on all threads of the pool.
-    fn solve_many(&self, columns: usize, b: &mut [f64]);
+    /// `z ← A⁻ᵀ r`; `z` and `work` (of `work_len()` entries) arrive with arbitrary content.
+    fn solve_adjoint(&self, r: &[f64], z: &mut [f64], work: &mut [f64]);
 
-    /// Entries of the factors.
+    /// Solves for `columns` right-hand sides stored one after the other, in place, on all threads of the pool.
+    fn solve_many(&self, columns: usize, b: &mut [f64]) {
+        assert_eq!(b.len(), columns * self.size(), "{columns} right-hand sides");
+        if self.size() == 0 {
+            return;
+        }
+        b.par_chunks_exact_mut(self.size()).for_each_init(
+            || (vec![0.0; self.size()], vec![0.0; self.work_len()]),
+            |(r, work), z| {
+                r.copy_from_slice(z);
+                self.solve(r, z, work);
+            },
+        );
+    }
+
+    /// Entries of the factors; where a backend does not tell, the bound that its symbolic factorization gives.
     fn factor_entries(&self) -> usize;
 
     /// log₂ |det A|, for checks and for judging scale; `None` where the backend does not tell.

@@ -1,0 +1,73 @@
+//! Which backend: the one list of all of them.
+
+use super::{DirectSolver, Faer, Kind, Symbolic};
+use crate::SetupError;
+use fracas_operators::sparse::SparseMatrix;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A backend by name.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum DirectChoice {
+    /// The fastest one of this build: CHOLMOD for LLᵀ, UMFPACK for LU, faer for LDLᵀ and wherever those are missing.
+    #[default]
+    Auto,
+    /// faer with METIS: every kind, always there.
+    Faer,
+    /// CHOLMOD with METIS: LLᵀ; needs the feature `suitesparse`.
+    Cholmod,
+    /// UMFPACK: LU; needs the feature `suitesparse`.
+    Umfpack,
+}
+
+impl DirectChoice {
+    /// Every backend that has a name of its own.
+    pub const BACKENDS: [Self; 3] = [Self::Faer, Self::Cholmod, Self::Umfpack];
+
+    /// The backend.
+    ///
+    /// # Errors
+    /// [`SetupError::NotBuilt`] for a backend that this build does not contain.
+    pub fn solver(self) -> Result<Box<dyn DirectSolver>, SetupError> {
+        match self {
+            Self::Auto => Ok(Box::new(Auto)),
+            Self::Faer => Ok(Box::new(Faer)),
+            Self::Cholmod => not_built("CHOLMOD"),
+            Self::Umfpack => not_built("UMFPACK"),
+        }
+    }
+
+    /// The backend that `self` stands for when the matrix is of this kind.
+    fn resolved(self, kind: Kind) -> Self {
+        let built = cfg!(feature = "suitesparse");
+        match (self, kind) {
+            (Self::Auto, Kind::Spd) if built => Self::Cholmod,
+            (Self::Auto, Kind::General) if built => Self::Umfpack,
+            (Self::Auto, _) => Self::Faer,
+            (named, _) => named,
+        }
+    }
+}
+
+/// A backend that was left out.
+fn not_built(backend: &'static str) -> Result<Box<dyn DirectSolver>, SetupError> {
+    Err(SetupError::NotBuilt {
+        backend,
+        feature: "suitesparse",
+    })
+}
+
+/// Chooses by kind.
+#[derive(Clone, Copy, Debug)]
+struct Auto;
+
+impl DirectSolver for Auto {
+    fn name(&self) -> &'static str {
+        "auto"
+    }
+
+    fn analyze(&self, a: &SparseMatrix<f64>, kind: Kind) -> Result<Box<dyn Symbolic>, SetupError> {
+        DirectChoice::Auto.resolved(kind).solver()?.analyze(a, kind)
+    }
+}

@@ -1,0 +1,105 @@
+//! faer: LLᵀ, LDLᵀ and LU in pure Rust, ordered by METIS.
+
+mod general;
+mod symmetric;
+
+use super::pattern::Pattern;
+use super::{DirectSolver, Kind, Symbolic};
+use crate::SetupError;
+use faer::sparse::FaerError;
+use fracas_operators::sparse::SparseMatrix;
+use serde::{Deserialize, Serialize};
+
+/// faer's sparse factorizations with nested dissection.
+///
+/// LLᵀ for [`Kind::Spd`]; LDLᵀ without pivoting for [`Kind::QuasiDefinite`] and LU with partial pivoting on the
+/// equilibrated matrix for [`Kind::General`], both with one step of refinement.
+///
+/// # Source
+/// S. El Kazdadi, faer 0.24, <https://faer.veganb.tw>.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Faer;
+
+impl DirectSolver for Faer {
+    fn name(&self) -> &'static str {
+        "faer"
+    }
+
+    fn analyze(&self, a: &SparseMatrix<f64>, kind: Kind) -> Result<Box<dyn Symbolic>, SetupError> {
+        Ok(match kind {
+            Kind::Spd | Kind::QuasiDefinite => {
+                Box::new(symmetric::SymmetricSymbolic::new(a, kind)?)
+            }
+            Kind::General => Box::new(general::GeneralSymbolic::new(a)?),
+        })
+    }
+}
+
+/// faer's only failures that are not numerical.
+fn out_of_memory(n: usize) -> SetupError {
+    SetupError::OutOfMemory {
+        method: "faer",
+        n,
+        advice: "use an iterative method, or a coarser mesh".to_owned(),
+    }
+}
+
+/// faer's symbolic failures: memory and index range.
+fn symbolic_failure(error: FaerError, n: usize) -> SetupError {
+    match error {
+        FaerError::OutOfMemory | FaerError::IndexOverflow => out_of_memory(n),
+        other => SetupError::NotApplicable {
+            method: "faer",
+            reason: other.to_string(),
+        },
+    }
+}
+
+/// Columns that one task of `solve_many` handles at once: wide enough for matrix-matrix kernels.
+const COLUMNS_PER_TASK: usize = 8;
+
+/// Runs `solve(columns, part)` over blocks of columns, in parallel; blocks depend on the number of columns alone, so
+/// the result does not depend on the number of threads.
+fn for_column_blocks(n: usize, b: &mut [f64], solve: impl Fn(usize, &mut [f64]) + Sync) {
+    use rayon::prelude::*;
+    if n > 0 {
+        b.par_chunks_mut(n * COLUMNS_PER_TASK)
+            .for_each(|part| solve(part.len() / n, part));
+    }
+}
+
+/// Entries of a work array that hold faer's scratch space at any alignment.
+fn work_entries(scratch: faer::dyn_stack::StackReq) -> usize {
+    scratch
+        .unaligned_bytes_required()
+        .div_ceil(size_of::<f64>())
+}
+
+/// A work array as faer's stack.
+///
+/// faer takes uninitialized bytes; every bit pattern it may leave is a valid f64.
+fn as_stack(work: &mut [f64]) -> &mut faer::dyn_stack::MemStack {
+    // Safety: MaybeUninit<f64> has the layout of f64, and the entries are not read as f64 before they are written.
+    let bytes = unsafe { &mut *(std::ptr::from_mut(work) as *mut [std::mem::MaybeUninit<f64>]) };
+    faer::dyn_stack::MemStack::new_any(bytes)
+}
+
+/// The order of elimination with its inverse.
+fn with_inverse(order: Vec<usize>) -> (Vec<usize>, Vec<usize>) {
+    let mut position = vec![0; order.len()];
+    for (k, &i) in order.iter().enumerate() {
+        position[i] = k;
+    }
+    (order, position)
+}
+
+/// Offsets and indices as faer's symbolic view.
+fn faer_pattern(pattern: &Pattern) -> faer::sparse::SymbolicSparseColMatRef<'_, usize> {
+    faer::sparse::SymbolicSparseColMatRef::new_checked(
+        pattern.size(),
+        pattern.size(),
+        &pattern.offsets,
+        None,
+        &pattern.indices,
+    )
+}
