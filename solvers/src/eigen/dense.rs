@@ -1,12 +1,12 @@
 //! Dense factorizations and spectra on faer's kernels.
 
 use crate::SetupError;
+use faer::diag::Diag;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor as llt;
 use faer::linalg::evd::{self, ComputeEigenvectors};
 use faer::linalg::svd::{self, ComputeSvdVectors};
 use faer::linalg::{matmul, triangular_solve};
-use faer::diag::Diag;
 use faer::{Accum, Mat, MatMut, MatRef, Par, c64};
 use fracas_operators::sparse::SparseMatrix;
 use rayon::prelude::*;
@@ -32,7 +32,11 @@ pub fn to_dense(a: &SparseMatrix<f64>) -> Mat<f64> {
     let mut dense = Mat::zeros(a.rows(), a.cols());
     for (outer, vector) in a.outer_iterator().enumerate() {
         for (inner, value) in vector.iter() {
-            let (i, j) = if a.is_csr() { (outer, inner) } else { (inner, outer) };
+            let (i, j) = if a.is_csr() {
+                (outer, inner)
+            } else {
+                (inner, outer)
+            };
             dense[(i, j)] += *value;
         }
     }
@@ -43,8 +47,12 @@ pub fn to_dense(a: &SparseMatrix<f64>) -> Mat<f64> {
 pub fn symmetric_eigenvalues(a: MatRef<'_, f64>) -> Result<Vec<f64>, SetupError> {
     let n = a.nrows();
     let mut s = Diag::<f64>::zeros(n);
-    let request =
-        evd::self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::No, Par::Seq, Default::default());
+    let request = evd::self_adjoint_evd_scratch::<f64>(
+        n,
+        ComputeEigenvectors::No,
+        Par::Seq,
+        Default::default(),
+    );
     let mut memory = buffer(request);
     evd::self_adjoint_evd(
         a,
@@ -62,8 +70,12 @@ pub fn symmetric_eigenvalues(a: MatRef<'_, f64>) -> Result<Vec<f64>, SetupError>
 pub fn symmetric_eigen(a: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), SetupError> {
     let n = a.nrows();
     let (mut s, mut u) = (Diag::<f64>::zeros(n), Mat::zeros(n, n));
-    let request =
-        evd::self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, Default::default());
+    let request = evd::self_adjoint_evd_scratch::<f64>(
+        n,
+        ComputeEigenvectors::Yes,
+        Par::Seq,
+        Default::default(),
+    );
     let mut memory = buffer(request);
     evd::self_adjoint_evd(
         a,
@@ -81,8 +93,12 @@ pub fn symmetric_eigen(a: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), Setup
 pub fn hermitian_eigen(a: MatRef<'_, c64>) -> Result<(Vec<f64>, Mat<c64>), SetupError> {
     let n = a.nrows();
     let (mut s, mut u) = (Diag::<c64>::zeros(n), Mat::zeros(n, n));
-    let request =
-        evd::self_adjoint_evd_scratch::<c64>(n, ComputeEigenvectors::Yes, Par::Seq, Default::default());
+    let request = evd::self_adjoint_evd_scratch::<c64>(
+        n,
+        ComputeEigenvectors::Yes,
+        Par::Seq,
+        Default::default(),
+    );
     let mut memory = buffer(request);
     evd::self_adjoint_evd(
         a,
@@ -101,7 +117,13 @@ pub fn general_eigenvalues(a: MatRef<'_, f64>) -> Result<Vec<c64>, SetupError> {
     let n = a.nrows();
     let (mut re, mut im) = (Diag::<f64>::zeros(n), Diag::<f64>::zeros(n));
     let no = ComputeEigenvectors::No;
-    let mut memory = buffer(evd::evd_scratch::<f64>(n, no, no, Par::Seq, Default::default()));
+    let mut memory = buffer(evd::evd_scratch::<f64>(
+        n,
+        no,
+        no,
+        Par::Seq,
+        Default::default(),
+    ));
     evd::evd_real(
         a,
         re.as_mut(),
@@ -122,7 +144,14 @@ pub fn singular_values(a: MatRef<'_, f64>) -> Result<Vec<f64>, SetupError> {
     let (m, n) = a.shape();
     let mut s = Diag::<f64>::zeros(m.min(n));
     let no = ComputeSvdVectors::No;
-    let mut memory = buffer(svd::svd_scratch::<f64>(m, n, no, no, Par::Seq, Default::default()));
+    let mut memory = buffer(svd::svd_scratch::<f64>(
+        m,
+        n,
+        no,
+        no,
+        Par::Seq,
+        Default::default(),
+    ));
     svd::svd(
         a,
         s.as_mut(),
@@ -139,7 +168,11 @@ pub fn singular_values(a: MatRef<'_, f64>) -> Result<Vec<f64>, SetupError> {
 /// `A = L Lᵀ` from the lower triangle, or the first pivot (from 0) that is not positive.
 pub fn cholesky(mut a: Mat<f64>) -> Result<Mat<f64>, usize> {
     let n = a.nrows();
-    let mut memory = buffer(llt::cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default()));
+    let mut memory = buffer(llt::cholesky_in_place_scratch::<f64>(
+        n,
+        Par::Seq,
+        Default::default(),
+    ));
     llt::cholesky_in_place(
         a.as_mut(),
         Default::default(),
@@ -157,7 +190,11 @@ pub fn cholesky(mut a: Mat<f64>) -> Result<Mat<f64>, usize> {
 }
 
 /// Splits the columns of `b` at fixed places and works on the parts in parallel.
-fn for_column_blocks(b: MatMut<'_, f64>, first: usize, work: &(impl Fn(usize, MatMut<'_, f64>) + Sync)) {
+fn for_column_blocks(
+    b: MatMut<'_, f64>,
+    first: usize,
+    work: &(impl Fn(usize, MatMut<'_, f64>) + Sync),
+) {
     let n = b.ncols();
     if n <= COLUMNS_PER_TASK {
         work(first, b);

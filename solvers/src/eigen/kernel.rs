@@ -105,13 +105,21 @@ fn inverse_iteration(
     let mut x: Vec<Vec<f64>> = (0..block).map(|k| probe(n, 101 + k as u64)).collect();
     let mut values = Vec::new();
     for _ in 0..STEPS {
-        let mut flat: Vec<f64> = x.iter().flat_map(|v| v.iter().zip(d).map(|(v, d)| v * d)).collect();
+        let mut flat: Vec<f64> = x
+            .iter()
+            .flat_map(|v| v.iter().zip(d).map(|(v, d)| v * d))
+            .collect();
         factors.solve_many(block, &mut flat);
         x = flat.chunks(n).map(<[f64]>::to_vec).collect();
         // D-orthonormal basis, then Rayleigh–Ritz: Q = XᵀAX
-        let scaled = |v: &[f64]| -> Vec<f64> { v.iter().zip(d).map(|(v, d)| v * d.sqrt()).collect() };
-        let unscaled = |v: &[f64]| -> Vec<f64> { v.iter().zip(d).map(|(v, d)| v / d.sqrt()).collect() };
-        x = orthonormal(x.iter().map(|v| scaled(v)).collect()).iter().map(|v| unscaled(v)).collect();
+        let scaled =
+            |v: &[f64]| -> Vec<f64> { v.iter().zip(d).map(|(v, d)| v * d.sqrt()).collect() };
+        let unscaled =
+            |v: &[f64]| -> Vec<f64> { v.iter().zip(d).map(|(v, d)| v / d.sqrt()).collect() };
+        x = orthonormal(x.iter().map(|v| scaled(v)).collect())
+            .iter()
+            .map(|v| unscaled(v))
+            .collect();
         let image: Vec<Vec<f64>> = x
             .iter()
             .map(|v| {

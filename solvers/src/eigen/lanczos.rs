@@ -96,21 +96,30 @@ pub fn extreme_eigenvalues(
         }
         let beta = dot(&r, &z).max(0.0).sqrt();
         let k = alphas.len();
-        let size = alphas.iter().chain(&betas).fold(0.0f64, |m, v| m.max(v.abs()));
+        let size = alphas
+            .iter()
+            .chain(&betas)
+            .fold(0.0f64, |m, v| m.max(v.abs()));
         let exhausted = k > 0 && beta <= 1e-15 * size;
         if !beta.is_finite() {
             return Err(SetupError::NotApplicable {
                 method: "Lanczos",
-                reason: format!("the recurrence broke down at step {k}: NaN or infinity in a block"),
+                reason: format!(
+                    "the recurrence broke down at step {k}: NaN or infinity in a block"
+                ),
             });
         }
         if k > 0 && (exhausted || k == next_check || k == settings.max_steps) {
             let (low, high) = ritz(&alphas, &betas[1..], if exhausted { 0.0 } else { beta })?;
-            let settled = |now: f64, before: f64| (now - before).abs() <= 10.0 * settings.tolerance * now.abs();
+            let settled = |now: f64, before: f64| {
+                (now - before).abs() <= 10.0 * settings.tolerance * now.abs()
+            };
             let stable = last.is_some_and(|(l, h)| {
                 settled(high.value, h) && (settings.ends == Ends::Largest || settled(low.value, l))
             });
-            let sharp = |e: &Extreme| e.error <= settings.tolerance * e.value.abs().max(f64::EPSILON * size);
+            let sharp = |e: &Extreme| {
+                e.error <= settings.tolerance * e.value.abs().max(f64::EPSILON * size)
+            };
             let enough = match settings.ends {
                 Ends::Both => sharp(&low) && sharp(&high),
                 Ends::Largest => sharp(&high),
@@ -164,10 +173,16 @@ fn ritz(alphas: &[f64], betas: &[f64], next: f64) -> Result<(Extreme, Extreme), 
             (distance > 10.0 * residual && distance > 1e-9 * size).then_some(distance)
         };
         let gap = values.iter().filter_map(far).fold(f64::INFINITY, f64::min);
-        let squared = if gap.is_finite() { residual * residual / gap } else { residual };
+        let squared = if gap.is_finite() {
+            residual * residual / gap
+        } else {
+            residual
+        };
         Extreme {
             value: values[index],
-            error: residual.min(squared).max(f64::EPSILON * values[index].abs()),
+            error: residual
+                .min(squared)
+                .max(f64::EPSILON * values[index].abs()),
             steps: k,
         }
     };
@@ -198,7 +213,10 @@ mod tests {
         let (low, high) =
             extreme_eigenvalues(n, &mut { laplacian }, None, LanczosSettings::default()).unwrap();
         assert!((low.value / exact(1.0) - 1.0).abs() < 1e-9, "{low:?}");
-        assert!((high.value / exact(n as f64) - 1.0).abs() < 1e-11, "{high:?}");
+        assert!(
+            (high.value / exact(n as f64) - 1.0).abs() < 1e-11,
+            "{high:?}"
+        );
 
         // K = D Laplacian D, M = D²: the same eigenvalues for any diagonal D.
         let d: Vec<f64> = (0..n).map(|i| 10f64.powf((i % 7) as f64 - 3.0)).collect();
@@ -219,15 +237,20 @@ mod tests {
             }
         };
         let (low, high) =
-            extreme_eigenvalues(n, &mut apply, Some(&mut solve), LanczosSettings::default()).unwrap();
+            extreme_eigenvalues(n, &mut apply, Some(&mut solve), LanczosSettings::default())
+                .unwrap();
         assert!((low.value / exact(1.0) - 1.0).abs() < 1e-8, "{low:?}");
-        assert!((high.value / exact(n as f64) - 1.0).abs() < 1e-10, "{high:?}");
+        assert!(
+            (high.value / exact(n as f64) - 1.0).abs() < 1e-10,
+            "{high:?}"
+        );
     }
 
     #[test]
     fn tiny_matrices_end_in_an_invariant_subspace() {
         let mut apply = |x: &[f64], y: &mut [f64]| y.copy_from_slice(&[3.0 * x[0], 5.0 * x[1]]);
-        let (low, high) = extreme_eigenvalues(2, &mut apply, None, LanczosSettings::default()).unwrap();
+        let (low, high) =
+            extreme_eigenvalues(2, &mut apply, None, LanczosSettings::default()).unwrap();
         assert!((low.value - 3.0).abs() < 1e-12 && (high.value - 5.0).abs() < 1e-12);
     }
 }

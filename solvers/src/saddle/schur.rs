@@ -56,22 +56,16 @@ pub fn exact_inverse(
     Ok(Box::new(factors))
 }
 
-/// Names S_u in the failure of a factorization.
-pub(crate) fn about_s_u(error: SetupError) -> SetupError {
-    let advice = "a block of rock is held neither by boundary conditions nor by a fracture, or A is indefinite";
-    match error {
-        SetupError::NotPositiveDefinite { row, .. } => SetupError::NotPositiveDefinite {
-            block: "S_u",
-            row,
-            advice: advice.to_owned(),
-        },
-        SetupError::Singular { row, .. } => SetupError::Singular {
-            block: "S_u",
-            row,
-            advice: advice.to_owned(),
-        },
-        other => other,
+/// Names S_u in the failure of a factorization and says what makes it singular.
+fn about_s_u(error: SetupError) -> SetupError {
+    let mut error = error.in_block("S_u");
+    if let SetupError::NotPositiveDefinite { advice, .. } | SetupError::Singular { advice, .. } =
+        &mut error
+    {
+        "a block of rock is held neither by boundary conditions nor by a fracture, or A is indefinite"
+            .clone_into(advice);
     }
+    error
 }
 
 /// `[A B; Bᵀ −C]`.

@@ -43,7 +43,10 @@ pub(super) fn schur_complement(
 ) -> Result<Mat<f64>, SetupError> {
     let (n_u, n_t) = (blocks.n_u(), columns.len());
     // A = D Â D with diag Â = 1: S = (D⁻¹B)ᵀ Â⁻¹ (D⁻¹B)
-    let Scaled { matrix, inverse_scale } = symmetric_scaling(&blocks.a).map_err(|_| singular())?;
+    let Scaled {
+        matrix,
+        inverse_scale,
+    } = symmetric_scaling(&blocks.a).map_err(|_| singular())?;
     let factors = direct
         .analyze(&matrix, Kind::Spd)?
         .factor(&matrix)
@@ -62,7 +65,11 @@ pub(super) fn schur_complement(
         let x = &mut x[..n_u * count];
         x.fill(0.0);
         for j in 0..count {
-            for (row, value) in columns.support(first + j).iter().zip(columns.values(first + j)) {
+            for (row, value) in columns
+                .support(first + j)
+                .iter()
+                .zip(columns.values(first + j))
+            {
                 x[j * n_u + row] = value * inverse_scale[*row];
             }
         }
@@ -74,7 +81,9 @@ pub(super) fn schur_complement(
                 (0..n_t)
                     .map(|i| {
                         let entries = columns.support(i).iter().zip(columns.values(i));
-                        entries.map(|(row, value)| value * inverse_scale[*row] * x_j[*row]).sum()
+                        entries
+                            .map(|(row, value)| value * inverse_scale[*row] * x_j[*row])
+                            .sum()
                     })
                     .collect()
             })

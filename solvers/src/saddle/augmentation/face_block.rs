@@ -45,8 +45,9 @@ pub(super) fn face_block(
 
 /// `r(B_f)ᵀ (A|_f)⁻¹ r(B_f)`.
 fn coupling(a: &SparseMatrix<f64>, columns: &Columns, face: usize) -> Result<Block, SetupError> {
-    let mut support: Vec<usize> =
-        (0..3).flat_map(|k| columns.support(3 * face + k).iter().copied()).collect();
+    let mut support: Vec<usize> = (0..3)
+        .flat_map(|k| columns.support(3 * face + k).iter().copied())
+        .collect();
     support.sort_unstable();
     support.dedup();
     let n = support.len();
@@ -54,7 +55,10 @@ fn coupling(a: &SparseMatrix<f64>, columns: &Columns, face: usize) -> Result<Blo
     for_restricted(a, &support, |i, j, value| restricted[(i, j)] = value);
     let mut b = Mat::<f64>::zeros(n, 3);
     for k in 0..3 {
-        let entries = columns.support(3 * face + k).iter().zip(columns.values(3 * face + k));
+        let entries = columns
+            .support(3 * face + k)
+            .iter()
+            .zip(columns.values(3 * face + k));
         for (row, value) in entries {
             b[(support.partition_point(|s| s < row), k)] = *value;
         }
@@ -87,7 +91,11 @@ fn coupling(a: &SparseMatrix<f64>, columns: &Columns, face: usize) -> Result<Blo
             block[i][i] = 1.0;
         }
     }
-    Ok(if cholesky3(&block).is_ok() { block } else { diagonal_of(&block) })
+    Ok(if cholesky3(&block).is_ok() {
+        block
+    } else {
+        diagonal_of(&block)
+    })
 }
 
 /// Cholesky factor if no pivot loses more than twelve digits.
@@ -123,11 +131,12 @@ fn add_stabilization(block: &mut Block, h: &SparseMatrix<f64>, face: usize) {
 fn is_semi_definite(b: &Block) -> bool {
     let size = (0..3).fold(0.0f64, |m, i| m.max(b[i][i].abs()));
     let minor = |i: usize, j: usize| b[i][i] * b[j][j] - b[i][j] * b[i][j];
-    let determinant = b[0][0] * minor(1, 2)
-        - b[0][1] * (b[0][1] * b[2][2] - b[1][2] * b[0][2])
+    let determinant = b[0][0] * minor(1, 2) - b[0][1] * (b[0][1] * b[2][2] - b[1][2] * b[0][2])
         + b[0][2] * (b[0][1] * b[1][2] - b[1][1] * b[0][2]);
     let tolerance = 1e-12;
     (0..3).all(|i| b[i][i] >= 0.0)
-        && [(0, 1), (0, 2), (1, 2)].into_iter().all(|(i, j)| minor(i, j) >= -tolerance * size * size)
+        && [(0, 1), (0, 2), (1, 2)]
+            .into_iter()
+            .all(|(i, j)| minor(i, j) >= -tolerance * size * size)
         && determinant >= -tolerance * size.powi(3)
 }

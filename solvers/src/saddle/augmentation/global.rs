@@ -37,6 +37,12 @@ pub(super) fn global(
             reason: format!("γ = ‖B‖²/‖A‖ is {gamma:e}: A or B has no entries"),
         });
     }
-    let diagonal = (0..columns.len()).map(|i| if columns.support(i).is_empty() { 1.0 } else { gamma });
+    let diagonal = (0..columns.len()).map(|i| {
+        if columns.support(i).is_empty() {
+            1.0
+        } else {
+            gamma
+        }
+    });
     Ok(AugmentationMatrix::diagonal(diagonal.collect()))
 }

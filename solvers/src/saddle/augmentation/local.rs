@@ -54,7 +54,9 @@ pub(super) fn local(
             })
         }
     });
-    Ok(AugmentationMatrix::diagonal(diagonal.collect::<Result<_, _>>()?))
+    Ok(AugmentationMatrix::diagonal(
+        diagonal.collect::<Result<_, _>>()?,
+    ))
 }
 
 /// ‖A|_s‖₂ of the symmetric A.

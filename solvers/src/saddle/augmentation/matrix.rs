@@ -90,7 +90,8 @@ impl AugmentationMatrix {
             },
             Self::FaceBlocks { c, inverse } => {
                 let factors = c.iter().enumerate().map(|(face, block)| {
-                    let l = cholesky3(block).map_err(|row| not_positive_definite(3 * face + row))?;
+                    let l =
+                        cholesky3(block).map_err(|row| not_positive_definite(3 * face + row))?;
                     let f = inverse_transpose(&l);
                     Ok(product_with_transpose(&f))
                 });
@@ -122,7 +123,9 @@ impl AugmentationMatrix {
     pub fn diagonal_entries(&self) -> Vec<f64> {
         match self {
             Self::Diagonal { c } => c.clone(),
-            Self::FaceBlocks { c, .. } => c.iter().flat_map(|b| [b[0][0], b[1][1], b[2][2]]).collect(),
+            Self::FaceBlocks { c, .. } => {
+                c.iter().flat_map(|b| [b[0][0], b[1][1], b[2][2]]).collect()
+            }
             Self::Dense { c, .. } => (0..c.nrows()).map(|i| c[(i, i)]).collect(),
         }
     }
@@ -130,9 +133,17 @@ impl AugmentationMatrix {
     /// C with all its zeros.
     pub fn to_dense(&self) -> Mat<f64> {
         match self {
-            Self::Diagonal { c } => Mat::from_fn(c.len(), c.len(), |i, j| if i == j { c[i] } else { 0.0 }),
+            Self::Diagonal { c } => {
+                Mat::from_fn(c.len(), c.len(), |i, j| if i == j { c[i] } else { 0.0 })
+            }
             Self::FaceBlocks { c, .. } => {
-                let entry = |i: usize, j: usize| if i / 3 == j / 3 { c[i / 3][i % 3][j % 3] } else { 0.0 };
+                let entry = |i: usize, j: usize| {
+                    if i / 3 == j / 3 {
+                        c[i / 3][i % 3][j % 3]
+                    } else {
+                        0.0
+                    }
+                };
                 Mat::from_fn(3 * c.len(), 3 * c.len(), entry)
             }
             Self::Dense { c, .. } => c.clone(),
@@ -161,13 +172,19 @@ impl AugmentationMatrix {
         let n = self.size();
         let mut triplets = Triplets::new((n, n));
         match self {
-            Self::Diagonal { c } => c.iter().enumerate().for_each(|(i, c)| triplets.add_triplet(i, i, 1.0 / c.sqrt())),
+            Self::Diagonal { c } => c
+                .iter()
+                .enumerate()
+                .for_each(|(i, c)| triplets.add_triplet(i, i, 1.0 / c.sqrt())),
             Self::FaceBlocks { c, .. } => {
                 for (face, block) in c.iter().enumerate() {
-                    let l = cholesky3(block).map_err(|row| not_positive_definite(3 * face + row))?;
+                    let l =
+                        cholesky3(block).map_err(|row| not_positive_definite(3 * face + row))?;
                     let f = inverse_transpose(&l);
                     for i in 0..3 {
-                        (i..3).for_each(|j| triplets.add_triplet(3 * face + i, 3 * face + j, f[i][j]));
+                        (i..3).for_each(|j| {
+                            triplets.add_triplet(3 * face + i, 3 * face + j, f[i][j])
+                        });
                     }
                 }
             }
@@ -254,7 +271,11 @@ fn dense_add(d: &Mat<f64>, alpha: f64, x: &[f64], y: &mut [f64]) {
 
 /// `y ← y + α diag(blocks) x`.
 fn blocks_add(blocks: &[Block], alpha: f64, x: &[f64], y: &mut [f64]) {
-    for ((b, x), y) in blocks.iter().zip(x.chunks_exact(3)).zip(y.chunks_exact_mut(3)) {
+    for ((b, x), y) in blocks
+        .iter()
+        .zip(x.chunks_exact(3))
+        .zip(y.chunks_exact_mut(3))
+    {
         for i in 0..3 {
             y[i] += alpha * (b[i][0] * x[0] + b[i][1] * x[1] + b[i][2] * x[2]);
         }
@@ -270,7 +291,10 @@ impl LinearOperator<f64> for AugmentationMatrix {
         assert_product(self.shape(), x, y);
         match self {
             Self::Diagonal { c } => {
-                y.iter_mut().zip(x).zip(c).for_each(|((y, x), c)| *y += alpha * c * x);
+                y.iter_mut()
+                    .zip(x)
+                    .zip(c)
+                    .for_each(|((y, x), c)| *y += alpha * c * x);
             }
             Self::FaceBlocks { c, .. } => blocks_add(c, alpha, x, y),
             Self::Dense { c, .. } => dense_add(c, alpha, x, y),
@@ -296,7 +320,11 @@ impl Preconditioner<f64> for AugmentationMatrix {
     fn solve(&self, r: &[f64], z: &mut [f64], _work: &mut [f64]) {
         assert_product(self.shape(), r, z);
         match self {
-            Self::Diagonal { c } => z.iter_mut().zip(r).zip(c).for_each(|((z, r), c)| *z = r / c),
+            Self::Diagonal { c } => z
+                .iter_mut()
+                .zip(r)
+                .zip(c)
+                .for_each(|((z, r), c)| *z = r / c),
             Self::FaceBlocks { inverse, .. } => {
                 z.fill(0.0);
                 blocks_add(inverse, 1.0, r, z);

@@ -14,7 +14,7 @@ mod matrix;
 mod stabilized;
 mod support;
 
-pub use matrix::AugmentationMatrix;
+pub use matrix::{AugmentationMatrix, Block};
 
 use super::SaddleBlocks;
 use crate::SetupError;
@@ -109,7 +109,9 @@ impl fmt::Display for AugmentationChoice {
 
 /// A name that is none of [`AugmentationChoice`]'s.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown augmentation {found:?}: expected local, global, global_times=FACTOR, exact, local_h, exact_h or face_block")]
+#[error(
+    "unknown augmentation {found:?}: expected local, global, global_times=FACTOR, exact, local_h, exact_h or face_block"
+)]
 pub struct UnknownAugmentation {
     /// What was given.
     pub found: String,

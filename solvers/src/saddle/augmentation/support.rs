@@ -49,7 +49,9 @@ impl Columns {
 
     /// Columns without entries.
     pub(super) fn empty(&self) -> Vec<usize> {
-        (0..self.len()).filter(|&i| self.support(i).is_empty()).collect()
+        (0..self.len())
+            .filter(|&i| self.support(i).is_empty())
+            .collect()
     }
 }
 
@@ -60,7 +62,9 @@ pub(super) fn for_restricted(
     mut entry: impl FnMut(usize, usize, f64),
 ) {
     for (i, &row) in support.iter().enumerate() {
-        let Some(vector) = a.outer_view(row) else { continue };
+        let Some(vector) = a.outer_view(row) else {
+            continue;
+        };
         let (columns, values) = (vector.indices(), vector.data());
         let mut k = 0;
         for (j, &column) in support.iter().enumerate() {
