@@ -12,3 +12,20 @@ pub static SHORT_SELECTION: &[&str] = &[];
 pub fn find(id: &str) -> Option<&'static dyn Experiment> {
     EXPERIMENTS.iter().copied().find(|e| e.id() == id)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ids_are_unique_and_the_short_selection_exists() {
+        for (k, e) in EXPERIMENTS.iter().enumerate() {
+            assert!(
+                EXPERIMENTS[..k].iter().all(|other| other.id() != e.id()),
+                "{} appears twice",
+                e.id()
+            );
+        }
+        assert!(SHORT_SELECTION.iter().all(|id| find(id).is_some()));
+    }
+}
