@@ -1,8 +1,10 @@
 //! From a body to its saddle point: `[A B; Bᵀ −H]` with every fracture face in stick.
 
 use crate::contact::{Coupling, JumpStabilization, prescribed_jump};
-use crate::elasticity::{Constraints, Elastic, ElasticityError, lift, reduced, stiffness};
+use crate::elasticity::{Constraints, Elastic, ElasticityError, lift, loads, reduced, stiffness};
 use crate::mesh::{FractureMesh, HexMesh};
+use crate::scene::{Body, SurfaceTraction};
+use fracas_operators::vector::axpy;
 use fracas_solvers::saddle::{DofCoordinate, SaddleBlocks};
 
 /// A meshed body with its materials and supports: all that the blocks depend on.
@@ -60,5 +62,55 @@ impl StickSystem<'_> {
             component: (*dof % 3) as u8,
         };
         self.constraints.free().iter().map(place).collect()
+    }
+}
+
+impl Body {
+    /// Nodal forces of body force, surface tractions and initial stress over all displacements [N], `3·node + component`.
+    ///
+    /// # Errors
+    /// [`ElasticityError`] for an inverted element.
+    pub fn forces(&self) -> Result<Vec<f64>, ElasticityError> {
+        let mut force = vec![0.0; self.constraints.full_len()];
+        if self.body_force.iter().flatten().any(|b| *b != 0.0) {
+            axpy(
+                1.0,
+                &loads::body_force(&self.mesh, &self.body_force)?,
+                &mut force,
+            );
+        }
+        for SurfaceTraction { faces, value } in &self.tractions {
+            axpy(
+                1.0,
+                &loads::surface_traction(&self.mesh.nodes, faces, *value),
+                &mut force,
+            );
+        }
+        if let Some(stress) = self.initial_stress {
+            axpy(
+                1.0,
+                &loads::initial_stress(&self.mesh, |_, x| stress.at(x))?,
+                &mut force,
+            );
+        }
+        Ok(force)
+    }
+
+    /// The blocks `[A B; Bᵀ −H]` with every face in stick under the body's loads; `stabilization = None` gives H = 0.
+    ///
+    /// # Errors
+    /// [`ElasticityError`] for an inverted element or a region without material.
+    pub fn saddle_blocks(
+        &self,
+        stabilization: Option<JumpStabilization>,
+    ) -> Result<SaddleBlocks, ElasticityError> {
+        let system = StickSystem {
+            mesh: &self.mesh,
+            fractures: &self.fractures,
+            materials: &self.materials,
+            constraints: &self.constraints,
+            stabilization,
+        };
+        system.assemble(&self.forces()?)
     }
 }

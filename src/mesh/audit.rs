@@ -232,9 +232,13 @@ impl fmt::Display for Audit {
             )?;
         }
         for finding in self.kernel.findings.iter().take(SHOWN) {
+            let label = match finding.reason {
+                KernelReason::Counting { .. } => "note",
+                _ => "warning",
+            };
             write!(
                 f,
-                "warning     face {} at {}: ",
+                "{label:<12}face {} at {}: ",
                 finding.face,
                 point(&finding.center)
             )?;
@@ -260,7 +264,7 @@ impl fmt::Display for Audit {
                 ),
             }?;
         }
-        more(f, "warnings", self.kernel.findings.len())
+        more(f, "findings on rank", self.kernel.findings.len())
     }
 }
 

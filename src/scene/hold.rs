@@ -34,9 +34,16 @@ pub(super) fn hold(
         ) {
             (Some(HoldSection::Fixed), None, None, None) => prescribe([Some(0.0); 3]),
             (Some(HoldSection::Roller), None, None, None) => {
-                let axis = boundary.side.index() / 2;
-                let normals = faces.iter().map(|f| normal(f, built));
-                if let Some(normal) = normals.into_iter().find(|n| n[axis].abs() < 1.0 - FLAT) {
+                let first = faces.first().map_or([0.0; 3], |f| normal(f, built));
+                let axis = (0..3).fold(0, |m, d| {
+                    if first[d].abs() > first[m].abs() {
+                        d
+                    } else {
+                        m
+                    }
+                });
+                let mut normals = faces.iter().map(|f| normal(f, built));
+                if let Some(normal) = normals.find(|n| n[axis].abs() < 1.0 - FLAT) {
                     return Err(at(
                         &["boundary", &number, "hold"],
                         Problem::TiltedRoller {
