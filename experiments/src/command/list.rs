@@ -2,6 +2,7 @@
 
 use super::Status;
 use crate::list::{EXPERIMENTS, SHORT_SELECTION};
+use fracas::scene::gallery;
 use std::io::Write;
 
 pub(super) fn run(out: &mut dyn Write) -> anyhow::Result<Status> {
@@ -23,6 +24,11 @@ pub(super) fn run(out: &mut dyn Write) -> anyhow::Result<Status> {
             e.question(),
             e.expect()
         )?;
+    }
+    let width = gallery().iter().map(|s| s.name.len()).max().unwrap_or(0);
+    writeln!(out, "\nscenes")?;
+    for s in gallery() {
+        writeln!(out, "  {:width$}  {}  {}", s.name, s.question, s.expected)?;
     }
     Ok(Status::Done)
 }

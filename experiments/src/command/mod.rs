@@ -3,11 +3,15 @@
 //! Results go to standard output or to files, progress to standard error. Exit status: 0 done, 2 bad input, 3 not
 //! converged, 4 a check failed.
 
+mod check;
+mod export;
 mod list;
 mod memory;
 mod output;
 mod progress;
 mod reproduce;
+mod scene;
+mod schema;
 mod sentence;
 mod solve;
 mod source;
@@ -32,10 +36,16 @@ pub struct Arguments {
 enum Command {
     /// Figures and tables beside the published numbers, in one report.html.
     Reproduce(reproduce::Reproduce),
+    /// Reads and audits a scene or a system folder without solving.
+    Check(check::Check),
+    /// Assembles a scene and writes it as a system folder.
+    Export(export::Export),
     /// Solves one linear system and reports its cost and true residual.
     Solve(solve::Solve),
     /// Experiments and scenes, a line each: id, question, expected answer.
     List,
+    /// JSON Schema of the scene file.
+    Schema,
 }
 
 /// How a command ended, as its exit status.
@@ -84,6 +94,9 @@ impl Command {
         match self {
             Self::Reproduce(command) => command.run(out),
             Self::Solve(command) => command.run(out),
+            Self::Check(command) => command.run(out),
+            Self::Export(command) => command.run(out),
+            Self::Schema => schema::run(out),
             Self::List => list::run(out),
         }
     }

@@ -8,8 +8,8 @@ use fracas_operators::matrix_market::write_vector;
 use fracas_operators::{LinearOperator, Preconditioner, vector};
 use fracas_solvers::direct::{DirectChoice, Kind};
 use fracas_solvers::krylov::{Breakdown, Criteria, KrylovChoice, Outcome, Report, System};
-use fracas_solvers::saddle::{SaddleBlocks, SaddleOperator};
-use fracas_solvers::{Observer, SetupError};
+use fracas_solvers::saddle::{AugmentationChoice, InnerChoice, Racp, SaddleBlocks, SaddleOperator};
+use fracas_solvers::{Observer, Prepare, SetupError};
 use serde::Serialize;
 use std::io::Write;
 use std::path::PathBuf;
@@ -20,8 +20,14 @@ pub(super) struct Solve {
     #[command(flatten)]
     source: Source,
     /// Preconditioner of the whole system.
-    #[arg(long, value_enum, default_value = "direct")]
+    #[arg(long, value_enum, default_value = "racp")]
     method: Method,
+    /// C of RACP: local, global, exact, local_h, exact_h, face_block.
+    #[arg(long, value_name = "C", default_value_t)]
+    augmentation: AugmentationChoice,
+    /// Solver of S_u inside RACP: exact, jacobi, ssor, …
+    #[arg(long, value_name = "M", default_value_t)]
+    inner: InnerChoice,
     /// Iteration: gmres, gmres:RESTART, fgmres, bicgstab, sqmr, minres, cg.
     #[arg(long, value_name = "METHOD", default_value_t)]
     krylov: KrylovChoice,
@@ -46,6 +52,8 @@ pub(super) struct Solve {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum Method {
+    /// Reverse augmented constraint preconditioner.
+    Racp,
     /// Sparse LU of the whole matrix.
     Direct,
 }
@@ -140,8 +148,8 @@ impl Solve {
             iterations: 0,
             relative_residual: true_residual(&operator, &x, &b),
             method: self.method,
-            augmentation: None,
-            inner: None,
+            augmentation: (self.method == Method::Racp).then(|| self.augmentation.to_string()),
+            inner: (self.method == Method::Racp).then(|| self.inner.to_string()),
             krylov: krylov.to_string(),
             rhs,
             tolerance: self.tolerance,
@@ -198,13 +206,14 @@ impl Solve {
 
     fn prepare(&self, blocks: &SaddleBlocks) -> Result<Box<dyn Preconditioner<f64>>, SetupError> {
         match self.method {
+            Method::Racp if blocks.flow.is_some() => Err(SetupError::NotApplicable {
+                method: "racp",
+                reason: "the system has flow blocks (Q1, Q2, T), this method solves for u and t; take --method direct".into(),
+            }),
+            Method::Racp => Racp { augmentation: self.augmentation, inner: self.inner }.prepare(blocks),
             Method::Direct => {
                 let matrix = blocks.assembled();
-                let factors = DirectChoice::Auto
-                    .solver()?
-                    .analyze(&matrix, Kind::General)?
-                    .factor(&matrix)?;
-                Ok(factors)
+                Ok(DirectChoice::Auto.solver()?.analyze(&matrix, Kind::General)?.factor(&matrix)?)
             }
         }
     }
