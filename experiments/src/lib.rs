@@ -2,6 +2,7 @@
 //! `fracas` command line.
 
 pub mod command;
+pub mod e01_checkerboard;
 pub mod list;
 pub mod plot;
 pub mod report;
