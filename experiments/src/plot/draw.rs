@@ -83,7 +83,7 @@ impl Figure {
             y,
         };
         let legend = Legend::new(self, &hidden, WIDTH - 30.0);
-        let below = 10.0 + TICK_SIZE + 10.0 + LABEL_SIZE + 8.0;
+        let below = 43.0;
         let page = top + height + below + legend.height() + 8.0;
         let svg = draw_page(WIDTH, page, |canvas| {
             frame.grid(canvas, y_names)?;
@@ -125,6 +125,10 @@ impl Figure {
         let bars = self.series.iter().any(|s| s.mark == Mark::Bars);
         if bars && self.y.scale == Scale::Linear && self.y.range.is_none() {
             y = [0.0_f64.min(y[0].min(0.0)), y[1]];
+        }
+        if bars && self.y.scale == Scale::Log && self.y.range.is_none() {
+            // The shortest bar keeps a visible height.
+            y[0] -= 0.12 * (y[1] - y[0]);
         }
         (x, y)
     }
@@ -241,7 +245,7 @@ impl Frame<'_> {
                 .map(|c| self.at(self.clamped(c)))
                 .collect();
             if let (Region::RealInterval(_), [a, b]) = (&shade.region, &page[..]) {
-                let h = 3.5;
+                let h = 5.0;
                 canvas.fill(
                     &[
                         [a[0], a[1] - h],
@@ -249,7 +253,7 @@ impl Frame<'_> {
                         [b[0], b[1] + h],
                         [a[0], a[1] + h],
                     ],
-                    color.mix(0.8),
+                    color.mix(0.5),
                 )?;
                 continue;
             }
@@ -284,10 +288,16 @@ impl Frame<'_> {
             };
             let gray = RGBColor(110, 110, 110);
             canvas.dashed(&[self.at(*first), self.at(*last)], gray.mix(1.0), 1.0)?;
-            let [x, y] = self.at(*first);
-            let lift = if slope.order > 0.0 { -7.0 } else { 9.0 };
+            // The label stands beside the line, an eighth of the way along.
+            let ([x0, y0], [x1, y1]) = (self.at(*first), self.at(*last));
+            let (dx, dy, length) = (x1 - x0, y1 - y0, (x1 - x0).hypot(y1 - y0).max(1.0));
             let label = format!("slope {}", slope.order);
-            canvas.colored_text([x + 6.0, y + lift], &label, TICK_SIZE, Anchor::Left, gray)?;
+            let away = 8.0 + 0.5 * text_width(&label, TICK_SIZE) * (dy / length).abs();
+            let at = [
+                x0 + 0.125 * dx + away * dy / length,
+                y0 + 0.125 * dy - away * dx / length,
+            ];
+            canvas.colored_text(at, &label, TICK_SIZE, Anchor::Center, gray)?;
         }
         Ok(())
     }

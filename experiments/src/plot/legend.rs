@@ -33,6 +33,7 @@ impl<'a> Legend<'a> {
         {
             let name = match hidden[k] {
                 0 => series.name.clone(),
+                _ if series.mark == Mark::Bars => format!("{} (✗ no result)", series.name),
                 n => format!(
                     "{} ({n} of {} cannot be shown)",
                     series.name,
@@ -123,7 +124,7 @@ fn draw_swatch(canvas: &Canvas<'_>, swatch: &Swatch<'_>, x: f64, y: f64) -> Resu
         Swatch::Shade(k, region) => {
             let color = palette::shade(*k);
             if let Region::RealInterval(_) = region {
-                return canvas.fill(&block(2.5), color.mix(0.8));
+                return canvas.fill(&block(3.5), color.mix(0.5));
             }
             canvas.fill(&block(5.0), color.mix(0.22))?;
             let mut outline = block(5.0).to_vec();

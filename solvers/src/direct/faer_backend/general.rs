@@ -1,12 +1,12 @@
 //! LU with partial pivoting inside supernodes, columns ordered by nested dissection.
 
-use super::{as_stack, for_column_blocks, out_of_memory, symbolic_failure, work_entries};
+use super::{as_stack, out_of_memory, symbolic_failure, work_entries};
 use crate::SetupError;
 use crate::direct::equilibration::Equilibrated;
 use crate::direct::nested_dissection::nested_dissection;
 use crate::direct::pattern::{BLOCK, Pattern};
 use crate::direct::refinement::Refined;
-use crate::direct::{Factorization, Symbolic};
+use crate::direct::{Factorization, Symbolic, for_column_blocks};
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::perm::PermRef;
 use faer::sparse::linalg::lu::{simplicial, supernodal};
