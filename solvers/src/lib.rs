@@ -2,6 +2,7 @@
 //! how good they are. Knows blocks, never a mesh or physics.
 
 pub mod direct;
+pub mod eigen;
 pub mod error;
 pub mod krylov;
 pub mod observer;

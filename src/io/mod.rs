@@ -1,1 +1,3 @@
-//! io
+//! Files for other programs.
+
+pub mod vtu;

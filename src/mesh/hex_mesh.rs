@@ -36,3 +36,10 @@ pub struct HexMesh {
     /// The structured numbering, where the mesh has one.
     pub grid: Option<Grid>,
 }
+
+impl HexMesh {
+    /// Volume of an element [m³].
+    pub fn element_volume(&self, element: usize) -> f64 {
+        super::jacobian::volume(&self.elements[element].map(|a| self.nodes[a as usize]))
+    }
+}

@@ -1,1 +1,144 @@
-//! krylov
+//! Krylov methods for `A x = b` with a preconditioner M: one method, one file.
+//!
+//! | method | A | M | products per iteration | vectors |
+//! |---|---|---|---|---|
+//! | [`Cg`] | symmetric positive definite | symmetric positive definite | 1 | 4 |
+//! | [`Minres`] | symmetric | symmetric positive definite | 1 | 7 |
+//! | [`Sqmr`] | symmetric | symmetric | 1 | 6 |
+//! | [`Gmres`] | any | any linear | 1 | restart + 2 |
+//! | [`Fgmres`] | any | any, also changing | 1 | 2 restart + 2 |
+//! | [`Bicgstab`] | any | any linear | 2 | 8 |
+//!
+//! All of them measure the 2-norm of the residual of the *unpreconditioned* system, relative to ‖b‖₂, and recompute it
+//! before they return.
+
+mod arnoldi;
+mod bicgstab;
+mod breakdown;
+mod cg;
+mod choice;
+#[cfg(test)]
+mod claims;
+mod fgmres;
+mod gmres;
+mod minres;
+#[cfg(test)]
+mod oracle;
+mod run;
+mod sqmr;
+mod system;
+
+pub use bicgstab::Bicgstab;
+pub use breakdown::{Breakdown, Factor};
+pub use cg::Cg;
+pub use choice::UnknownMethod;
+pub use fgmres::Fgmres;
+pub use gmres::Gmres;
+pub use minres::Minres;
+pub use sqmr::Sqmr;
+pub use system::{Criteria, Outcome, Report, System};
+
+use crate::Observer;
+use fracas_operators::{Preconditioner, Real};
+use serde::Deserialize;
+use std::fmt::Debug;
+
+/// An iteration that approximates `x = A⁻¹ b` in a Krylov space.
+pub trait KrylovMethod<R: Real>: Debug + Send + Sync {
+    /// Plain name: `gmres`.
+    fn name(&self) -> &'static str;
+
+    /// Scratch entries that [`solve_in`](Self::solve_in) needs, those of the operator and the preconditioner included.
+    fn work_len(&self, system: &System<R>, criteria: &Criteria) -> usize;
+
+    /// Solves in the caller's memory: `x` holds the start on entry and the last iterate on return, also after a
+    /// breakdown (GMRES: of the last full cycle); `work` has arbitrary content and is touched only as far as the iteration gets.
+    ///
+    /// # Errors
+    /// [`Breakdown`] where the arithmetic cannot continue. Not converging is no error: see [`Outcome`].
+    fn solve_in(
+        &self,
+        system: &System<R>,
+        criteria: &Criteria,
+        x: &mut [R],
+        observer: &mut dyn Observer,
+        work: &mut [R],
+    ) -> Result<Report, Breakdown>;
+
+    /// The same with memory of its own, allocated once.
+    fn solve(
+        &self,
+        system: &System<R>,
+        criteria: &Criteria,
+        x: &mut [R],
+        observer: &mut dyn Observer,
+    ) -> Result<Report, Breakdown> {
+        let mut work = vec![R::zero(); self.work_len(system, criteria)];
+        self.solve_in(system, criteria, x, observer, &mut work)
+    }
+}
+
+/// The list of methods. Written as `"gmres"`, `"gmres:50"` or `{ gmres = { restart = 50 } }`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(remote = "Self", rename_all = "snake_case")]
+pub enum KrylovChoice {
+    /// Conjugate gradients.
+    Cg(Cg),
+    /// Minimal residuals.
+    Minres(Minres),
+    /// Symmetric quasi-minimal residuals.
+    Sqmr(Sqmr),
+    /// Generalized minimal residuals, restarted.
+    Gmres(Gmres),
+    /// Flexible GMRES.
+    Fgmres(Fgmres),
+    /// Stabilized bi-conjugate gradients.
+    Bicgstab(Bicgstab),
+}
+
+impl Default for KrylovChoice {
+    fn default() -> Self {
+        Self::Gmres(Gmres::default())
+    }
+}
+
+impl KrylovChoice {
+    /// Every method with its default settings.
+    pub fn all() -> [Self; 6] {
+        [
+            Self::Cg(Cg {}),
+            Self::Minres(Minres {}),
+            Self::Sqmr(Sqmr {}),
+            Self::Gmres(Gmres::default()),
+            Self::Fgmres(Fgmres::default()),
+            Self::Bicgstab(Bicgstab {}),
+        ]
+    }
+
+    /// The chosen method.
+    pub fn method<R: Real>(&self) -> &dyn KrylovMethod<R> {
+        match self {
+            Self::Cg(method) => method,
+            Self::Minres(method) => method,
+            Self::Sqmr(method) => method,
+            Self::Gmres(method) => method,
+            Self::Fgmres(method) => method,
+            Self::Bicgstab(method) => method,
+        }
+    }
+
+    /// Plain name of the method.
+    pub fn name(&self) -> &'static str {
+        self.method::<f64>().name()
+    }
+
+    /// GMRES becomes FGMRES with the same restart where `preconditioner` is not linear; nothing else changes.
+    pub fn flexible_for<R: Real>(self, preconditioner: &dyn Preconditioner<R>) -> Self {
+        match self {
+            Self::Gmres(Gmres { restart }) if !preconditioner.is_linear() => {
+                Self::Fgmres(Fgmres { restart })
+            }
+            other => other,
+        }
+    }
+}

@@ -1,5 +1,7 @@
 //! The blocks of a generalized saddle point, with what is known about them.
 
+use crate::SetupError;
+use fracas_operators::Shape;
 use fracas_operators::sparse::SparseMatrix;
 
 /// Where a displacement unknown lives: position in metres and component 0–2.
@@ -59,5 +61,63 @@ impl SaddleBlocks {
     /// Pressure unknowns.
     pub fn n_p(&self) -> usize {
         self.flow.as_ref().map_or(0, |f| f.t.rows())
+    }
+
+    /// Checks that the shapes of A, B1, B2, H fit, that the blocks are stored by rows and hold no NaN.
+    ///
+    /// # Errors
+    /// [`SetupError::Shape`] or [`SetupError::NotFinite`] naming the block, row and column.
+    pub fn check(&self) -> Result<(), SetupError> {
+        let (n_u, n_t) = (self.n_u(), self.n_t());
+        let present = [
+            ("A", Some(&self.a), Shape::square(n_u), "A is square"),
+            (
+                "B1",
+                Some(&self.b1),
+                Shape::new(n_u, n_t),
+                "B1 has a row for every row of A",
+            ),
+            (
+                "B2",
+                self.b2.as_ref(),
+                Shape::new(n_t, n_u),
+                "B2 has the shape of B1ᵀ",
+            ),
+            (
+                "H",
+                self.h.as_ref(),
+                Shape::square(n_t),
+                "H has a row for every column of B1",
+            ),
+        ];
+        for (block, matrix, expected, reason) in present {
+            let Some(matrix) = matrix else { continue };
+            let found = Shape::new(matrix.rows(), matrix.cols());
+            if found != expected {
+                return Err(SetupError::Shape {
+                    block,
+                    found,
+                    expected,
+                    reason,
+                });
+            }
+            if !matrix.is_csr() {
+                return Err(SetupError::NotApplicable {
+                    method: "a saddle point stored by columns",
+                    reason: format!("block {block} must be in compressed rows"),
+                });
+            }
+            for (i, row) in matrix.outer_iterator().enumerate() {
+                if let Some((j, value)) = row.iter().find(|(_, value)| !value.is_finite()) {
+                    return Err(SetupError::NotFinite {
+                        block,
+                        row: i + 1,
+                        column: j + 1,
+                        value: *value,
+                    });
+                }
+            }
+        }
+        Ok(())
     }
 }

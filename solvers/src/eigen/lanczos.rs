@@ -1,0 +1,256 @@
+//! Extreme eigenvalues of a symmetric pencil by the three-term Lanczos recurrence.
+
+use super::dense;
+use crate::SetupError;
+use faer::Mat;
+use fracas_operators::laws::probe;
+use fracas_operators::vector::{axpy, dot, scale};
+
+/// When to stop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LanczosSettings {
+    /// Relative error bound wanted.
+    pub tolerance: f64,
+    /// Most products.
+    pub max_steps: usize,
+    /// Which end decides when to stop.
+    pub ends: Ends,
+}
+
+/// Ends of the spectrum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ends {
+    /// Stop when both ends are sharp.
+    Both,
+    /// Stop when the largest eigenvalue is sharp; the smallest is whatever was reached.
+    Largest,
+}
+
+impl LanczosSettings {
+    /// The default accuracy for the largest eigenvalue only.
+    pub fn one_sided() -> Self {
+        Self {
+            ends: Ends::Largest,
+            ..Self::default()
+        }
+    }
+}
+
+impl Default for LanczosSettings {
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-12,
+            max_steps: 600,
+            ends: Ends::Both,
+        }
+    }
+}
+
+/// An eigenvalue with its error bar.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Extreme {
+    /// Ritz value.
+    pub value: f64,
+    /// An eigenvalue lies within this of `value`: `min(ρ, ρ²/gap)` with the residual norm ρ and the distance to the
+    /// next Ritz value.
+    pub error: f64,
+    /// Products used.
+    pub steps: usize,
+}
+
+/// Smallest and largest eigenvalue of `K v = λ M v` for symmetric K and SPD M.
+///
+/// `apply` is y ← K x; `solve` is y ← M⁻¹ x, `None` for M = I. With z = M⁻¹ r:
+/// `K v_k = β_{k+1} M v_{k+1} + α_k M v_k + β_k M v_{k−1}`.
+///
+/// No reorthogonalization: lost orthogonality repeats converged Ritz values, which changes no extreme one. Start
+/// vectors are fixed.
+///
+/// # Cost
+/// One product and one solve a step, six vectors.
+///
+/// # Source
+/// C. C. Paige, Linear Algebra Appl. 34 (1980) 235–258, for the error bounds without reorthogonalization.
+pub fn extreme_eigenvalues(
+    n: usize,
+    apply: &mut dyn FnMut(&[f64], &mut [f64]),
+    mut solve: Option<&mut dyn FnMut(&[f64], &mut [f64])>,
+    settings: LanczosSettings,
+) -> Result<(Extreme, Extreme), SetupError> {
+    if n == 0 {
+        return Err(SetupError::NotApplicable {
+            method: "Lanczos",
+            reason: "the matrix is empty".to_owned(),
+        });
+    }
+    let mut r: Vec<f64> = probe(n, 11);
+    let (mut z, mut v, mut p, mut p_old) = (vec![0.0; n], vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+    let (mut alphas, mut betas): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
+    let mut next_check = 8.min(n);
+    let mut last: Option<(f64, f64)> = None;
+    loop {
+        // β² = rᵀ M⁻¹ r, v = M⁻¹ r / β, p = M v
+        match &mut solve {
+            Some(solve) => solve(&r, &mut z),
+            None => z.copy_from_slice(&r),
+        }
+        let beta = dot(&r, &z).max(0.0).sqrt();
+        let k = alphas.len();
+        let size = alphas
+            .iter()
+            .chain(&betas)
+            .fold(0.0f64, |m, v| m.max(v.abs()));
+        let exhausted = k > 0 && beta <= 1e-15 * size;
+        if !beta.is_finite() {
+            return Err(SetupError::NotApplicable {
+                method: "Lanczos",
+                reason: format!(
+                    "the recurrence broke down at step {k}: NaN or infinity in a block"
+                ),
+            });
+        }
+        if k > 0 && (exhausted || k == next_check || k == settings.max_steps) {
+            let (low, high) = ritz(&alphas, &betas[1..], if exhausted { 0.0 } else { beta })?;
+            let settled = |now: f64, before: f64| {
+                (now - before).abs() <= 10.0 * settings.tolerance * now.abs()
+            };
+            let stable = last.is_some_and(|(l, h)| {
+                settled(high.value, h) && (settings.ends == Ends::Largest || settled(low.value, l))
+            });
+            let sharp = |e: &Extreme| {
+                e.error <= settings.tolerance * e.value.abs().max(f64::EPSILON * size)
+            };
+            let enough = match settings.ends {
+                Ends::Both => sharp(&low) && sharp(&high),
+                Ends::Largest => sharp(&high),
+            };
+            if exhausted || (stable && enough) || k >= settings.max_steps {
+                return Ok((low, high));
+            }
+            last = Some((low.value, high.value));
+            next_check = (k + (k / 8).max(4)).min(settings.max_steps);
+        }
+        if k == 0 && beta == 0.0 {
+            return Err(SetupError::NotApplicable {
+                method: "Lanczos",
+                reason: "M is not positive definite".to_owned(),
+            });
+        }
+        betas.push(beta);
+        std::mem::swap(&mut p, &mut p_old);
+        p.copy_from_slice(&r);
+        scale(1.0 / beta, &mut p);
+        v.copy_from_slice(&z);
+        scale(1.0 / beta, &mut v);
+        // r = K v − α p − β p_old
+        apply(&v, &mut r);
+        let alpha = dot(&r, &v);
+        alphas.push(alpha);
+        axpy(-alpha, &p, &mut r);
+        if k > 0 {
+            axpy(-beta, &p_old, &mut r);
+        }
+    }
+}
+
+/// Extreme Ritz values of the tridiagonal matrix with their bounds; `next` is the β of the residual.
+fn ritz(alphas: &[f64], betas: &[f64], next: f64) -> Result<(Extreme, Extreme), SetupError> {
+    let k = alphas.len();
+    let mut t = Mat::zeros(k, k);
+    for i in 0..k {
+        t[(i, i)] = alphas[i];
+        if i + 1 < k {
+            t[(i + 1, i)] = betas[i];
+            t[(i, i + 1)] = betas[i];
+        }
+    }
+    let (values, vectors) = dense::symmetric_eigen(t.as_ref())?;
+    let size = values[0].abs().max(values[k - 1].abs());
+    let bar = |index: usize| {
+        let residual = next * vectors[(k - 1, index)].abs();
+        let far = |other: &f64| {
+            let distance = (other - values[index]).abs();
+            (distance > 10.0 * residual && distance > 1e-9 * size).then_some(distance)
+        };
+        let gap = values.iter().filter_map(far).fold(f64::INFINITY, f64::min);
+        let squared = if gap.is_finite() {
+            residual * residual / gap
+        } else {
+            residual
+        };
+        Extreme {
+            value: values[index],
+            error: residual
+                .min(squared)
+                .max(f64::EPSILON * values[index].abs()),
+            steps: k,
+        }
+    };
+    Ok((bar(0), bar(k - 1)))
+}
+
+/// `y ← A x` of a sparse matrix, as [`extreme_eigenvalues`] takes it.
+pub fn product(a: &fracas_operators::sparse::Csr<f64>) -> impl FnMut(&[f64], &mut [f64]) + '_ {
+    use fracas_operators::LinearOperator;
+    move |x, y| a.apply(x, y, &mut [])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn extremes_of_the_1d_laplacian_and_of_a_pencil() {
+        let n = 200;
+        let laplacian = |x: &[f64], y: &mut [f64]| {
+            for i in 0..n {
+                let left = if i > 0 { x[i - 1] } else { 0.0 };
+                let right = if i + 1 < n { x[i + 1] } else { 0.0 };
+                y[i] = 2.0 * x[i] - left - right;
+            }
+        };
+        let exact = |k: f64| 2.0 - 2.0 * (k * std::f64::consts::PI / (n + 1) as f64).cos();
+        let (low, high) =
+            extreme_eigenvalues(n, &mut { laplacian }, None, LanczosSettings::default()).unwrap();
+        assert!((low.value / exact(1.0) - 1.0).abs() < 1e-9, "{low:?}");
+        assert!(
+            (high.value / exact(n as f64) - 1.0).abs() < 1e-11,
+            "{high:?}"
+        );
+
+        // K = D Laplacian D, M = D²: the same eigenvalues for any diagonal D.
+        let d: Vec<f64> = (0..n).map(|i| 10f64.powf((i % 7) as f64 - 3.0)).collect();
+        let mut t = vec![0.0; n];
+        let (mut u, e) = (vec![0.0; n], d.clone());
+        let mut apply = |x: &[f64], y: &mut [f64]| {
+            for i in 0..n {
+                t[i] = d[i] * x[i];
+            }
+            laplacian(&t, &mut u);
+            for i in 0..n {
+                y[i] = d[i] * u[i];
+            }
+        };
+        let mut solve = |x: &[f64], y: &mut [f64]| {
+            for i in 0..n {
+                y[i] = x[i] / (e[i] * e[i]);
+            }
+        };
+        let (low, high) =
+            extreme_eigenvalues(n, &mut apply, Some(&mut solve), LanczosSettings::default())
+                .unwrap();
+        assert!((low.value / exact(1.0) - 1.0).abs() < 1e-8, "{low:?}");
+        assert!(
+            (high.value / exact(n as f64) - 1.0).abs() < 1e-10,
+            "{high:?}"
+        );
+    }
+
+    #[test]
+    fn tiny_matrices_end_in_an_invariant_subspace() {
+        let mut apply = |x: &[f64], y: &mut [f64]| y.copy_from_slice(&[3.0 * x[0], 5.0 * x[1]]);
+        let (low, high) =
+            extreme_eigenvalues(2, &mut apply, None, LanczosSettings::default()).unwrap();
+        assert!((low.value - 3.0).abs() < 1e-12 && (high.value - 5.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,101 @@
+//! Where the arithmetic cannot continue.
+
+use std::fmt;
+
+/// Which of the two matrices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Factor {
+    /// A.
+    Operator,
+    /// M.
+    Preconditioner,
+}
+
+impl fmt::Display for Factor {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Operator => "operator",
+            Self::Preconditioner => "preconditioner",
+        })
+    }
+}
+
+/// Why a Krylov method gave up; iterations count from 1, and 0 is the initial residual.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Breakdown {
+    /// NaN or infinity in b, x, a product or a preconditioner solve.
+    #[error("{method}: NaN or infinity in iteration {iteration}")]
+    NotFinite {
+        /// The method.
+        method: &'static str,
+        /// Where.
+        iteration: usize,
+    },
+    /// ‖b‖² overflows or underflows although every entry of b is a number.
+    #[error(
+        "{method}: the largest entry of b is {largest:e}, whose square leaves the range of {scalar}: scale the system"
+    )]
+    OutOfRange {
+        /// The method.
+        method: &'static str,
+        /// max |b_i|.
+        largest: f64,
+        /// `f64` or `f32`.
+        scalar: &'static str,
+    },
+    /// `vᵀA v ≤ 0` or `rᵀM⁻¹r ≤ 0` for a vector at hand, in a method that needs positive.
+    #[error(
+        "{method}: the {factor} is not positive definite (found in iteration {iteration}); gmres does not need it to be, sqmr needs symmetry only"
+    )]
+    NotPositiveDefinite {
+        /// The method.
+        method: &'static str,
+        /// A or M.
+        factor: Factor,
+        /// Where.
+        iteration: usize,
+    },
+    /// A scalar product that the short recurrence divides by vanished.
+    #[error(
+        "{method}: the short recurrence ended in iteration {iteration} because {product} = 0; gmres has no such case"
+    )]
+    Lanczos {
+        /// The method.
+        method: &'static str,
+        /// Where.
+        iteration: usize,
+        /// The product as a formula.
+        product: &'static str,
+    },
+    /// The recurrence ended, but the true residual no longer falls: rounding, or b outside the range of a singular A.
+    #[error(
+        "{method}: the true residual stays at {relative_residual:.2e}·‖b‖ after {iteration} iterations: the tolerance is below rounding, or A is singular"
+    )]
+    Stagnation {
+        /// The method.
+        method: &'static str,
+        /// Where.
+        iteration: usize,
+        /// ‖b − A x‖₂ / ‖b‖₂ of the returned x.
+        relative_residual: f64,
+    },
+    /// M changes from call to call, and the method relies on a fixed one.
+    #[error("{method} needs a linear preconditioner; take fgmres")]
+    NonlinearPreconditioner {
+        /// The method.
+        method: &'static str,
+    },
+}
+
+impl Breakdown {
+    /// Iterations done when it happened.
+    pub fn iteration(&self) -> usize {
+        match self {
+            Self::NotFinite { iteration, .. }
+            | Self::NotPositiveDefinite { iteration, .. }
+            | Self::Lanczos { iteration, .. }
+            | Self::Stagnation { iteration, .. } => *iteration,
+            Self::OutOfRange { .. } | Self::NonlinearPreconditioner { .. } => 0,
+        }
+    }
+}

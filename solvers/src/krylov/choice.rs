@@ -1,0 +1,190 @@
+//! Reading and writing a [`KrylovChoice`]: `gmres`, `gmres:50`, `{ gmres = { restart = 50 } }`.
+
+use super::{Fgmres, Gmres, KrylovChoice};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Error, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::borrow::Cow;
+use std::fmt;
+use std::str::FromStr;
+
+/// A method that does not exist or a restart that makes no sense.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum UnknownMethod {
+    /// No method of this name.
+    #[error("no Krylov method `{found}`; there are cg, minres, sqmr, gmres, fgmres, bicgstab")]
+    Name {
+        /// As written.
+        found: String,
+    },
+    /// Not a positive number after the colon.
+    #[error("`{found}` is no restart length; write for example {method}:50")]
+    Restart {
+        /// The method.
+        method: &'static str,
+        /// As written.
+        found: String,
+    },
+    /// A restart for a method that has none.
+    #[error("{method} has no restart length")]
+    NoRestart {
+        /// The method.
+        method: &'static str,
+    },
+}
+
+impl fmt::Display for KrylovChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Gmres(Gmres { restart }) | Self::Fgmres(Fgmres { restart }) => {
+                write!(f, "{}:{restart}", self.name())
+            }
+            _ => f.write_str(self.name()),
+        }
+    }
+}
+
+impl FromStr for KrylovChoice {
+    type Err = UnknownMethod;
+
+    fn from_str(text: &str) -> Result<Self, UnknownMethod> {
+        let (name, length) = match text.split_once(':') {
+            Some((name, length)) => (name, Some(length)),
+            None => (text, None),
+        };
+        let mut choice = Self::all()
+            .into_iter()
+            .find(|choice| choice.name() == name)
+            .ok_or_else(|| UnknownMethod::Name { found: text.into() })?;
+        let Some(length) = length else {
+            return Ok(choice);
+        };
+        let method = choice.name();
+        match &mut choice {
+            Self::Gmres(Gmres { restart }) | Self::Fgmres(Fgmres { restart }) => {
+                *restart = length.parse().map_err(|_| UnknownMethod::Restart {
+                    method,
+                    found: length.into(),
+                })?;
+                Ok(choice)
+            }
+            _ => Err(UnknownMethod::NoRestart { method }),
+        }
+    }
+}
+
+impl Serialize for KrylovChoice {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl<'de> Deserialize<'de> for KrylovChoice {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(NameOrTable)
+    }
+}
+
+struct NameOrTable;
+
+impl<'de> Visitor<'de> for NameOrTable {
+    type Value = KrylovChoice;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a Krylov method such as \"gmres:50\" or { gmres = { restart = 50 } }")
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<KrylovChoice, E> {
+        text.parse().map_err(E::custom)
+    }
+
+    fn visit_map<M: MapAccess<'de>>(self, map: M) -> Result<KrylovChoice, M::Error> {
+        KrylovChoice::deserialize(MapAccessDeserializer::new(map))
+    }
+}
+
+impl JsonSchema for KrylovChoice {
+    fn schema_name() -> Cow<'static, str> {
+        "KrylovChoice".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let empty = json_schema!({ "type": "object", "additionalProperties": false });
+        let restarted = json_schema!({
+            "type": "object",
+            "properties": { "restart": { "type": "integer", "minimum": 1 } },
+            "additionalProperties": false
+        });
+        let tables: serde_json::Map<String, serde_json::Value> = Self::all()
+            .iter()
+            .map(|choice| {
+                let settings = match choice {
+                    Self::Gmres(_) | Self::Fgmres(_) => &restarted,
+                    _ => &empty,
+                };
+                (choice.name().to_owned(), settings.clone().to_value())
+            })
+            .collect();
+        let names: Vec<&str> = Self::all().iter().map(Self::name).collect();
+        json_schema!({
+            "description": "A Krylov method: \"gmres\", \"gmres:50\" or { gmres = { restart = 50 } }.",
+            "anyOf": [
+                { "type": "string", "pattern": format!("^({})$|^f?gmres:[1-9][0-9]*$", names.join("|")) },
+                {
+                    "type": "object", "properties": tables, "additionalProperties": false,
+                    "minProperties": 1, "maxProperties": 1
+                }
+            ]
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_written_reads_back() {
+        for choice in KrylovChoice::all() {
+            assert_eq!(choice.to_string().parse(), Ok(choice));
+            let json = serde_json::to_string(&choice).unwrap();
+            assert_eq!(serde_json::from_str::<KrylovChoice>(&json).unwrap(), choice);
+        }
+    }
+
+    #[test]
+    fn names_and_tables_are_read() {
+        let fifty = KrylovChoice::Gmres(Gmres::restarted(50));
+        assert_eq!("gmres:50".parse(), Ok(fifty));
+        let read = |text: &str| serde_json::from_str::<KrylovChoice>(text);
+        assert_eq!(read(r#"{"gmres":{"restart":50}}"#).unwrap(), fifty);
+        assert_eq!(read(r#"{"gmres":{}}"#).unwrap(), KrylovChoice::default());
+        assert_eq!(read(r#""sqmr""#).unwrap().name(), "sqmr");
+        for wrong in [
+            r#""gmers""#,
+            r#""gmres:0""#,
+            r#""cg:5""#,
+            r#"{"gmres":{"restart":0}}"#,
+            r#"{"gmres":{"restarts":5}}"#,
+            "7",
+        ] {
+            assert!(read(wrong).is_err(), "{wrong}");
+        }
+        assert!(
+            "gmers"
+                .parse::<KrylovChoice>()
+                .unwrap_err()
+                .to_string()
+                .contains("`gmers`")
+        );
+    }
+
+    #[test]
+    fn the_schema_knows_every_method() {
+        let schema = serde_json::to_string(&schemars::schema_for!(KrylovChoice)).unwrap();
+        for choice in KrylovChoice::all() {
+            assert!(schema.contains(choice.name()));
+        }
+    }
+}

@@ -1,0 +1,258 @@
+//! What all methods share: counting, the stopping test, true residuals and restarts.
+
+use super::{Breakdown, Criteria, Outcome, Report, System};
+use crate::{Observer, Step};
+use fracas_operators::Real;
+use fracas_operators::vector::{copy, norm_inf, norm2};
+
+/// Why a cycle of a method handed back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum End {
+    /// The recurrence has nothing more to gain from this start: it believes to be below the tolerance or at rounding.
+    Believed,
+    /// The cycle is full, or its recurrence broke down after progress.
+    Restart,
+    /// No iterations left.
+    Limit,
+    /// The observer said stop.
+    Stopped,
+}
+
+/// One solve in progress.
+pub(super) struct Run<'s, R> {
+    method: &'static str,
+    system: &'s System<'s, R>,
+    criteria: &'s Criteria,
+    observer: &'s mut dyn Observer,
+    scratch: &'s mut [R],
+    /// ‖b‖₂.
+    norm_b: f64,
+    /// ‖b − A x‖₂ where the running cycle began.
+    start: f64,
+    /// Recurrence's residual norm over ‖b‖.
+    estimate: f64,
+    iterations: usize,
+    products: u64,
+    solves: u64,
+}
+
+/// Cuts the first `n` entries off `work`.
+pub(super) fn carve<'w, R>(work: &mut &'w mut [R], n: usize) -> &'w mut [R] {
+    let (part, rest) = std::mem::take(work).split_at_mut(n);
+    *work = rest;
+    part
+}
+
+/// Scratch entries that [`drive`] needs for a cycle of `vectors` vectors.
+pub(super) fn work_len<R: Real>(system: &System<R>, vectors: usize) -> usize {
+    system.scratch_len() + (1 + vectors) * system.size()
+}
+
+/// Runs `cycle(run, x, r = b − A x, work)` from the true residual until that residual meets the tolerance.
+///
+/// A cycle that believes in convergence where the true residual disagrees is started again from the current x, and
+/// what it costs is counted; if the residual did not even halve, it has stagnated at rounding.
+pub(super) fn drive<R: Real>(
+    method: &'static str,
+    system: &System<R>,
+    criteria: &Criteria,
+    x: &mut [R],
+    observer: &mut dyn Observer,
+    mut work: &mut [R],
+    mut cycle: impl FnMut(&mut Run<R>, &mut [R], &mut [R], &mut [R]) -> Result<End, Breakdown>,
+) -> Result<Report, Breakdown> {
+    system.assert_fits(x);
+    let mut run = Run {
+        method,
+        system,
+        criteria,
+        observer,
+        scratch: carve(&mut work, system.scratch_len()),
+        norm_b: norm2(system.rhs).to_f64_exact(),
+        start: 0.0,
+        estimate: 0.0,
+        iterations: 0,
+        products: 0,
+        solves: 0,
+    };
+    run.check_range()?;
+    if run.norm_b == 0.0 {
+        x.fill(R::zero());
+        return Ok(run.report(Outcome::Converged, 0.0));
+    }
+    let r = carve(&mut work, system.size());
+    let mut end = None;
+    loop {
+        let rho = run.residual(x, r)?;
+        let relative = rho / run.norm_b;
+        if end.is_none() {
+            run.estimate = relative;
+            end = run.observe().then_some(End::Stopped);
+        }
+        if rho <= run.target() {
+            return Ok(run.report(Outcome::Converged, relative));
+        }
+        match end {
+            Some(End::Stopped) => return Ok(run.report(Outcome::Stopped, relative)),
+            Some(End::Believed) if rho > 0.5 * run.start => {
+                return Err(Breakdown::Stagnation {
+                    method,
+                    iteration: run.iterations,
+                    relative_residual: relative,
+                });
+            }
+            _ if run.iterations >= criteria.max_iterations => {
+                return Ok(run.report(Outcome::IterationLimit, relative));
+            }
+            _ => {}
+        }
+        run.start = rho;
+        end = Some(cycle(&mut run, x, r, work)?);
+    }
+}
+
+impl<R: Real> Run<'_, R> {
+    /// Residual norm that counts as converged.
+    fn target(&self) -> f64 {
+        self.criteria.relative_tolerance * self.norm_b
+    }
+
+    /// ‖r‖₂ where the running cycle began.
+    pub(super) fn start(&self) -> R {
+        R::of(self.start)
+    }
+
+    /// `y ← A x`.
+    pub(super) fn product(&mut self, x: &[R], y: &mut [R]) {
+        self.products += 1;
+        self.system.operator.apply(x, y, self.scratch);
+    }
+
+    /// `z ← M⁻¹ r`.
+    pub(super) fn solve(&mut self, r: &[R], z: &mut [R]) {
+        self.solves += 1;
+        self.system.preconditioner.solve(r, z, self.scratch);
+    }
+
+    /// `r ← b − A x` and its norm; a zero start costs no product.
+    fn residual(&mut self, x: &[R], r: &mut [R]) -> Result<f64, Breakdown> {
+        copy(self.system.rhs, r);
+        if x.iter().any(|v| *v != R::zero()) {
+            self.products += 1;
+            self.system
+                .operator
+                .apply_add(-R::one(), x, r, self.scratch);
+        }
+        let rho = norm2(r).to_f64_exact();
+        if rho.is_finite() {
+            Ok(rho)
+        } else {
+            Err(self.not_finite(self.iterations))
+        }
+    }
+
+    /// Ends an iteration that believes in the residual norm `estimate`: counts, observes, and says whether to hand back.
+    pub(super) fn step(&mut self, estimate: R) -> Result<Option<End>, Breakdown> {
+        self.finite(estimate)?;
+        self.iterations += 1;
+        self.estimate = estimate.to_f64_exact() / self.norm_b;
+        Ok(if self.observe() {
+            Some(End::Stopped)
+        } else if self.is_small(estimate) {
+            Some(End::Believed)
+        } else if self.iterations >= self.criteria.max_iterations {
+            Some(End::Limit)
+        } else {
+            None
+        })
+    }
+
+    /// True when a residual norm meets the tolerance, or is what rounding leaves of the cycle's first one.
+    pub(super) fn is_small(&self, norm: R) -> bool {
+        let rounding = R::epsilon().to_f64_exact() * self.start;
+        norm.to_f64_exact() <= self.target().max(rounding)
+    }
+
+    /// True when the observer wants to stop.
+    fn observe(&mut self) -> bool {
+        let step = Step::Krylov {
+            iteration: self.iterations,
+            relative_residual: self.estimate,
+        };
+        self.observer.observe(&step).is_break()
+    }
+
+    /// Iteration that is being computed, counted from 1.
+    pub(super) fn iteration(&self) -> usize {
+        self.iterations + 1
+    }
+
+    /// Passes a number on, but not NaN or infinity.
+    pub(super) fn finite(&self, value: R) -> Result<R, Breakdown> {
+        if value.is_finite() {
+            Ok(value)
+        } else {
+            Err(self.not_finite(self.iteration()))
+        }
+    }
+
+    fn not_finite(&self, iteration: usize) -> Breakdown {
+        Breakdown::NotFinite {
+            method: self.method,
+            iteration,
+        }
+    }
+
+    /// A vanished `product` of a short recurrence: start again from x if this cycle halved the residual, else give up.
+    pub(super) fn lanczos(&self, product: &'static str) -> Result<End, Breakdown> {
+        if self.estimate * self.norm_b <= 0.5 * self.start {
+            return Ok(End::Restart);
+        }
+        Err(Breakdown::Lanczos {
+            method: self.method,
+            iteration: self.iteration(),
+            product,
+        })
+    }
+
+    /// Refuses entries of b that are no numbers, or whose squares are none.
+    fn check_range(&self) -> Result<(), Breakdown> {
+        let largest = norm_inf(self.system.rhs).to_f64_exact();
+        if !largest.is_finite() {
+            return Err(self.not_finite(0));
+        }
+        // the squares of the residuals must stay normal numbers down to rounding
+        let smallest = R::min_positive_value().sqrt().to_f64_exact();
+        if !self.norm_b.is_finite() || (largest > 0.0 && self.norm_b < smallest) {
+            return Err(Breakdown::OutOfRange {
+                method: self.method,
+                largest,
+                scalar: R::NAME,
+            });
+        }
+        Ok(())
+    }
+
+    fn report(&self, outcome: Outcome, relative_residual: f64) -> Report {
+        Report {
+            outcome,
+            iterations: self.iterations,
+            relative_residual,
+            estimated_residual: self.estimate,
+            products: self.products,
+            preconditioner_solves: self.solves,
+        }
+    }
+}
+
+/// Refuses a preconditioner that is not a fixed linear map.
+pub(super) fn require_linear<R: Real>(
+    method: &'static str,
+    system: &System<R>,
+) -> Result<(), Breakdown> {
+    if system.preconditioner.is_linear() {
+        Ok(())
+    } else {
+        Err(Breakdown::NonlinearPreconditioner { method })
+    }
+}

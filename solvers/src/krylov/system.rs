@@ -1,0 +1,77 @@
+//! What is asked of a Krylov method, and what it answers.
+
+use fracas_operators::{LinearOperator, Preconditioner, Real};
+use serde::{Deserialize, Serialize};
+
+/// `A x = b` with a preconditioner M.
+#[derive(Clone, Copy)]
+pub struct System<'a, R> {
+    /// A.
+    pub operator: &'a dyn LinearOperator<R>,
+    /// M⁻¹.
+    pub preconditioner: &'a dyn Preconditioner<R>,
+    /// b.
+    pub rhs: &'a [R],
+}
+
+impl<R: Real> System<'_, R> {
+    /// Unknowns.
+    pub fn size(&self) -> usize {
+        self.rhs.len()
+    }
+
+    /// Scratch entries that one product or one preconditioner solve needs.
+    pub(super) fn scratch_len(&self) -> usize {
+        self.operator.work_len().max(self.preconditioner.work_len())
+    }
+
+    /// Stops with the numbers when A, M, b and x do not fit together.
+    pub(super) fn assert_fits(&self, x: &[R]) {
+        let (shape, n) = (self.operator.shape(), self.rhs.len());
+        assert!(
+            shape.is_square() && shape.rows == n && self.preconditioner.size() == n && x.len() == n,
+            "a {shape} operator, a preconditioner of size {}, b of length {n} and x of length {}",
+            self.preconditioner.size(),
+            x.len()
+        );
+    }
+}
+
+/// When to stop: `‖b − A x‖₂ ≤ relative_tolerance · ‖b‖₂`, or after `max_iterations`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Criteria {
+    /// Relative to ‖b‖₂.
+    pub relative_tolerance: f64,
+    /// Iterations over all restarts.
+    pub max_iterations: usize,
+}
+
+/// How an iteration ended; not converging is a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// The true residual meets the tolerance.
+    Converged,
+    /// `max_iterations` were not enough.
+    IterationLimit,
+    /// The observer said so.
+    Stopped,
+}
+
+/// What an iteration did.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Report {
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Iterations over all restarts.
+    pub iterations: usize,
+    /// `‖b − A x‖₂ / ‖b‖₂`, recomputed from the returned x (0 for b = 0).
+    pub relative_residual: f64,
+    /// The same as the recurrence believed it to be at its last iteration.
+    pub estimated_residual: f64,
+    /// Products with A, those for true residuals included.
+    pub products: u64,
+    /// Solves with M.
+    pub preconditioner_solves: u64,
+}

@@ -1,0 +1,99 @@
+//! The exact augmentation.
+
+use super::super::SaddleBlocks;
+use super::AugmentationMatrix;
+use super::support::Columns;
+use crate::SetupError;
+use crate::direct::DirectSolver;
+use crate::eigen::dense::symmetrize;
+use crate::saddle::scaling::ScaledInverse;
+use faer::Mat;
+use rayon::prelude::*;
+
+/// Right-hand sides solved at once: bounds the memory at this many vectors of length n_u.
+const COLUMNS_AT_ONCE: usize = 128;
+
+/// `C = Bᵀ A⁻¹ B`; an empty column gets `C_ii = 1`.
+///
+/// # Cost
+/// One sparse Cholesky factorization of A and n_t solves; the products use only the rows of A⁻¹B where B has entries.
+///
+/// # Errors
+/// [`SetupError::NotApplicable`] when A is singular (a block held by fractures only).
+pub(super) fn exact(
+    blocks: &SaddleBlocks,
+    columns: &Columns,
+    direct: &dyn DirectSolver,
+) -> Result<AugmentationMatrix, SetupError> {
+    let mut c = schur_complement(blocks, columns, direct)?;
+    for i in columns.empty() {
+        c[(i, i)] = 1.0;
+    }
+    Ok(AugmentationMatrix::dense(c))
+}
+
+/// `S = Bᵀ A⁻¹ B`, symmetric to the last bit.
+pub(super) fn schur_complement(
+    blocks: &SaddleBlocks,
+    columns: &Columns,
+    direct: &dyn DirectSolver,
+) -> Result<Mat<f64>, SetupError> {
+    let (n_u, n_t) = (blocks.n_u(), columns.len());
+    // A = D Â D with diag Â = 1: S = (D⁻¹B)ᵀ Â⁻¹ (D⁻¹B)
+    let ScaledInverse {
+        factors,
+        inverse_scale,
+    } = ScaledInverse::new(&blocks.a, direct, "A").map_err(|error| match error {
+        SetupError::NotPositiveDefinite { .. }
+        | SetupError::Singular { .. }
+        | SetupError::BadDiagonal { .. } => singular(),
+        other => other,
+    })?;
+    let mut s = Mat::zeros(n_t, n_t);
+    let mut x = vec![0.0; n_u * COLUMNS_AT_ONCE.min(n_t)];
+    for first in (0..n_t).step_by(COLUMNS_AT_ONCE) {
+        let count = COLUMNS_AT_ONCE.min(n_t - first);
+        let x = &mut x[..n_u * count];
+        x.fill(0.0);
+        for j in 0..count {
+            for (row, value) in columns
+                .support(first + j)
+                .iter()
+                .zip(columns.values(first + j))
+            {
+                x[j * n_u + row] = value * inverse_scale[*row];
+            }
+        }
+        factors.solve_many(count, x);
+        // s_ij = b_iᵀ D⁻¹ x_j
+        let part: Vec<Vec<f64>> = x
+            .par_chunks(n_u)
+            .map(|x_j| {
+                (0..n_t)
+                    .map(|i| {
+                        let entries = columns.support(i).iter().zip(columns.values(i));
+                        entries
+                            .map(|(row, value)| value * inverse_scale[*row] * x_j[*row])
+                            .sum()
+                    })
+                    .collect()
+            })
+            .collect();
+        for (j, column) in part.iter().enumerate() {
+            for (i, value) in column.iter().enumerate() {
+                s[(i, first + j)] = *value;
+            }
+        }
+    }
+    symmetrize(&mut s);
+    Ok(s)
+}
+
+fn singular() -> SetupError {
+    SetupError::NotApplicable {
+        method: "augmentation exact",
+        reason: "C = BᵀA⁻¹B needs a positive definite A, and this A is singular to working precision (a block held by \
+                 fractures only, or a missing boundary condition); take local, local_h or face_block"
+            .to_owned(),
+    }
+}

@@ -1,0 +1,48 @@
+//! The global augmentation.
+
+use super::super::SaddleBlocks;
+use super::AugmentationMatrix;
+use super::support::Columns;
+use crate::SetupError;
+use crate::eigen::{LanczosSettings, extreme_eigenvalues};
+use fracas_operators::sparse::Csr;
+use fracas_operators::{AdjointOperator, LinearOperator};
+
+/// `C = s γ I`, `γ = ‖B‖₂² / ‖A‖₂`, both norms by Lanczos to 1e-12; 1 for an empty column.
+///
+/// # Source
+/// The deck: the classical choice of augmented Lagrangians.
+pub(super) fn global(
+    blocks: &SaddleBlocks,
+    columns: &Columns,
+    factor: f64,
+) -> Result<AugmentationMatrix, SetupError> {
+    let a = Csr::new(blocks.a.clone());
+    let b = Csr::with_transpose(blocks.b1.clone());
+    let mut middle = vec![0.0; blocks.n_u()];
+    let mut gram = |x: &[f64], y: &mut [f64]| {
+        // y = Bᵀ B x
+        b.apply(x, &mut middle, &mut []);
+        y.fill(0.0);
+        b.apply_adjoint_add(1.0, &middle, y, &mut []);
+    };
+    let settings = LanczosSettings::one_sided();
+    let (_, b_squared) = extreme_eigenvalues(blocks.n_t(), &mut gram, None, settings)?;
+    let mut apply = |x: &[f64], y: &mut [f64]| a.apply(x, y, &mut []);
+    let (_, norm_a) = extreme_eigenvalues(blocks.n_u(), &mut apply, None, settings)?;
+    let gamma = factor * b_squared.value / norm_a.value;
+    if !(gamma > 0.0 && gamma.is_finite()) {
+        return Err(SetupError::NotApplicable {
+            method: "augmentation global",
+            reason: format!("γ = ‖B‖²/‖A‖ is {gamma:e}: A or B has no entries"),
+        });
+    }
+    let diagonal = (0..columns.len()).map(|i| {
+        if columns.support(i).is_empty() {
+            1.0
+        } else {
+            gamma
+        }
+    });
+    Ok(AugmentationMatrix::diagonal(diagonal.collect()))
+}

@@ -1,0 +1,80 @@
+//! The local augmentation.
+
+use super::AugmentationMatrix;
+use super::support::{Columns, for_restricted};
+use crate::SetupError;
+use crate::eigen::{LanczosSettings, dense, extreme_eigenvalues};
+use faer::Mat;
+use fracas_operators::LinearOperator;
+use fracas_operators::sparse::{Csr, SparseMatrix, Triplets};
+use rayon::prelude::*;
+
+/// Supports up to this size go through a dense eigenvalue solver, larger ones through Lanczos.
+const DENSE_SUPPORT: usize = 240;
+
+/// `C_ii = ‖r(b_i)‖₂² / ‖A|_{b_i}‖₂`, b_i = column i of B, A restricted to its support; 1 for an empty column.
+///
+/// # Units
+/// [m⁴] / [N/m], like BᵀA⁻¹B: C scales with B² and with 1/A.
+///
+/// # Cost
+/// One symmetric eigenvalue problem per distinct support, columns in parallel.
+///
+/// # Source
+/// The deck, slide on the choice of C.
+pub(super) fn local(
+    a: &SparseMatrix<f64>,
+    columns: &Columns,
+) -> Result<AugmentationMatrix, SetupError> {
+    let n_t = columns.len();
+    // The three columns of a face usually share their support: one norm serves them all.
+    let first_of_run: Vec<usize> = (0..n_t)
+        .filter(|&i| i == 0 || columns.support(i) != columns.support(i - 1))
+        .collect();
+    let norms = first_of_run
+        .par_iter()
+        .map(|&i| spectral_norm(a, columns.support(i)))
+        .collect::<Result<Vec<f64>, _>>()?;
+    let mut run = 0;
+    let diagonal = (0..n_t).map(|i| {
+        while first_of_run.get(run + 1).is_some_and(|&next| next <= i) {
+            run += 1;
+        }
+        let norm = norms[run];
+        if columns.support(i).is_empty() {
+            Ok(1.0)
+        } else if norm > 0.0 {
+            Ok(columns.norm_squared(i) / norm)
+        } else {
+            Err(SetupError::BadDiagonal {
+                block: "A",
+                row: columns.support(i)[0] + 1,
+                value: norm,
+                method: "the local augmentation (norm of A on the support of a column of B)",
+            })
+        }
+    });
+    Ok(AugmentationMatrix::diagonal(
+        diagonal.collect::<Result<_, _>>()?,
+    ))
+}
+
+/// ‖A|_s‖₂ of the symmetric A.
+fn spectral_norm(a: &SparseMatrix<f64>, support: &[usize]) -> Result<f64, SetupError> {
+    let n = support.len();
+    if n == 0 {
+        return Ok(0.0);
+    }
+    if n <= DENSE_SUPPORT {
+        let mut restricted = Mat::zeros(n, n);
+        for_restricted(a, support, |i, j, value| restricted[(i, j)] = value);
+        let values = dense::symmetric_eigenvalues(restricted.as_ref())?;
+        return Ok(values[0].abs().max(values[n - 1].abs()));
+    }
+    let mut triplets = Triplets::new((n, n));
+    for_restricted(a, support, |i, j, value| triplets.add_triplet(i, j, value));
+    let restricted = Csr::new(triplets.to_csr());
+    let mut apply = |x: &[f64], y: &mut [f64]| restricted.apply(x, y, &mut []);
+    let (low, high) = extreme_eigenvalues(n, &mut apply, None, LanczosSettings::one_sided())?;
+    Ok(low.value.abs().max(high.value.abs()))
+}

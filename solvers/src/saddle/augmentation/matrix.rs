@@ -1,0 +1,345 @@
+//! C as a matrix: products, solves, its square root and its spectrum.
+
+use crate::SetupError;
+use crate::eigen::dense;
+use faer::Mat;
+use fracas_operators::Preconditioner;
+use fracas_operators::operator::assert_product;
+use fracas_operators::sparse::{SparseMatrix, Triplets};
+use fracas_operators::vector::for_row_ranges;
+use fracas_operators::{LinearOperator, Shape};
+
+/// A 3×3 block by rows.
+pub type Block = [[f64; 3]; 3];
+
+/// Relative size below which a pivot of C counts as zero. Unit: 1.
+const ZERO_PIVOT: f64 = 1e-13;
+
+/// Rows of a dense C that one thread handles without splitting.
+const DENSE_ROWS: usize = 64;
+
+/// An SPD matrix C with `C⁻¹ = F Fᵀ`.
+#[derive(Clone, Debug)]
+pub enum AugmentationMatrix {
+    /// `C = diag(c)`.
+    Diagonal {
+        /// c.
+        c: Vec<f64>,
+    },
+    /// One 3×3 block per face.
+    FaceBlocks {
+        /// The blocks.
+        c: Vec<Block>,
+        /// Their inverses.
+        inverse: Vec<Block>,
+    },
+    /// A full symmetric matrix, by columns.
+    Dense {
+        /// C.
+        c: Mat<f64>,
+        /// C⁻¹.
+        inverse: Mat<f64>,
+    },
+}
+
+impl AugmentationMatrix {
+    pub(super) fn diagonal(c: Vec<f64>) -> Self {
+        Self::Diagonal { c }
+    }
+
+    pub(super) fn face_blocks(c: Vec<Block>) -> Self {
+        Self::FaceBlocks {
+            c,
+            inverse: Vec::new(),
+        }
+    }
+
+    pub(super) fn dense(c: Mat<f64>) -> Self {
+        Self::Dense {
+            c,
+            inverse: Mat::new(),
+        }
+    }
+
+    /// `C = diag(c)`, for theory and tests.
+    ///
+    /// # Errors
+    /// [`SetupError::NotPositiveDefinite`] naming the first row that is not positive.
+    pub fn from_diagonal(c: Vec<f64>) -> Result<Self, SetupError> {
+        let mut matrix = Self::diagonal(c);
+        matrix.factor()?;
+        Ok(matrix)
+    }
+
+    /// A full symmetric C, for theory and tests.
+    ///
+    /// # Errors
+    /// [`SetupError::NotPositiveDefinite`] naming the first row where a pivot vanishes.
+    pub fn from_dense(c: Mat<f64>) -> Result<Self, SetupError> {
+        let mut matrix = Self::dense(c);
+        matrix.factor()?;
+        Ok(matrix)
+    }
+
+    /// Checks that C is SPD and prepares C⁻¹.
+    pub(super) fn factor(&mut self) -> Result<(), SetupError> {
+        match self {
+            Self::Diagonal { c } => match c.iter().position(|v| !(*v > 0.0 && v.is_finite())) {
+                Some(row) => Err(not_positive_definite(row)),
+                None => Ok(()),
+            },
+            Self::FaceBlocks { c, inverse } => {
+                let factors = c.iter().enumerate().map(|(face, block)| {
+                    let l =
+                        cholesky3(block).map_err(|row| not_positive_definite(3 * face + row))?;
+                    let f = inverse_transpose(&l);
+                    Ok(product_with_transpose(&f))
+                });
+                *inverse = factors.collect::<Result<_, SetupError>>()?;
+                Ok(())
+            }
+            Self::Dense { c, inverse } => {
+                let l = dense_factor(c)?;
+                let mut x = Mat::identity(c.nrows(), c.nrows());
+                dense::solve_lower(l.as_ref(), &mut x);
+                dense::solve_lower_adjoint(l.as_ref(), &mut x);
+                dense::symmetrize(&mut x);
+                *inverse = x;
+                Ok(())
+            }
+        }
+    }
+
+    /// n_t.
+    pub fn size(&self) -> usize {
+        match self {
+            Self::Diagonal { c } => c.len(),
+            Self::FaceBlocks { c, .. } => 3 * c.len(),
+            Self::Dense { c, .. } => c.nrows(),
+        }
+    }
+
+    /// Diagonal entries.
+    pub fn diagonal_entries(&self) -> Vec<f64> {
+        match self {
+            Self::Diagonal { c } => c.clone(),
+            Self::FaceBlocks { c, .. } => {
+                c.iter().flat_map(|b| [b[0][0], b[1][1], b[2][2]]).collect()
+            }
+            Self::Dense { c, .. } => (0..c.nrows()).map(|i| c[(i, i)]).collect(),
+        }
+    }
+
+    /// C with all its zeros.
+    pub fn to_dense(&self) -> Mat<f64> {
+        match self {
+            Self::Diagonal { c } => {
+                Mat::from_fn(c.len(), c.len(), |i, j| if i == j { c[i] } else { 0.0 })
+            }
+            Self::FaceBlocks { c, .. } => {
+                let entry = |i: usize, j: usize| {
+                    if i / 3 == j / 3 {
+                        c[i / 3][i % 3][j % 3]
+                    } else {
+                        0.0
+                    }
+                };
+                Mat::from_fn(3 * c.len(), 3 * c.len(), entry)
+            }
+            Self::Dense { c, .. } => c.clone(),
+        }
+    }
+
+    /// Smallest and largest eigenvalue of C.
+    pub fn extremes(&self) -> Result<(f64, f64), SetupError> {
+        let values: Vec<f64> = match self {
+            Self::Diagonal { c } => c.clone(),
+            Self::FaceBlocks { c, .. } => {
+                let blocks = c.iter().map(|b| {
+                    dense::symmetric_eigenvalues(Mat::from_fn(3, 3, |i, j| b[i][j]).as_ref())
+                });
+                blocks.collect::<Result<Vec<_>, _>>()?.concat()
+            }
+            Self::Dense { c, .. } => dense::symmetric_eigenvalues(c.as_ref())?,
+        };
+        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        Ok((low, high))
+    }
+
+    /// A factor of the inverse, `C⁻¹ = F Fᵀ`: `C^{-1/2}` where C is diagonal, L⁻ᵀ otherwise.
+    pub fn inverse_root(&self) -> Result<SparseMatrix<f64>, SetupError> {
+        let n = self.size();
+        let mut triplets = Triplets::new((n, n));
+        match self {
+            Self::Diagonal { c } => c
+                .iter()
+                .enumerate()
+                .for_each(|(i, c)| triplets.add_triplet(i, i, 1.0 / c.sqrt())),
+            Self::FaceBlocks { c, .. } => {
+                for (face, block) in c.iter().enumerate() {
+                    let l =
+                        cholesky3(block).map_err(|row| not_positive_definite(3 * face + row))?;
+                    let f = inverse_transpose(&l);
+                    for i in 0..3 {
+                        (i..3).for_each(|j| {
+                            triplets.add_triplet(3 * face + i, 3 * face + j, f[i][j])
+                        });
+                    }
+                }
+            }
+            Self::Dense { c, .. } => {
+                let l = dense_factor(c)?;
+                let mut f = Mat::identity(n, n);
+                dense::solve_lower_adjoint(l.as_ref(), &mut f);
+                for j in 0..n {
+                    (0..=j).for_each(|i| triplets.add_triplet(i, j, f[(i, j)]));
+                }
+            }
+        }
+        Ok(triplets.to_csr())
+    }
+}
+
+/// Cholesky factor of a dense C with a test for vanishing pivots.
+fn dense_factor(c: &Mat<f64>) -> Result<Mat<f64>, SetupError> {
+    let l = dense::cholesky(c.clone()).map_err(not_positive_definite)?;
+    let lost = (0..c.nrows()).find(|&i| l[(i, i)] * l[(i, i)] <= ZERO_PIVOT * c[(i, i)]);
+    match lost {
+        Some(row) => Err(not_positive_definite(row)),
+        None => Ok(l),
+    }
+}
+
+fn not_positive_definite(row: usize) -> SetupError {
+    SetupError::NotPositiveDefinite {
+        block: "C",
+        row: row + 1,
+        advice: "columns of B depend on each other (over-constrained tractions) or H is indefinite; take local_h, or \
+                 add the jump stabilization"
+            .to_owned(),
+    }
+}
+
+/// Lower factor of an SPD block, or the row of the first pivot that vanishes.
+pub(super) fn cholesky3(b: &Block) -> Result<Block, usize> {
+    let mut l = [[0.0; 3]; 3];
+    for i in 0..3 {
+        for j in 0..=i {
+            let sum = b[i][j] - (0..j).map(|k| l[i][k] * l[j][k]).sum::<f64>();
+            if i == j {
+                if !(sum > ZERO_PIVOT * b[i][i] && sum.is_finite()) {
+                    return Err(i);
+                }
+                l[i][i] = sum.sqrt();
+            } else {
+                l[i][j] = sum / l[j][j];
+            }
+        }
+    }
+    Ok(l)
+}
+
+/// L⁻ᵀ, upper.
+fn inverse_transpose(l: &Block) -> Block {
+    let mut x = [[0.0; 3]; 3];
+    for j in 0..3 {
+        for i in j..3 {
+            let e = if i == j { 1.0 } else { 0.0 };
+            x[i][j] = (e - (j..i).map(|k| l[i][k] * x[k][j]).sum::<f64>()) / l[i][i];
+        }
+    }
+    std::array::from_fn(|i| std::array::from_fn(|j| x[j][i]))
+}
+
+/// F Fᵀ.
+fn product_with_transpose(f: &Block) -> Block {
+    std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| f[i][k] * f[j][k]).sum()))
+}
+
+/// `y ← y + α D x` of a stored symmetric matrix, by rows (a column is a row).
+fn dense_add(d: &Mat<f64>, alpha: f64, x: &[f64], y: &mut [f64]) {
+    for_row_ranges(0, DENSE_ROWS, y, &|start, part| {
+        for (i, y_i) in part.iter_mut().enumerate() {
+            let row = d.col(start + i);
+            let mut sum = 0.0;
+            row.iter().zip(x).for_each(|(d, x)| sum += d * x);
+            *y_i += alpha * sum;
+        }
+    });
+}
+
+/// `y ← y + α diag(blocks) x`.
+fn blocks_add(blocks: &[Block], alpha: f64, x: &[f64], y: &mut [f64]) {
+    for ((b, x), y) in blocks
+        .iter()
+        .zip(x.chunks_exact(3))
+        .zip(y.chunks_exact_mut(3))
+    {
+        for i in 0..3 {
+            y[i] += alpha * (b[i][0] * x[0] + b[i][1] * x[1] + b[i][2] * x[2]);
+        }
+    }
+}
+
+impl LinearOperator<f64> for AugmentationMatrix {
+    fn shape(&self) -> Shape {
+        Shape::square(self.size())
+    }
+
+    fn apply_add(&self, alpha: f64, x: &[f64], y: &mut [f64], _work: &mut [f64]) {
+        assert_product(self.shape(), x, y);
+        match self {
+            Self::Diagonal { c } => {
+                y.iter_mut()
+                    .zip(x)
+                    .zip(c)
+                    .for_each(|((y, x), c)| *y += alpha * c * x);
+            }
+            Self::FaceBlocks { c, .. } => blocks_add(c, alpha, x, y),
+            Self::Dense { c, .. } => dense_add(c, alpha, x, y),
+        }
+    }
+
+    fn flops(&self) -> u64 {
+        let n = self.size() as u64;
+        match self {
+            Self::Diagonal { .. } => 3 * n,
+            Self::FaceBlocks { .. } => 7 * n,
+            Self::Dense { .. } => 2 * n * n + 2 * n,
+        }
+    }
+}
+
+/// `z ← C⁻¹ r`.
+impl Preconditioner<f64> for AugmentationMatrix {
+    fn size(&self) -> usize {
+        self.size()
+    }
+
+    fn solve(&self, r: &[f64], z: &mut [f64], _work: &mut [f64]) {
+        assert_product(self.shape(), r, z);
+        match self {
+            Self::Diagonal { c } => z
+                .iter_mut()
+                .zip(r)
+                .zip(c)
+                .for_each(|((z, r), c)| *z = r / c),
+            Self::FaceBlocks { inverse, .. } => {
+                z.fill(0.0);
+                blocks_add(inverse, 1.0, r, z);
+            }
+            Self::Dense { inverse, .. } => {
+                z.fill(0.0);
+                dense_add(inverse, 1.0, r, z);
+            }
+        }
+    }
+
+    fn flops(&self) -> u64 {
+        match self {
+            Self::Diagonal { c } => c.len() as u64,
+            _ => LinearOperator::flops(self),
+        }
+    }
+}

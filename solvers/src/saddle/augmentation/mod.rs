@@ -1,0 +1,148 @@
+//! Augmentations: the SPD matrix C of `Â = [A B; Bᵀ −C]` and `S_u = A + B C⁻¹ Bᵀ`.
+//!
+//! One file per definition; a new one is its own file and one line in each `match` of [`AugmentationChoice`].
+//!
+//! B is B1 in every definition. Where H is not symmetric positive semi-definite (slip and open rows of an unsymmetric
+//! Jacobian carry `+A` on the diagonal of the (2,2) block, so `H_ii < 0`), the definitions with H take `|H_ii|`: C
+//! stays SPD whatever H is.
+
+mod exact;
+mod face_block;
+mod global;
+mod local;
+mod matrix;
+mod stabilized;
+mod support;
+
+pub use matrix::{AugmentationMatrix, Block};
+
+use super::SaddleBlocks;
+use crate::SetupError;
+use crate::direct::DirectSolver;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::str::FromStr;
+
+/// Which C.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum AugmentationChoice {
+    /// `C_ii = ‖r(b_i)‖₂² / ‖A|_{b_i}‖₂`.
+    Local,
+    /// `C = γ I`, `γ = ‖B‖₂² / ‖A‖₂`.
+    Global,
+    /// `C = s γ I` with a factor s.
+    GlobalTimes(f64),
+    /// `C = Bᵀ A⁻¹ B`.
+    Exact,
+    /// `C = C_local + |diag H|`: C must dominate H.
+    #[default]
+    LocalH,
+    /// `C = Bᵀ A⁻¹ B + H`.
+    ExactH,
+    /// `C_f = r(B_f)ᵀ (A|_f)⁻¹ r(B_f) + |H_ff|` for the three columns of every face.
+    FaceBlock,
+}
+
+impl AugmentationChoice {
+    /// Every choice that has a plain name.
+    pub const ALL: [Self; 6] = [
+        Self::Local,
+        Self::Global,
+        Self::Exact,
+        Self::LocalH,
+        Self::ExactH,
+        Self::FaceBlock,
+    ];
+
+    /// Name without parameters, as the command line and the scene file spell it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Local => "local",
+            Self::Global => "global",
+            Self::GlobalTimes(_) => "global_times",
+            Self::Exact => "exact",
+            Self::LocalH => "local_h",
+            Self::ExactH => "exact_h",
+            Self::FaceBlock => "face_block",
+        }
+    }
+
+    /// C for these blocks; `direct` factorizes A where the definition needs it.
+    ///
+    /// # Errors
+    /// [`SetupError::NotApplicable`] with the reason (A singular for the exact ones, n_t not a multiple of 3 for face
+    /// blocks); [`SetupError::NotFinite`] for NaN; [`SetupError::NotPositiveDefinite`] naming the row of C.
+    pub fn compute(
+        self,
+        blocks: &SaddleBlocks,
+        direct: &dyn DirectSolver,
+    ) -> Result<Augmentation, SetupError> {
+        blocks.check()?;
+        let columns = support::Columns::new(&blocks.b1);
+        let mut matrix = match self {
+            Self::Local => local::local(&blocks.a, &columns)?,
+            Self::Global => global::global(blocks, &columns, 1.0)?,
+            Self::GlobalTimes(factor) => global::global(blocks, &columns, factor)?,
+            Self::Exact => exact::exact(blocks, &columns, direct)?,
+            Self::LocalH => stabilized::local_h(blocks, &columns)?,
+            Self::ExactH => stabilized::exact_h(blocks, &columns, direct)?,
+            Self::FaceBlock => face_block::face_block(blocks, &columns)?,
+        };
+        matrix.factor()?;
+        Ok(Augmentation {
+            matrix,
+            empty_columns: columns.empty(),
+        })
+    }
+}
+
+impl fmt::Display for AugmentationChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::GlobalTimes(factor) => write!(f, "global_times={factor}"),
+            named => f.write_str(named.name()),
+        }
+    }
+}
+
+/// A name that is none of [`AugmentationChoice`]'s.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "unknown augmentation {found:?}: expected local, global, global_times=FACTOR, exact, local_h, exact_h or face_block"
+)]
+pub struct UnknownAugmentation {
+    /// What was given.
+    pub found: String,
+}
+
+impl FromStr for AugmentationChoice {
+    type Err = UnknownAugmentation;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        let scaled = || {
+            let factor: f64 = name.strip_prefix("global_times=")?.parse().ok()?;
+            (factor > 0.0 && factor.is_finite()).then_some(Self::GlobalTimes(factor))
+        };
+        Self::ALL
+            .into_iter()
+            .find(|choice| choice.name() == name)
+            .or_else(scaled)
+            .ok_or_else(|| UnknownAugmentation {
+                found: name.to_owned(),
+            })
+    }
+}
+
+/// C and what was noticed while it was computed.
+#[derive(Clone, Debug)]
+pub struct Augmentation {
+    /// C, factorized.
+    pub matrix: AugmentationMatrix,
+    /// Columns of B without entries (from 0): they got `C_ii = 1`.
+    pub empty_columns: Vec<usize>,
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,117 @@
+//! The primal Schur complement `S_u = A + B C⁻¹ Bᵀ` and its exact inverse.
+
+use super::scaling::ScaledInverse;
+use super::{AugmentationMatrix, SaddleBlocks};
+use crate::SetupError;
+use crate::direct::{DirectSolver, Factorization, Kind};
+use fracas_operators::Preconditioner;
+use fracas_operators::sparse::{SparseMatrix, Triplets};
+
+/// `S_u = A + (BF)(BF)ᵀ` with `C⁻¹ = F Fᵀ`: symmetric to the last bit where A is.
+///
+/// # Cost
+/// Two sparse products. A dense C couples every row of B with every other one.
+pub fn primal_schur(
+    a: &SparseMatrix<f64>,
+    b: &SparseMatrix<f64>,
+    c: &AugmentationMatrix,
+) -> Result<SparseMatrix<f64>, SetupError> {
+    let root = c.inverse_root()?;
+    let scaled = b * &root;
+    let transpose = scaled.transpose_view().to_csr();
+    let augmentation = &scaled * &transpose;
+    Ok(a + &augmentation)
+}
+
+/// `S̃_u⁻¹ = S_u⁻¹` by a sparse factorization.
+///
+/// For a diagonal or block-diagonal C, S_u is assembled and factorized (LLᵀ). For a dense C, `S_u y = x` is the first
+/// row of `[A B; Bᵀ −C] [y; w] = [x; 0]`, factorized by LDLᵀ: no fill from BC⁻¹Bᵀ and no subtraction of large terms,
+/// which the Woodbury formula has where BC⁻¹Bᵀ dominates A. It needs A positive definite, and so does every dense C
+/// of the list.
+///
+/// # Errors
+/// [`SetupError::NotPositiveDefinite`] or [`SetupError::Singular`] for S_u when a floating block is touched by no
+/// fracture.
+pub fn exact_inverse(
+    blocks: &SaddleBlocks,
+    c: &AugmentationMatrix,
+    direct: &dyn DirectSolver,
+) -> Result<Box<dyn Preconditioner<f64>>, SetupError> {
+    if let AugmentationMatrix::Dense { .. } = c {
+        let matrix = quasi_definite(blocks, c);
+        let factors = direct
+            .analyze(&matrix, Kind::QuasiDefinite)?
+            .factor(&matrix)
+            .map_err(about_s_u)?;
+        return Ok(Box::new(QuasiDefinite {
+            n_u: blocks.n_u(),
+            factors,
+        }));
+    }
+    let s_u = primal_schur(&blocks.a, &blocks.b1, c)?;
+    let inverse = ScaledInverse::new(&s_u, direct, "S_u").map_err(about_s_u)?;
+    Ok(Box::new(inverse))
+}
+
+/// Names S_u in the failure of a factorization and says what makes it singular.
+fn about_s_u(error: SetupError) -> SetupError {
+    let mut error = error.in_block("S_u");
+    if let SetupError::NotPositiveDefinite { advice, .. } | SetupError::Singular { advice, .. } =
+        &mut error
+    {
+        "a block of rock is held neither by boundary conditions nor by a fracture, or A is indefinite"
+            .clone_into(advice);
+    }
+    error
+}
+
+/// `[A B; Bᵀ −C]`.
+fn quasi_definite(blocks: &SaddleBlocks, c: &AugmentationMatrix) -> SparseMatrix<f64> {
+    let (n_u, n_t) = (blocks.n_u(), blocks.n_t());
+    let mut triplets = Triplets::new((n_u + n_t, n_u + n_t));
+    for (i, row) in blocks.a.outer_iterator().enumerate() {
+        row.iter().for_each(|(j, v)| triplets.add_triplet(i, j, *v));
+    }
+    for (i, row) in blocks.b1.outer_iterator().enumerate() {
+        for (j, v) in row.iter() {
+            triplets.add_triplet(i, n_u + j, *v);
+            triplets.add_triplet(n_u + j, i, *v);
+        }
+    }
+    let c = c.to_dense();
+    for j in 0..n_t {
+        (0..n_t).for_each(|i| triplets.add_triplet(n_u + i, n_u + j, -c[(i, j)]));
+    }
+    triplets.to_csr()
+}
+
+/// S_u⁻¹ through factors of `[A B; Bᵀ −C]`.
+struct QuasiDefinite {
+    n_u: usize,
+    factors: Box<dyn Factorization>,
+}
+
+impl Preconditioner<f64> for QuasiDefinite {
+    fn size(&self) -> usize {
+        self.n_u
+    }
+
+    fn solve(&self, r: &[f64], z: &mut [f64], work: &mut [f64]) {
+        let n = self.factors.size();
+        let (x, work) = work.split_at_mut(n);
+        let (y, work) = work.split_at_mut(n);
+        x[..self.n_u].copy_from_slice(r);
+        x[self.n_u..].fill(0.0);
+        self.factors.solve(x, y, work);
+        z.copy_from_slice(&y[..self.n_u]);
+    }
+
+    fn work_len(&self) -> usize {
+        2 * self.factors.size() + self.factors.work_len()
+    }
+
+    fn flops(&self) -> u64 {
+        self.factors.flops()
+    }
+}

@@ -1,0 +1,70 @@
+//! What a smoother asks of a matrix: square, rows, finite entries, a positive diagonal, an admissible ω.
+
+use crate::SetupError;
+use fracas_operators::Shape;
+use fracas_operators::sparse::SparseMatrix;
+use std::borrow::Cow;
+
+/// The matrix of a smoother in messages.
+pub(super) const BLOCK: &str = "A";
+
+/// `a` by rows, checked to be square and finite.
+pub(super) fn rows(a: &SparseMatrix<f64>) -> Result<Cow<'_, SparseMatrix<f64>>, SetupError> {
+    let found = Shape::new(a.rows(), a.cols());
+    if !found.is_square() {
+        return Err(SetupError::Shape {
+            block: BLOCK,
+            found,
+            expected: Shape::square(found.rows),
+            reason: "a smoother needs a square matrix",
+        });
+    }
+    let a = if a.is_csr() {
+        Cow::Borrowed(a)
+    } else {
+        Cow::Owned(a.to_csr())
+    };
+    for (i, row) in a.outer_iterator().enumerate() {
+        if let Some((j, value)) = row.iter().find(|(_, value)| !value.is_finite()) {
+            return Err(SetupError::NotFinite {
+                block: BLOCK,
+                row: i + 1,
+                column: j + 1,
+                value: *value,
+            });
+        }
+    }
+    Ok(a)
+}
+
+/// The diagonal, checked to be positive; a missing entry is 0.
+pub(super) fn positive_diagonal(
+    a: &SparseMatrix<f64>,
+    method: &'static str,
+) -> Result<Vec<f64>, SetupError> {
+    let entry = |i: usize| {
+        let value = a.get(i, i).copied().unwrap_or(0.0);
+        if value > 0.0 {
+            Ok(value)
+        } else {
+            Err(SetupError::BadDiagonal {
+                block: BLOCK,
+                row: i + 1,
+                value,
+                method,
+            })
+        }
+    };
+    (0..a.rows()).map(entry).collect()
+}
+
+/// Checks `0 < ω < limit`.
+pub(super) fn relaxation(omega: f64, limit: f64, method: &'static str) -> Result<(), SetupError> {
+    if omega > 0.0 && omega < limit {
+        return Ok(());
+    }
+    Err(SetupError::NotApplicable {
+        method,
+        reason: format!("its relaxation omega = {omega} must lie between 0 and {limit}"),
+    })
+}

@@ -1,0 +1,134 @@
+//! Claim: the rooms import each other in one direction only, files stay small, and nothing unfinished is left behind.
+#![allow(clippy::unwrap_used)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            rust_files(&path, found);
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+fn sources(folder: &str) -> Vec<(PathBuf, String)> {
+    let mut files = Vec::new();
+    rust_files(&root().join(folder), &mut files);
+    files.sort();
+    assert!(!files.is_empty(), "no sources in {folder}");
+    files
+        .into_iter()
+        .map(|path| {
+            let text = fs::read_to_string(&path).unwrap();
+            (path, text)
+        })
+        .collect()
+}
+
+/// Code without the lines that are comments.
+fn code(text: &str) -> String {
+    text.lines()
+        .filter(|line| !line.trim_start().starts_with("//"))
+        .collect::<Vec<_>>()
+        .join("\n")
+}
+
+#[test]
+fn crates_form_a_chain() {
+    for (folder, forbidden) in [
+        (
+            "operators/src",
+            vec!["fracas_solvers", "fracas::", "faer::", "fracas_experiments"],
+        ),
+        (
+            "solvers/src",
+            vec!["fracas::", "fracas_experiments", "HexMesh", "FractureMesh"],
+        ),
+        ("src", vec!["fracas_experiments", "plotters", "clap::"]),
+    ] {
+        for (path, text) in sources(folder) {
+            for word in &forbidden {
+                assert!(
+                    !code(&text).contains(word),
+                    "{} uses {word}",
+                    path.display()
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn rooms_of_the_model_form_a_chain() {
+    // a room may import only rooms that stand before it
+    let rooms: [(&str, &[&str]); 5] = [
+        ("units", &[]),
+        ("mesh", &["units"]),
+        ("elasticity", &["units", "mesh"]),
+        ("contact", &["units", "mesh", "elasticity"]),
+        ("scene", &["units", "mesh", "elasticity", "contact"]),
+    ];
+    let all = [
+        "units",
+        "mesh",
+        "elasticity",
+        "contact",
+        "scene",
+        "system",
+        "io",
+    ];
+    for (path, text) in sources("src") {
+        let relative = path.strip_prefix(root().join("src")).unwrap();
+        let first = relative
+            .components()
+            .next()
+            .unwrap()
+            .as_os_str()
+            .to_string_lossy();
+        let room = first.trim_end_matches(".rs").to_owned();
+        let Some((_, before)) = rooms.iter().find(|(name, _)| *name == room) else {
+            continue;
+        };
+        for other in all.iter().filter(|o| **o != room && !before.contains(o)) {
+            assert!(
+                !code(&text).contains(&format!("crate::{other}")),
+                "{} imports {other}, which comes after it",
+                path.display()
+            );
+        }
+    }
+}
+
+#[test]
+fn files_are_small_and_finished() {
+    let mut lengths = Vec::new();
+    for folder in ["operators/src", "solvers/src", "src", "experiments/src"] {
+        for (path, text) in sources(folder) {
+            let lines = text.lines().count();
+            assert!(
+                lines <= 500,
+                "{} has {lines} lines: one idea per file",
+                path.display()
+            );
+            for word in ["todo!", "unimplemented!", "dbg!(", "FIXME"] {
+                assert!(
+                    !text.contains(word),
+                    "{} is unfinished: {word}",
+                    path.display()
+                );
+            }
+            lengths.push(lines);
+        }
+    }
+    lengths.sort_unstable();
+    let median = lengths[lengths.len() / 2];
+    assert!(median <= 180, "the median file has {median} lines");
+}
