@@ -7,4 +7,5 @@ pub mod elasticity;
 pub mod io;
 pub mod mesh;
 pub mod scene;
+pub mod system;
 pub mod units;

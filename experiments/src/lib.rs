@@ -1,1 +1,8 @@
-//! experiments
+//! What you run: one file per figure or table, the report that shows them beside the published numbers, and the
+//! `fracas` command line.
+
+pub mod command;
+pub mod e01_checkerboard;
+pub mod list;
+pub mod plot;
+pub mod report;

@@ -15,6 +15,7 @@ pub mod block;
 pub mod count;
 pub mod dense;
 pub mod laws;
+pub mod matrix_market;
 pub mod operator;
 pub mod preconditioner;
 pub mod real;

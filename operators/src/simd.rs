@@ -66,6 +66,11 @@ pub trait Simd<R>: Copy {
     fn mul(self, other: Self) -> Self;
     /// `self · factor + term`; one rounding where the instruction set has it.
     fn mul_add(self, factor: Self, term: Self) -> Self;
+
+    /// Three vectors that hold x y z x y z … to the vectors of all x, all y, all z.
+    fn deinterleave(xyz: [Self; 3]) -> [Self; 3];
+    /// The inverse of [`deinterleave`](Self::deinterleave).
+    fn interleave(components: [Self; 3]) -> [Self; 3];
 }
 
 /// One lane, any processor: products and sums stay separate, since a fused one would be a library call.
@@ -102,6 +107,14 @@ impl<R: Real> Simd<R> for Scalar<R> {
     fn mul_add(self, factor: Self, term: Self) -> Self {
         Self(self.0 * factor.0 + term.0)
     }
+    #[inline(always)]
+    fn deinterleave(xyz: [Self; 3]) -> [Self; 3] {
+        xyz
+    }
+    #[inline(always)]
+    fn interleave(components: [Self; 3]) -> [Self; 3] {
+        components
+    }
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -111,7 +124,7 @@ mod x86 {
 
     macro_rules! vector {
         ($name:ident, $doc:literal, $scalar:ty, $lanes:literal, $raw:ty, $set1:ident, $load:ident, $store:ident,
-         $add:ident, $sub:ident, $mul:ident, $fma:ident) => {
+         $add:ident, $sub:ident, $mul:ident, $fma:ident, { $($shuffles:tt)* }) => {
             #[doc = $doc]
             #[derive(Clone, Copy, Debug)]
             pub struct $name($raw);
@@ -150,6 +163,107 @@ mod x86 {
                 fn mul_add(self, factor: Self, term: Self) -> Self {
                     Self(unsafe { $fma(self.0, factor.0, term.0) })
                 }
+                $($shuffles)*
+            }
+        };
+    }
+
+    /// Lane `l` of component `c` comes from entry `3 l + c` of the three vectors; two permutations per component: the first
+    /// takes what the first two vectors hold, the second adds what the third holds.
+    macro_rules! permuted {
+        ($lanes:literal, $index:ty, $load_index:ident, $permute:ident) => {
+            #[inline(always)]
+            fn deinterleave(xyz: [Self; 3]) -> [Self; 3] {
+                const L: usize = $lanes;
+                const fn table(c: usize, second: bool) -> [$index; L] {
+                    let mut t = [0; L];
+                    let mut l = 0;
+                    while l < L {
+                        let entry = 3 * l + c;
+                        t[l] = if second {
+                            if entry < 2 * L {
+                                l as $index
+                            } else {
+                                (entry - 2 * L + L) as $index
+                            }
+                        } else if entry < 2 * L {
+                            entry as $index
+                        } else {
+                            0
+                        };
+                        l += 1;
+                    }
+                    t
+                }
+                const FIRST: [[$index; L]; 3] = [table(0, false), table(1, false), table(2, false)];
+                const SECOND: [[$index; L]; 3] = [table(0, true), table(1, true), table(2, true)];
+                std::array::from_fn(|c| unsafe {
+                    let first = $load_index(FIRST[c].as_ptr().cast());
+                    let second = $load_index(SECOND[c].as_ptr().cast());
+                    let low = $permute(xyz[0].0, first, xyz[1].0);
+                    Self($permute(low, second, xyz[2].0))
+                })
+            }
+            #[inline(always)]
+            fn interleave(components: [Self; 3]) -> [Self; 3] {
+                const L: usize = $lanes;
+                const fn table(v: usize, second: bool) -> [$index; L] {
+                    let mut t = [0; L];
+                    let mut l = 0;
+                    while l < L {
+                        let (lane, c) = ((v * L + l) / 3, (v * L + l) % 3);
+                        t[l] = if second {
+                            if c < 2 {
+                                l as $index
+                            } else {
+                                (lane + L) as $index
+                            }
+                        } else if c < 2 {
+                            (lane + c * L) as $index
+                        } else {
+                            0
+                        };
+                        l += 1;
+                    }
+                    t
+                }
+                const FIRST: [[$index; L]; 3] = [table(0, false), table(1, false), table(2, false)];
+                const SECOND: [[$index; L]; 3] = [table(0, true), table(1, true), table(2, true)];
+                std::array::from_fn(|v| unsafe {
+                    let first = $load_index(FIRST[v].as_ptr().cast());
+                    let second = $load_index(SECOND[v].as_ptr().cast());
+                    let low = $permute(components[0].0, first, components[1].0);
+                    Self($permute(low, second, components[2].0))
+                })
+            }
+        };
+    }
+
+    /// The same through memory, where the instruction set has no permutation of two vectors.
+    macro_rules! copied {
+        ($scalar:ty, $lanes:literal) => {
+            #[inline(always)]
+            fn deinterleave(xyz: [Self; 3]) -> [Self; 3] {
+                let mut flat = [0.0; 3 * $lanes];
+                for (v, part) in xyz.into_iter().zip(flat.chunks_exact_mut($lanes)) {
+                    v.store(part);
+                }
+                std::array::from_fn(|c| {
+                    let lanes: [$scalar; $lanes] = std::array::from_fn(|l| flat[3 * l + c]);
+                    Self::load(&lanes)
+                })
+            }
+            #[inline(always)]
+            fn interleave(components: [Self; 3]) -> [Self; 3] {
+                let mut flat = [[0.0; $lanes]; 3];
+                for (v, part) in components.into_iter().zip(&mut flat) {
+                    v.store(part);
+                }
+                std::array::from_fn(|v| {
+                    let lanes: [$scalar; $lanes] =
+                        std::array::from_fn(|l| flat[(v * $lanes + l) % 3][(v * $lanes + l) / 3]);
+                    Self::load(&lanes)
+                })
             }
         };
     }
@@ -166,7 +280,10 @@ mod x86 {
         _mm512_add_pd,
         _mm512_sub_pd,
         _mm512_mul_pd,
-        _mm512_fmadd_pd
+        _mm512_fmadd_pd,
+        {
+            permuted!(8, i64, _mm512_loadu_epi64, _mm512_permutex2var_pd);
+        }
     );
     vector!(
         F32x16,
@@ -180,7 +297,10 @@ mod x86 {
         _mm512_add_ps,
         _mm512_sub_ps,
         _mm512_mul_ps,
-        _mm512_fmadd_ps
+        _mm512_fmadd_ps,
+        {
+            permuted!(16, i32, _mm512_loadu_epi32, _mm512_permutex2var_ps);
+        }
     );
     vector!(
         F64x4,
@@ -194,7 +314,10 @@ mod x86 {
         _mm256_add_pd,
         _mm256_sub_pd,
         _mm256_mul_pd,
-        _mm256_fmadd_pd
+        _mm256_fmadd_pd,
+        {
+            copied!(f64, 4);
+        }
     );
     vector!(
         F32x8,
@@ -208,7 +331,10 @@ mod x86 {
         _mm256_add_ps,
         _mm256_sub_ps,
         _mm256_mul_ps,
-        _mm256_fmadd_ps
+        _mm256_fmadd_ps,
+        {
+            copied!(f32, 8);
+        }
     );
 }
 
@@ -228,3 +354,38 @@ mod portable {
 }
 #[cfg(not(target_arch = "x86_64"))]
 pub use portable::{F32x8, F32x16, F64x4, F64x8};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shuffles<R: Real, V: Simd<R>>() {
+        let entries: Vec<R> = (0..3 * V::LANES).map(|i| R::of(i as f64)).collect();
+        let xyz = [0, 1, 2].map(|v| V::load(&entries[v * V::LANES..]));
+        let mut lanes = vec![R::zero(); V::LANES];
+        for (c, component) in V::deinterleave(xyz).into_iter().enumerate() {
+            component.store(&mut lanes);
+            for (l, value) in lanes.iter().enumerate() {
+                assert_eq!(*value, R::of((3 * l + c) as f64));
+            }
+        }
+        let back = V::interleave(V::deinterleave(xyz));
+        for (v, vector) in back.into_iter().enumerate() {
+            vector.store(&mut lanes);
+            assert_eq!(lanes, entries[v * V::LANES..(v + 1) * V::LANES]);
+        }
+    }
+
+    #[test]
+    fn shuffles_separate_and_join_components() {
+        shuffles::<f64, Scalar<f64>>();
+        if InstructionSet::Avx2.is_available() {
+            shuffles::<f64, F64x4>();
+            shuffles::<f32, F32x8>();
+        }
+        if InstructionSet::Avx512.is_available() {
+            shuffles::<f64, F64x8>();
+            shuffles::<f32, F32x16>();
+        }
+    }
+}

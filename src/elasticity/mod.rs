@@ -1,9 +1,18 @@
 //! Small-strain isotropic elasticity on Q1 hexahedra.
 
+mod assembled;
 mod bricks;
+mod check;
 mod constraints;
+pub mod element;
+mod error;
+pub mod loads;
 mod material;
+#[cfg(test)]
+mod sample;
 
+pub use assembled::{lift, reduced, stiffness};
 pub use bricks::Bricks;
 pub use constraints::Constraints;
+pub use error::ElasticityError;
 pub use material::Elastic;

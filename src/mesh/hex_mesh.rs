@@ -38,48 +38,8 @@ pub struct HexMesh {
 }
 
 impl HexMesh {
-    /// Volume of an element [m³]: `Σ_q det J(ξ_q)` over the 2×2×2 Gauss points, exact for trilinear hexahedra.
+    /// Volume of an element [m³].
     pub fn element_volume(&self, element: usize) -> f64 {
-        let corners = self.elements[element].map(|a| self.nodes[a as usize]);
-        let g = 1.0 / 3.0_f64.sqrt();
-        let mut volume = 0.0;
-        for q in 0..8 {
-            let xi = [q & 1, (q >> 1) & 1, q >> 2].map(|b| if b == 0 { -g } else { g });
-            volume += jacobian_determinant(&corners, xi);
-        }
-        volume
+        super::jacobian::volume(&self.elements[element].map(|a| self.nodes[a as usize]))
     }
-}
-
-/// Reference corners of the hexahedron in VTK order.
-pub const CORNERS: [[f64; 3]; 8] = [
-    [-1.0, -1.0, -1.0],
-    [1.0, -1.0, -1.0],
-    [1.0, 1.0, -1.0],
-    [-1.0, 1.0, -1.0],
-    [-1.0, -1.0, 1.0],
-    [1.0, -1.0, 1.0],
-    [1.0, 1.0, 1.0],
-    [-1.0, 1.0, 1.0],
-];
-
-/// `det ∂x/∂ξ` of the trilinear map at `xi ∈ [−1, 1]³`.
-pub fn jacobian_determinant(corners: &[[f64; 3]; 8], xi: [f64; 3]) -> f64 {
-    let mut j = [[0.0; 3]; 3];
-    for (x, c) in corners.iter().zip(&CORNERS) {
-        let factor: [f64; 3] = std::array::from_fn(|d| 1.0 + c[d] * xi[d]);
-        let gradient = [
-            0.125 * c[0] * factor[1] * factor[2],
-            0.125 * c[1] * factor[0] * factor[2],
-            0.125 * c[2] * factor[0] * factor[1],
-        ];
-        for i in 0..3 {
-            for d in 0..3 {
-                j[i][d] += x[i] * gradient[d];
-            }
-        }
-    }
-    j[0][0] * (j[1][1] * j[2][2] - j[1][2] * j[2][1])
-        - j[0][1] * (j[1][0] * j[2][2] - j[1][2] * j[2][0])
-        + j[0][2] * (j[1][0] * j[2][1] - j[1][1] * j[2][0])
 }

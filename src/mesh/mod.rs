@@ -1,7 +1,35 @@
 //! Hexahedral meshes and the fractures in them.
+//!
+//! [`Axis`] lines make a box of bricks ([`BoxGrid`]), [`PlaneFracture`]s select faces of it, a [`Warp`] moves the
+//! nodes, [`BoxGrid::build`] splits the nodes on fractures, and [`audit`] says what came out.
 
+mod audit;
+mod axis;
+mod bodies;
+mod box_grid;
+mod error;
+mod face_geometry;
+mod fracture_edges;
 mod fracture_mesh;
 mod hex_mesh;
+mod jacobian;
+mod kernel;
+mod plane_fracture;
+mod rank;
+mod split;
+mod warp;
 
+pub use audit::{Audit, FractureCounts, audit};
+pub use axis::{Axis, Grading};
+pub use bodies::{BodyPart, Hold, bodies};
+pub use box_grid::{BoxGrid, BoxRegion, BuiltMesh};
+pub use error::MeshError;
+pub use face_geometry::{FaceGeometry, face_geometry};
+pub use fracture_edges::fracture_edges;
 pub use fracture_mesh::{FaceSide, FractureEdge, FractureFace, FractureMesh};
-pub use hex_mesh::{CORNERS, Grid, HexMesh, jacobian_determinant};
+pub use hex_mesh::{Grid, HexMesh};
+pub use jacobian::{check_jacobians, min_jacobian};
+pub use kernel::{CouplingKernel, KernelFinding, KernelReason, coupling_kernel};
+pub use plane_fracture::PlaneFracture;
+pub use split::{Cut, FACES, split};
+pub use warp::{Distort, Incline, Rotate, Warp, WarpContext};

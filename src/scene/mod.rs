@@ -1,1 +1,108 @@
-//! scene
+//! Scenes: what is written in a TOML file, checked, and turned into a [`Body`] that can be assembled.
+
+mod body;
+mod build;
+mod error;
+mod gallery;
+mod geometry;
+mod hold;
+mod mesh_sections;
+mod one_or_many;
+mod overrides;
+mod sections;
+mod source;
+
+use std::path::Path;
+
+pub use body::{Body, Friction, InitialStress, SurfaceTraction};
+pub use error::{Place, Problem, SceneError};
+pub use gallery::{GalleryScene, gallery, named};
+pub use mesh_sections::{
+    AxisName, AxisSection, DistortSection, FractureSection, InclineSection, MapSection,
+    MeshSection, RotateSection,
+};
+pub use one_or_many::OneOrMany;
+pub use sections::{
+    BoundarySection, BoxSection, ComponentsSection, HoldSection, InitialStressSection,
+    MaterialSection, SceneSections, SideName, TensorSection,
+};
+
+use source::Source;
+
+/// A scene: its sections and the text that they came from.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    sections: SceneSections,
+    source: Source,
+}
+
+impl Scene {
+    /// Reads a scene from text; `file_name` is for messages.
+    ///
+    /// # Errors
+    /// [`SceneError`] with line, column and excerpt: syntax, unknown keys with their nearest match, values out of range.
+    pub fn from_toml(text: &str, file_name: &str) -> Result<Self, SceneError> {
+        let source = Source::new(text, file_name);
+        let sections = source.parse()?;
+        Ok(Self { sections, source })
+    }
+
+    /// Reads a scene from a file.
+    ///
+    /// # Errors
+    /// [`SceneError`], also if the file cannot be read.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
+        let name = path.as_ref().display().to_string();
+        let text = std::fs::read_to_string(&path).map_err(|source| SceneError::Read {
+            file: name.clone(),
+            source,
+        })?;
+        Self::from_toml(&text, &name)
+    }
+
+    /// The same scene with values replaced: `mesh.x.cells=8`, `material.rock.young=20 GPa`, `boundary.0.side=z+`.
+    ///
+    /// # Errors
+    /// [`SceneError`] if an override has no `=`, leads nowhere, or makes the scene invalid.
+    pub fn with_overrides<S: AsRef<str>>(&self, overrides: &[S]) -> Result<Self, SceneError> {
+        if overrides.is_empty() {
+            return Ok(self.clone());
+        }
+        let text = overrides::apply(&self.source, overrides)?;
+        Self::from_toml(&text, &format!("{} with --set", self.source.file()))
+    }
+
+    /// The sections, as typed data.
+    pub fn sections(&self) -> &SceneSections {
+        &self.sections
+    }
+
+    /// Title.
+    pub fn title(&self) -> &str {
+        &self.sections.title
+    }
+
+    /// The scene as TOML with every default left out; reads back as the same sections.
+    ///
+    /// # Errors
+    /// [`SceneError::Write`] if a value has no TOML form.
+    pub fn to_toml(&self) -> Result<String, SceneError> {
+        Ok(toml::to_string(&self.sections)?)
+    }
+
+    /// Mesh, materials, boundary conditions and loads.
+    ///
+    /// # Cost
+    /// O(elements).
+    ///
+    /// # Errors
+    /// [`SceneError`] with the line of the section that cannot be met, or [`SceneError::NotHeld`].
+    pub fn build(&self) -> Result<Body, SceneError> {
+        build::build(&self.sections, &self.source)
+    }
+}
+
+/// JSON Schema of the scene file.
+pub fn schema() -> schemars::Schema {
+    schemars::schema_for!(SceneSections)
+}

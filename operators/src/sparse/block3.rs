@@ -48,20 +48,54 @@ impl<R: Real> Block3<R> {
         self.blocks.len()
     }
 
+    /// Block row offsets (block rows + 1).
+    pub fn offsets(&self) -> &[usize] {
+        &self.offsets
+    }
+
+    /// Block columns, row after row.
+    pub fn columns(&self) -> &[u32] {
+        &self.columns
+    }
+
+    /// Blocks, row after row, each row-major.
+    pub fn blocks(&self) -> &[[R; 9]] {
+        &self.blocks
+    }
+
+    /// Entries (column, value) of one scalar row, zeros inside blocks included.
+    pub fn row(&self, row: usize) -> impl Iterator<Item = (usize, R)> + '_ {
+        let range = self.offsets[row / 3]..self.offsets[row / 3 + 1];
+        let r = 3 * (row % 3);
+        range.flat_map(move |k| {
+            let (block, j) = (&self.blocks[k], 3 * self.columns[k] as usize);
+            (0..3).map(move |c| (j + c, block[r + c]))
+        })
+    }
+
+    /// The same matrix in another precision.
+    pub fn cast<S: Real>(&self) -> Block3<S> {
+        Block3 {
+            offsets: self.offsets.clone(),
+            columns: self.columns.clone(),
+            blocks: self
+                .blocks
+                .iter()
+                .map(|b| b.map(|v| S::of(v.to_f64_exact())))
+                .collect(),
+            cols: self.cols,
+        }
+    }
+
     /// The same matrix entry by entry, without the zeros inside blocks.
     pub fn to_csr(&self) -> SparseMatrix<R> {
         let n = 3 * self.block_rows();
         let mut offsets = vec![0];
         let (mut columns, mut values) = (Vec::new(), Vec::new());
         for row in 0..n {
-            for k in self.offsets[row / 3]..self.offsets[row / 3 + 1] {
-                for c in 0..3 {
-                    let value = self.blocks[k][3 * (row % 3) + c];
-                    if value != R::zero() {
-                        columns.push(3 * self.columns[k] + c as u32);
-                        values.push(value);
-                    }
-                }
+            for (column, value) in self.row(row).filter(|entry| entry.1 != R::zero()) {
+                columns.push(column as u32);
+                values.push(value);
             }
             offsets.push(columns.len());
         }

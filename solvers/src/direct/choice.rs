@@ -33,7 +33,13 @@ impl DirectChoice {
         match self {
             Self::Auto => Ok(Box::new(Auto)),
             Self::Faer => Ok(Box::new(Faer)),
+            #[cfg(feature = "suitesparse")]
+            Self::Cholmod => Ok(Box::new(super::Cholmod)),
+            #[cfg(feature = "suitesparse")]
+            Self::Umfpack => Ok(Box::new(super::Umfpack)),
+            #[cfg(not(feature = "suitesparse"))]
             Self::Cholmod => not_built("CHOLMOD"),
+            #[cfg(not(feature = "suitesparse"))]
             Self::Umfpack => not_built("UMFPACK"),
         }
     }
@@ -51,6 +57,7 @@ impl DirectChoice {
 }
 
 /// A backend that was left out.
+#[cfg(not(feature = "suitesparse"))]
 fn not_built(backend: &'static str) -> Result<Box<dyn DirectSolver>, SetupError> {
     Err(SetupError::NotBuilt {
         backend,

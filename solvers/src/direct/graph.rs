@@ -102,6 +102,20 @@ impl Graph {
     }
 }
 
+/// Fraction of the off-diagonal entries whose mirror image is stored too; 1 where there are none.
+#[cfg(feature = "suitesparse")]
+pub(super) fn symmetry(a: &SparseMatrix<f64>) -> f64 {
+    let diagonal = (0..a.rows()).filter(|&i| a.get(i, i).is_some()).count();
+    let stored = (a.nnz() - diagonal) as f64;
+    // every entry without image adds one neighbour more than it is
+    let neighbours = Graph::of_pattern(a).neighbours.len() as f64;
+    if stored == 0.0 {
+        1.0
+    } else {
+        2.0 - neighbours / stored
+    }
+}
+
 /// Rows of Aᵀ as an adjacency, loops included.
 fn transposed_rows(a: &SparseMatrix<f64>) -> Graph {
     let n = a.inner_dims();
@@ -195,5 +209,16 @@ mod tests {
         let graph = Graph::of_pattern(&triplets.to_csr());
         assert_eq!(graph.offsets, [0, 2, 3, 4]);
         assert_eq!(graph.neighbours, [1, 2, 0, 0]);
+    }
+
+    #[cfg(feature = "suitesparse")]
+    #[test]
+    fn symmetry_counts_entries_with_an_image() {
+        assert_eq!(symmetry(&path(5, 3)), 1.0);
+        let mut triplets = Triplets::new((3, 3));
+        for (i, j) in [(0, 0), (0, 1), (1, 0), (0, 2), (1, 2)] {
+            triplets.add_triplet(i, j, 1.0);
+        }
+        assert_eq!(symmetry(&triplets.to_csr()), 0.5);
     }
 }

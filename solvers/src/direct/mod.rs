@@ -8,17 +8,26 @@
 //! under the GPL. Without it everything is MIT OR Apache-2.0.
 
 mod choice;
+#[cfg(feature = "suitesparse")]
+mod cholmod;
 pub mod condition;
 mod equilibration;
 mod faer_backend;
 mod graph;
 pub mod nested_dissection;
 mod pattern;
+mod pivots;
 mod refinement;
+#[cfg(feature = "suitesparse")]
+mod umfpack;
 
 pub use choice::DirectChoice;
+#[cfg(feature = "suitesparse")]
+pub use cholmod::Cholmod;
 pub use condition::reciprocal_condition;
 pub use faer_backend::Faer;
+#[cfg(feature = "suitesparse")]
+pub use umfpack::Umfpack;
 
 use crate::SetupError;
 use fracas_operators::Preconditioner;
@@ -77,4 +86,16 @@ pub trait Factorization: Preconditioner<f64> {
 
     /// log₂ |det A|, for checks and for judging scale; `None` where the backend does not tell.
     fn log2_abs_determinant(&self) -> Option<f64>;
+}
+
+/// Columns that one task of `solve_many` handles at once: wide enough for matrix-matrix kernels.
+const COLUMNS_PER_TASK: usize = 8;
+
+/// Runs `solve(columns, part)` over blocks of columns, in parallel; blocks depend on the number of columns alone, so
+/// the result does not depend on the number of threads.
+fn for_column_blocks(n: usize, b: &mut [f64], solve: impl Fn(usize, &mut [f64]) + Sync) {
+    if n > 0 {
+        b.par_chunks_mut(n * COLUMNS_PER_TASK)
+            .for_each(|part| solve(part.len() / n, part));
+    }
 }

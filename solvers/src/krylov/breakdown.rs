@@ -86,3 +86,16 @@ pub enum Breakdown {
         method: &'static str,
     },
 }
+
+impl Breakdown {
+    /// Iterations done when it happened.
+    pub fn iteration(&self) -> usize {
+        match self {
+            Self::NotFinite { iteration, .. }
+            | Self::NotPositiveDefinite { iteration, .. }
+            | Self::Lanczos { iteration, .. }
+            | Self::Stagnation { iteration, .. } => *iteration,
+            Self::OutOfRange { .. } | Self::NonlinearPreconditioner { .. } => 0,
+        }
+    }
+}

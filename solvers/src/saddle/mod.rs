@@ -2,7 +2,9 @@
 
 pub mod augmentation;
 pub mod blocks;
+pub mod folder;
 pub mod inner;
+pub mod operator;
 pub mod racp;
 #[cfg(test)]
 pub(crate) mod samples;
@@ -12,4 +14,5 @@ pub mod schur;
 pub use augmentation::{Augmentation, AugmentationChoice, AugmentationMatrix};
 pub use blocks::{DofCoordinate, FlowBlocks, SaddleBlocks};
 pub use inner::InnerChoice;
+pub use operator::SaddleOperator;
 pub use racp::{Racp, RacpInverse};

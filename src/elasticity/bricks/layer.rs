@@ -7,11 +7,11 @@ use super::parity::{Coefficients, forces};
 use fracas_operators::Real;
 use fracas_operators::simd::Simd;
 
-/// Cells of a line that are treated at once: about 30 KiB of scratch in f64, inside a 48 KiB first-level cache.
-const BLOCK: usize = 64;
+/// Most cells of a line that are treated at once: 38 KiB of scratch in f64, inside a 48 KiB first-level cache.
+const BLOCK: usize = 96;
 
-/// Room for the nodes of a block, and for whole vectors behind the last one.
-const LINE: usize = BLOCK + 32;
+/// Room for the nodes of a block, and for whole vectors (at most 16 lanes) behind the last one.
+const LINE: usize = BLOCK + 24;
 
 /// Values along x, one per node or cell.
 type Line<R> = [R; LINE];
@@ -34,10 +34,8 @@ pub(super) struct Layers<'a, R> {
     pub(super) shear: &'a [R],
 }
 
-/// What a row of cells is made of, padded to whole vectors of cells without stiffness.
+/// Sizes of the cells of a row.
 struct Row<R> {
-    lambda: Line<R>,
-    shear: Line<R>,
     /// `h_x / 16`.
     width: Line<R>,
     /// `1 / (16 h_x)`.
@@ -50,7 +48,6 @@ struct Scratch<R> {
     z: [ZParities<R>; 2],
     out: [LineForces<R>; 2],
     row: Row<R>,
-    interleave: [[Line<R>; 3]; 2],
 }
 
 impl<R: Real> Scratch<R> {
@@ -64,13 +61,10 @@ impl<R: Real> Scratch<R> {
                 high: parities,
             }; 2],
             row: Row {
-                lambda: zero,
-                shear: zero,
                 width: zero,
                 inverse_width: zero,
                 height: [R::zero(); 2],
             },
-            interleave: [[zero; 3]; 2],
         }
     }
 }
@@ -84,29 +78,32 @@ impl<R: Real> Layers<'_, R> {
         let plane = 3 * (nx + 1) * (ny + 1);
         let (x0, x1) = x[k * plane..(k + 2) * plane].split_at(plane);
         let (y0, y1) = y.split_at_mut(plane);
-        for start in (0..nx).step_by(BLOCK) {
-            let cells = BLOCK.min(nx - start);
+        let block = nx.div_ceil(nx.div_ceil(BLOCK)).next_multiple_of(16);
+        for start in (0..nx).step_by(block) {
+            let cells = block.min(nx - start);
             let line = |j: usize| {
                 let first = 3 * (start + (nx + 1) * j);
                 first..first + 3 * (cells + 1)
             };
             s.row.start(&self.spacing[0][start..start + cells]);
-            z_parities(&x0[line(0)], &x1[line(0)], &mut s.z[0]);
+            z_parities::<R, V>(&x0[line(0)], &x1[line(0)], &mut s.z[0]);
             s.out.iter_mut().for_each(LineForces::clear);
             let (mut front, mut back) = (0, 1);
             for j in 0..ny {
                 let first = start + nx * (j + ny * k);
-                s.row.lambda[..cells].copy_from_slice(&self.lambda[first..first + cells]);
-                s.row.shear[..cells].copy_from_slice(&self.shear[first..first + cells]);
+                let material = (
+                    &self.lambda[first..first + cells],
+                    &self.shear[first..first + cells],
+                );
                 s.row.height = [self.spacing[1][j], self.spacing[2][k]];
-                z_parities(&x0[line(j + 1)], &x1[line(j + 1)], &mut s.z[back]);
+                z_parities::<R, V>(&x0[line(j + 1)], &x1[line(j + 1)], &mut s.z[back]);
                 let [out_0, out_1] = &mut s.out;
                 let out = if front == 0 {
                     (out_0, out_1)
                 } else {
                     (out_1, out_0)
                 };
-                row_forces::<R, V>((&s.z[front], &s.z[back]), &s.row, cells, out);
+                row_forces::<R, V>((&s.z[front], &s.z[back]), &s.row, material, out);
                 s.finish_line::<V>(front, cells, factor, &mut y0[line(j)], &mut y1[line(j)]);
                 (front, back) = (back, front);
             }
@@ -116,12 +113,10 @@ impl<R: Real> Layers<'_, R> {
 }
 
 impl<R: Real> Row<R> {
-    /// Widths of the cells of a block; cells behind the last have no stiffness.
+    /// Widths of the cells of a block.
     #[inline(always)]
     fn start(&mut self, widths: &[R]) {
         let sixteen = R::of(16.0);
-        self.lambda.fill(R::zero());
-        self.shear.fill(R::zero());
         for (i, h) in widths.iter().enumerate() {
             self.width[i] = *h / sixteen;
             self.inverse_width[i] = R::one() / (sixteen * *h);
@@ -140,13 +135,36 @@ impl<R: Real> LineForces<R> {
 
 /// Even and odd parts along z of two interleaved lines, component by component.
 #[inline(always)]
-fn z_parities<R: Real>(below: &[R], above: &[R], [even, odd]: &mut ZParities<R>) {
-    for (i, (b, a)) in below.chunks_exact(3).zip(above.chunks_exact(3)).enumerate() {
+fn z_parities<R: Real, V: Simd<R>>(below: &[R], above: &[R], [even, odd]: &mut ZParities<R>) {
+    let group = 3 * V::LANES;
+    let whole = below.len() / group * group;
+    for (n, (b, a)) in below
+        .chunks_exact(group)
+        .zip(above.chunks_exact(group))
+        .enumerate()
+    {
+        let b = V::deinterleave([0, 1, 2].map(|v| V::load(&b[v * V::LANES..])));
+        let a = V::deinterleave([0, 1, 2].map(|v| V::load(&a[v * V::LANES..])));
         for c in 0..3 {
-            even[c][i] = a[c] + b[c];
-            odd[c][i] = a[c] - b[c];
+            a[c].add(b[c]).store(&mut even[c][n * V::LANES..]);
+            a[c].sub(b[c]).store(&mut odd[c][n * V::LANES..]);
         }
     }
+    for (entry, (b, a)) in below.iter().zip(above).enumerate().skip(whole) {
+        even[entry % 3][entry / 3] = *a + *b;
+        odd[entry % 3][entry / 3] = *a - *b;
+    }
+}
+
+/// The first lanes of `from`, zero where it is shorter than a vector.
+#[inline(always)]
+fn load_padded<R: Real, V: Simd<R>>(from: &[R]) -> V {
+    if from.len() >= V::LANES {
+        return V::load(from);
+    }
+    let mut padded = [R::zero(); 16];
+    padded[..from.len()].copy_from_slice(from);
+    V::load(&padded)
 }
 
 /// Forces of a row of cells: adds to the line of nodes at its front, starts the one at its back.
@@ -154,14 +172,14 @@ fn z_parities<R: Real>(below: &[R], above: &[R], [even, odd]: &mut ZParities<R>)
 fn row_forces<R: Real, V: Simd<R>>(
     (z_front, z_back): (&ZParities<R>, &ZParities<R>),
     row: &Row<R>,
-    cells: usize,
+    (lambda, shear): (&[R], &[R]),
     (out_front, out_back): (&mut LineForces<R>, &mut LineForces<R>),
 ) {
     let sixteenth = R::of(1.0 / 16.0);
     let [h_y, h_z] = row.height;
     let [area, z_over_y, y_over_z] = [h_y * h_z, h_z / h_y, h_y / h_z].map(V::splat);
     let beta_yz = [h_y * sixteenth, h_z * sixteenth].map(V::splat);
-    for i in (0..cells).step_by(V::LANES) {
+    for i in (0..lambda.len()).step_by(V::LANES) {
         let width = V::load(&row.width[i..]);
         let alpha = [
             area.mul(V::load(&row.inverse_width[i..])),
@@ -169,9 +187,10 @@ fn row_forces<R: Real, V: Simd<R>>(
             y_over_z.mul(width),
         ];
         let beta = [width, beta_yz[0], beta_yz[1]];
+        // cells behind the last have no stiffness, so what stands in their lanes does not matter
         let k = Coefficients::new(
-            V::load(&row.lambda[i..]),
-            V::load(&row.shear[i..]),
+            load_padded(&lambda[i..]),
+            load_padded(&shear[i..]),
             alpha,
             beta,
         );
@@ -226,24 +245,40 @@ impl<R: Real> Scratch<R> {
     ) {
         let scale = V::splat(factor);
         let LineForces { low, high } = &self.out[line];
-        let [lower, upper] = &mut self.interleave;
-        for c in 0..3 {
-            for i in (0..=cells).step_by(V::LANES) {
-                let even = V::load(&low[0][c][i..]).add(V::load(&high[0][c][i..]));
-                let odd = V::load(&low[1][c][i..]).add(V::load(&high[1][c][i..]));
-                scale.mul(even.sub(odd)).store(&mut lower[c][i..]);
-                scale.mul(even.add(odd)).store(&mut upper[c][i..]);
-            }
+        let group = 3 * V::LANES;
+        let whole = (cells + 1) / V::LANES * V::LANES;
+        let parts = below
+            .chunks_exact_mut(group)
+            .zip(above.chunks_exact_mut(group));
+        for (i, (below, above)) in (0..whole).step_by(V::LANES).zip(parts) {
+            let sum = |p: usize, c: usize| V::load(&low[p][c][i..]).add(V::load(&high[p][c][i..]));
+            let (even, odd) = ([0, 1, 2].map(|c| sum(0, c)), [0, 1, 2].map(|c| sum(1, c)));
+            add_to(
+                below,
+                scale,
+                V::interleave([0, 1, 2].map(|c| even[c].sub(odd[c]))),
+            );
+            add_to(
+                above,
+                scale,
+                V::interleave([0, 1, 2].map(|c| even[c].add(odd[c]))),
+            );
         }
-        for (i, (b, a)) in below
-            .chunks_exact_mut(3)
-            .zip(above.chunks_exact_mut(3))
-            .enumerate()
-        {
+        for i in whole..=cells {
             for c in 0..3 {
-                b[c] += lower[c][i];
-                a[c] += upper[c][i];
+                let even = low[0][c][i] + high[0][c][i];
+                let odd = low[1][c][i] + high[1][c][i];
+                below[3 * i + c] += factor * (even - odd);
+                above[3 * i + c] += factor * (even + odd);
             }
         }
+    }
+}
+
+/// `y ← y + factor · v` for three vectors in a row.
+#[inline(always)]
+fn add_to<R: Real, V: Simd<R>>(y: &mut [R], factor: V, vectors: [V; 3]) {
+    for (v, part) in vectors.into_iter().zip(y.chunks_exact_mut(V::LANES)) {
+        factor.mul_add(v, V::load(part)).store(part);
     }
 }

@@ -55,19 +55,6 @@ fn symbolic_failure(error: FaerError, n: usize) -> SetupError {
     }
 }
 
-/// Columns that one task of `solve_many` handles at once: wide enough for matrix-matrix kernels.
-const COLUMNS_PER_TASK: usize = 8;
-
-/// Runs `solve(columns, part)` over blocks of columns, in parallel; blocks depend on the number of columns alone, so
-/// the result does not depend on the number of threads.
-fn for_column_blocks(n: usize, b: &mut [f64], solve: impl Fn(usize, &mut [f64]) + Sync) {
-    use rayon::prelude::*;
-    if n > 0 {
-        b.par_chunks_mut(n * COLUMNS_PER_TASK)
-            .for_each(|part| solve(part.len() / n, part));
-    }
-}
-
 /// Entries of a work array that hold faer's scratch space at any alignment.
 fn work_entries(scratch: faer::dyn_stack::StackReq) -> usize {
     scratch

@@ -1,11 +1,12 @@
 //! LLᵀ and LDLᵀ.
 
-use super::{as_stack, for_column_blocks, out_of_memory, symbolic_failure, work_entries};
+use super::{as_stack, out_of_memory, symbolic_failure, work_entries};
 use crate::SetupError;
 use crate::direct::nested_dissection::nested_dissection;
 use crate::direct::pattern::{BLOCK, Pattern};
+use crate::direct::pivots;
 use crate::direct::refinement::Refined;
-use crate::direct::{Factorization, Kind, Symbolic};
+use crate::direct::{Factorization, Kind, Symbolic, for_column_blocks};
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::ldlt::factor::LdltError;
 use faer::linalg::cholesky::llt::factor::LltError;
@@ -19,10 +20,6 @@ use faer::{Conj, MatMut, Par, Side};
 use fracas_operators::Preconditioner;
 use fracas_operators::sparse::SparseMatrix;
 use std::sync::Arc;
-
-/// A pivot below `PIVOT_LOSS √n ε |a_jj|` is rounding error and nothing else. Unit: 1; the growth with √n is that of
-/// a sum of n random errors, the factor leaves room for the levers of rigid rotations.
-const PIVOT_LOSS: f64 = 8.0;
 
 /// An analysed symmetric pattern.
 #[derive(Debug)]
@@ -51,60 +48,18 @@ impl SymmetricSymbolic {
         })
     }
 
-    /// Row, counted from 1, of the k-th pivot.
+    /// Row, counted from 0, of the k-th pivot.
     fn row(&self, k: usize) -> usize {
-        1 + self.structure.perm().map_or(k, |p| p.arrays().0[k])
+        self.structure.perm().map_or(k, |p| p.arrays().0[k])
     }
 
-    /// Row, counted from 1, of the pivot that faer reports: it counts from 1 entry by entry, from 0 by supernodes.
+    /// Row, counted from 0, of the pivot that faer reports: it counts from 1 entry by entry, from 0 by supernodes.
     fn failed_row(&self, index: usize) -> usize {
         match self.structure.raw() {
             SymbolicCholeskyRaw::Simplicial(_) => self.row(index - 1),
             SymbolicCholeskyRaw::Supernodal(_) => self.row(index),
         }
     }
-
-    /// Rejects pivots that are rounding error, and signs that contradict the kind.
-    fn check_pivots(&self, pivots: &[f64], diagonal: &[f64]) -> Result<(), SetupError> {
-        let loss = PIVOT_LOSS * (pivots.len() as f64).sqrt() * f64::EPSILON;
-        for (k, &pivot) in pivots.iter().enumerate() {
-            let row = self.row(k);
-            let a_jj = diagonal[row - 1];
-            if !(pivot.abs() > loss * a_jj.abs() && pivot.is_finite()) {
-                return Err(SetupError::Singular {
-                    block: BLOCK,
-                    row: Some(row),
-                    advice: format!(
-                        "the pivot is {pivot:.1e} where the diagonal entry is {a_jj:.1e}; look for unconstrained bodies or dependent constraints"
-                    ),
-                });
-            }
-            if pivot * a_jj < 0.0 {
-                return Err(indefinite(row, self.kind));
-            }
-        }
-        Ok(())
-    }
-}
-
-/// The typed error for a pivot of the wrong sign.
-fn indefinite(row: usize, kind: Kind) -> SetupError {
-    SetupError::NotPositiveDefinite {
-        block: BLOCK,
-        row,
-        advice: match kind {
-            Kind::Spd => "check constraints and material, or factorize it as a general matrix",
-            _ => "it is not quasi-definite: factorize it as a general matrix",
-        }
-        .to_owned(),
-    }
-}
-
-/// Diagonal entries; 0 where none is stored.
-fn diagonal_of(a: &SparseMatrix<f64>) -> Vec<f64> {
-    (0..a.rows())
-        .map(|i| a.get(i, i).copied().unwrap_or(0.0))
-        .collect()
 }
 
 impl Symbolic for SymmetricSymbolic {
@@ -141,7 +96,7 @@ impl Symbolic for SymmetricSymbolic {
                     Default::default(),
                 )
                 .map_err(|LltError::NonPositivePivot { index }| {
-                    indefinite(self.failed_row(index), self.kind)
+                    pivots::indefinite(self.failed_row(index), self.kind)
                 })?;
         } else {
             structure
@@ -156,12 +111,12 @@ impl Symbolic for SymmetricSymbolic {
                 )
                 .map_err(|LdltError::ZeroPivot { index }| SetupError::Singular {
                     block: BLOCK,
-                    row: Some(self.failed_row(index)),
+                    row: Some(self.failed_row(index) + 1),
                     advice: "a pivot is zero: factorize it as a general matrix".to_owned(),
                 })?;
         }
         let factors = SymmetricFactors::new(Arc::clone(&self.structure), values, self.kind);
-        self.check_pivots(&factors.pivots(), &diagonal_of(a))?;
+        pivots::check(&factors.pivots(), |k| self.row(k), a, self.kind)?;
         Ok(if spd {
             Box::new(factors)
         } else {

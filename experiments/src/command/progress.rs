@@ -1,0 +1,74 @@
+//! What is going on, on standard error: a bar on a terminal, a line per stage elsewhere.
+
+use fracas_solvers::{Observer, Step};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::{IsTerminal, Write};
+use std::ops::ControlFlow;
+
+/// Shows the steps of set-ups and iterations; never stops them.
+pub(super) struct Progress {
+    bar: Option<ProgressBar>,
+    stage: &'static str,
+}
+
+impl Progress {
+    /// A bar if standard error is a terminal.
+    pub(super) fn new() -> Self {
+        let bar = std::io::stderr().is_terminal().then(|| {
+            let style = ProgressStyle::with_template("{elapsed:>4} {msg} {wide_bar} {pos}/{len}");
+            ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+        });
+        Self { bar, stage: "" }
+    }
+
+    /// Announces a piece of work.
+    pub(super) fn say(&mut self, text: &str) {
+        match &self.bar {
+            Some(bar) => bar.suspend(|| line(text)),
+            None => line(text),
+        }
+    }
+}
+
+/// Standard error may be closed; that is no reason to stop.
+fn line(text: &str) {
+    let _ = writeln!(std::io::stderr(), "{text}");
+}
+
+impl Observer for Progress {
+    fn observe(&mut self, step: &Step) -> ControlFlow<()> {
+        match (step, &self.bar) {
+            (
+                Step::Krylov {
+                    iteration,
+                    relative_residual,
+                },
+                Some(bar),
+            ) => {
+                bar.set_message(format!(
+                    "iteration {iteration}, residual {relative_residual:.2e}"
+                ));
+                bar.tick();
+            }
+            (Step::Progress { stage, done, total }, Some(bar)) => {
+                bar.set_message(*stage);
+                bar.set_length(*total as u64);
+                bar.set_position(*done as u64);
+            }
+            (Step::Progress { stage, .. }, None) if *stage != self.stage => {
+                self.stage = stage;
+                line(stage);
+            }
+            _ => {}
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! `fracas reproduce`: figures and tables, beside the published numbers.
+
+use super::Status;
+use super::progress::Progress;
+use crate::list::{EXPERIMENTS, SHORT_SELECTION, find};
+use crate::report::{Experiment, Level, run_chapter, write_report};
+use clap::Args;
+use std::io::Write;
+use std::path::PathBuf;
+
+#[derive(Args, Debug)]
+pub(super) struct Reproduce {
+    /// Experiments by id (see `fracas list`), or `all`; none = a selection of about two minutes.
+    #[arg(value_name = "ID")]
+    ids: Vec<String>,
+    /// Size: `smoke` takes seconds per experiment, `paper` is the size in print.
+    #[arg(long, value_enum, default_value = "smoke")]
+    level: LevelChoice,
+    /// Folder for report.html and one subfolder per experiment.
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum LevelChoice {
+    Smoke,
+    Paper,
+}
+
+/// An experiment that does not exist.
+#[derive(Debug, thiserror::Error)]
+#[error("no experiment `{id}`{}; `fracas list` shows them all", nearest.map_or(String::new(), |n| format!(" (did you mean `{n}`?)")))]
+struct UnknownExperiment {
+    id: String,
+    nearest: Option<&'static str>,
+}
+
+impl Reproduce {
+    pub(super) fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
+        let selection = select(&self.ids)?;
+        let level = match self.level {
+            LevelChoice::Smoke => Level::Smoke,
+            LevelChoice::Paper => Level::Paper,
+        };
+        let mut progress = Progress::new();
+        let mut chapters = Vec::new();
+        for experiment in selection {
+            progress.say(&format!("{}: {}", experiment.id(), experiment.question()));
+            let chapter = run_chapter(experiment, level, &self.out, &mut progress)?;
+            let verdict = if chapter.passed() { "holds" } else { "FAILS" };
+            writeln!(out, "{} {verdict}: {}", experiment.id(), experiment.title())?;
+            chapters.push(chapter);
+            // After each chapter, so that an interrupted run leaves a readable page.
+            write_report(&chapters, level, &self.out)?;
+        }
+        writeln!(out, "{}", self.out.join("report.html").display())?;
+        let good = chapters.iter().all(|c| c.passed());
+        Ok(if good {
+            Status::Done
+        } else {
+            Status::CheckFailed
+        })
+    }
+}
+
+/// The experiments named, in the order of the list and without repetition.
+fn select(ids: &[String]) -> Result<Vec<&'static dyn Experiment>, UnknownExperiment> {
+    let unknown = |id: &String| UnknownExperiment {
+        id: id.clone(),
+        nearest: nearest(id),
+    };
+    if let Some(id) = ids.iter().find(|id| *id != "all" && find(id).is_none()) {
+        return Err(unknown(id));
+    }
+    let wanted = |id: &str| match ids {
+        [] => SHORT_SELECTION.contains(&id),
+        _ => ids.iter().any(|wanted| wanted == id || wanted == "all"),
+    };
+    Ok(EXPERIMENTS
+        .iter()
+        .copied()
+        .filter(|e| wanted(e.id()))
+        .collect())
+}
+
+fn nearest(id: &str) -> Option<&'static str> {
+    let distance = |known: &&str| strsim::damerau_levenshtein(known, id);
+    EXPERIMENTS
+        .iter()
+        .map(|e| e.id())
+        .min_by_key(distance)
+        .filter(|known| distance(known) <= 2)
+}

@@ -1,0 +1,288 @@
+//! `fracas solve`: one linear system, its cost, its true residual.
+
+use super::progress::Progress;
+use super::source::{Source, System as Loaded};
+use super::{Status, memory, output};
+use clap::{Args, ValueEnum};
+use fracas_operators::matrix_market::write_vector;
+use fracas_operators::{LinearOperator, Preconditioner, vector};
+use fracas_solvers::direct::{DirectChoice, Kind};
+use fracas_solvers::krylov::{Breakdown, Criteria, KrylovChoice, Outcome, Report, System};
+use fracas_solvers::saddle::{AugmentationChoice, InnerChoice, Racp, SaddleBlocks, SaddleOperator};
+use fracas_solvers::{Observer, Prepare, SetupError};
+use serde::Serialize;
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::Instant;
+
+#[derive(Args, Debug)]
+pub(super) struct Solve {
+    #[command(flatten)]
+    source: Source,
+    /// Preconditioner of the whole system.
+    #[arg(long, value_enum, default_value = "racp")]
+    method: Method,
+    /// C of RACP: local, global, exact, local_h, exact_h, face_block.
+    #[arg(long, value_name = "C", default_value_t)]
+    augmentation: AugmentationChoice,
+    /// Solver of S_u inside RACP: exact, jacobi, ssor, …
+    #[arg(long, value_name = "M", default_value_t)]
+    inner: InnerChoice,
+    /// Iteration: gmres, gmres:RESTART, fgmres, bicgstab, sqmr, minres, cg.
+    #[arg(long, value_name = "METHOD", default_value_t)]
+    krylov: KrylovChoice,
+    /// Relative to the norm of the right-hand side.
+    #[arg(long, value_name = "TOL", default_value = "1e-8", value_parser = tolerance)]
+    tolerance: f64,
+    /// Iterations over all restarts.
+    #[arg(long, value_name = "N", default_value_t = 1000)]
+    max_iterations: usize,
+    /// Right-hand side [default: that of the system, or b_i = sin(i), i = 1…n, when it has none].
+    #[arg(long, value_enum)]
+    rhs: Option<RightHandSide>,
+    /// Report as JSON; `-` writes it to standard output.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// The solution (u, t, p) as a Matrix Market vector.
+    #[arg(long, value_name = "FILE.mtx")]
+    solution: Option<PathBuf>,
+}
+
+/// What preconditions the whole system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "snake_case")]
+enum Method {
+    /// Reverse augmented constraint preconditioner.
+    Racp,
+    /// Sparse LU of the whole matrix.
+    Direct,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+enum RightHandSide {
+    /// Of the system.
+    #[serde(rename = "folder")]
+    Folder,
+    /// `b_i = sin(i)`, i = 1…n.
+    #[serde(rename = "sin(i)")]
+    Sin,
+    /// `b_i = 1`.
+    #[serde(rename = "ones")]
+    Ones,
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if value > 0.0 && value < 1.0 => Ok(value),
+        _ => Err("the tolerance is a number between 0 and 1".into()),
+    }
+}
+
+/// Keys of the JSON report; infinite or undefined = null.
+#[derive(Serialize)]
+struct SolveReport {
+    outcome: &'static str,
+    iterations: usize,
+    relative_residual: Option<f64>,
+    method: Method,
+    augmentation: Option<String>,
+    inner: Option<String>,
+    krylov: String,
+    rhs: RightHandSide,
+    tolerance: f64,
+    n_u: usize,
+    n_t: usize,
+    n_p: usize,
+    c_app: f64,
+    #[serde(rename = "C_s")]
+    c_s: Option<f64>,
+    cost_convention: &'static str,
+    products: Option<u64>,
+    setup_s: f64,
+    solve_s: f64,
+    peak_memory_bytes: Option<u64>,
+    amg: Option<()>,
+    reason: Option<String>,
+    findings: Vec<String>,
+}
+
+const COST: &str = "c_app = flops(M⁻¹) / flops(𝒜); C_s = products·(1 + c_app), one product per iteration, two for BiCGStab; null when not converged";
+
+impl Solve {
+    pub(super) fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
+        let mut progress = Progress::new();
+        let loaded = self.source.load(&mut progress)?;
+        let blocks = &loaded.blocks;
+        let (rhs, b) = self.right_hand_side(&loaded, &mut progress);
+
+        let start = Instant::now();
+        progress.say("setting up");
+        let preconditioner = self.prepare(blocks)?;
+        let operator = SaddleOperator::new(blocks);
+        let setup_s = start.elapsed().as_secs_f64();
+
+        let start = Instant::now();
+        progress.say("iterating");
+        let krylov = self.krylov.flexible_for(&*preconditioner);
+        let system = System {
+            operator: &operator,
+            preconditioner: &*preconditioner,
+            rhs: &b,
+        };
+        let criteria = Criteria {
+            relative_tolerance: self.tolerance,
+            max_iterations: self.max_iterations,
+        };
+        let mut x = vec![0.0; b.len()];
+        let result = krylov.method().solve(
+            &system,
+            &criteria,
+            &mut x,
+            &mut progress as &mut dyn Observer,
+        );
+        let solve_s = start.elapsed().as_secs_f64();
+        drop(progress);
+
+        let mut report = SolveReport {
+            outcome: "breakdown",
+            iterations: 0,
+            relative_residual: true_residual(&operator, &x, &b),
+            method: self.method,
+            augmentation: (self.method == Method::Racp).then(|| self.augmentation.to_string()),
+            inner: (self.method == Method::Racp).then(|| self.inner.to_string()),
+            krylov: krylov.to_string(),
+            rhs,
+            tolerance: self.tolerance,
+            n_u: blocks.n_u(),
+            n_t: blocks.n_t(),
+            n_p: blocks.n_p(),
+            c_app: preconditioner.flops() as f64 / operator.flops().max(1) as f64,
+            c_s: None,
+            cost_convention: COST,
+            products: None,
+            setup_s,
+            solve_s,
+            peak_memory_bytes: memory::peak_bytes(),
+            amg: None,
+            reason: None,
+            findings: loaded.findings,
+        };
+        report.record(&result, &krylov);
+        if let Some(path) = &self.solution {
+            write_vector(path, &x)?;
+        }
+        match &self.json {
+            Some(path) => output::json(path, &report, out)?,
+            None => report.print(out)?,
+        }
+        Ok(if report.outcome == "converged" {
+            Status::Done
+        } else {
+            Status::NotConverged
+        })
+    }
+
+    fn right_hand_side(
+        &self,
+        loaded: &Loaded,
+        progress: &mut Progress,
+    ) -> (RightHandSide, Vec<f64>) {
+        let chosen = self.rhs.unwrap_or(if loaded.has_rhs {
+            RightHandSide::Folder
+        } else {
+            RightHandSide::Sin
+        });
+        if self.rhs.is_none() && !loaded.has_rhs {
+            progress.say("the system has no right-hand side: taking b_i = sin(i), i = 1…n");
+        }
+        let n = loaded.blocks.size();
+        let b = match chosen {
+            RightHandSide::Folder => loaded.blocks.rhs(),
+            RightHandSide::Sin => (1..=n).map(|i| (i as f64).sin()).collect(),
+            RightHandSide::Ones => vec![1.0; n],
+        };
+        (chosen, b)
+    }
+
+    fn prepare(&self, blocks: &SaddleBlocks) -> Result<Box<dyn Preconditioner<f64>>, SetupError> {
+        match self.method {
+            Method::Racp if blocks.flow.is_some() => Err(SetupError::NotApplicable {
+                method: "racp",
+                reason: "the system has flow blocks (Q1, Q2, T), this method solves for u and t; take --method direct".into(),
+            }),
+            Method::Racp => Racp { augmentation: self.augmentation, inner: self.inner }.prepare(blocks),
+            Method::Direct => {
+                let matrix = blocks.assembled();
+                Ok(DirectChoice::Auto.solver()?.analyze(&matrix, Kind::General)?.factor(&matrix)?)
+            }
+        }
+    }
+}
+
+/// `‖b − 𝒜x‖₂ / ‖b‖₂`; 0 for b = 0, `None` when it is not a number.
+fn true_residual(operator: &dyn LinearOperator<f64>, x: &[f64], b: &[f64]) -> Option<f64> {
+    let mut r = b.to_vec();
+    operator.apply_add(-1.0, x, &mut r, &mut vec![0.0; operator.work_len()]);
+    let norm = vector::norm2(b);
+    let relative = if norm == 0.0 {
+        0.0
+    } else {
+        vector::norm2(&r) / norm
+    };
+    relative.is_finite().then_some(relative)
+}
+
+impl SolveReport {
+    fn record(&mut self, result: &Result<Report, Breakdown>, krylov: &KrylovChoice) {
+        match result {
+            Ok(report) => {
+                self.outcome = match report.outcome {
+                    Outcome::Converged => "converged",
+                    Outcome::IterationLimit => "iteration_limit",
+                    Outcome::Stopped => "stopped",
+                };
+                self.iterations = report.iterations;
+                self.products = Some(report.products);
+                let per_iteration = if matches!(krylov, KrylovChoice::Bicgstab(_)) {
+                    2.0
+                } else {
+                    1.0
+                };
+                self.c_s = (report.outcome == Outcome::Converged)
+                    .then_some(per_iteration * report.iterations as f64 * (1.0 + self.c_app));
+            }
+            Err(breakdown) => {
+                self.iterations = breakdown.iteration();
+                self.reason = Some(breakdown.to_string());
+            }
+        }
+    }
+
+    fn print(&self, out: &mut dyn Write) -> anyhow::Result<()> {
+        let optional =
+            |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |v| format!("{v:.2}"));
+        let mut rows = vec![
+            ("outcome", self.outcome.to_owned()),
+            ("n_it", self.iterations.to_string()),
+            (
+                "relative residual",
+                self.relative_residual
+                    .map_or_else(|| "–".to_owned(), |r| format!("{r:.3e}")),
+            ),
+            ("c_app", format!("{:.2}", self.c_app)),
+            ("C_s", optional(self.c_s)),
+            ("set-up", format!("{:.2} s", self.setup_s)),
+            ("solve", format!("{:.2} s", self.solve_s)),
+        ];
+        if let Some(bytes) = self.peak_memory_bytes {
+            rows.push((
+                "peak memory",
+                format!("{:.0} MiB", bytes as f64 / f64::from(1 << 20)),
+            ));
+        }
+        if let Some(reason) = &self.reason {
+            rows.push(("reason", reason.clone()));
+        }
+        output::pairs(out, &rows)
+    }
+}

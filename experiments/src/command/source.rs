@@ -1,0 +1,121 @@
+//! Where a system comes from: a scene, a scene of the gallery by name, or a system folder.
+
+use super::progress::Progress;
+use super::scene::{self, Overrides};
+use anyhow::Context;
+use clap::Args;
+use fracas::contact::JumpStabilization;
+use fracas_solvers::saddle::SaddleBlocks;
+use fracas_solvers::saddle::folder::{Manifest, read_folder};
+use std::path::{Path, PathBuf};
+
+/// A scene or a folder.
+#[derive(Args, Debug)]
+pub(super) struct Source {
+    #[command(flatten)]
+    place: Place,
+    #[command(flatten)]
+    assembly: Assembly,
+}
+
+#[derive(Args, Debug)]
+#[group(required = true, multiple = false)]
+struct Place {
+    /// Scene file, or the name of a scene of the gallery.
+    #[arg(value_name = "SCENE")]
+    scene: Option<String>,
+    /// System folder (A.mtx, B1.mtx, …).
+    #[arg(long, value_name = "DIR")]
+    system: Option<PathBuf>,
+}
+
+/// How a scene becomes a system.
+#[derive(Args, Debug)]
+pub(super) struct Assembly {
+    #[command(flatten)]
+    overrides: Overrides,
+    /// Factor of the jump stabilization H of a scene; 0 leaves it out.
+    #[arg(long, value_name = "S", default_value = "1", value_parser = factor)]
+    stabilization: f64,
+}
+
+fn factor(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if value >= 0.0 && f64::is_finite(value) => Ok(value),
+        _ => Err("the factor is a number ≥ 0".into()),
+    }
+}
+
+/// A system with what is known about its origin.
+pub(super) struct System {
+    pub(super) blocks: SaddleBlocks,
+    pub(super) manifest: Manifest,
+    /// Remarks of the import.
+    pub(super) findings: Vec<String>,
+    /// False when the folder holds no right-hand side at all.
+    pub(super) has_rhs: bool,
+}
+
+impl Source {
+    /// Reads or assembles the system; remarks go to the progress stream.
+    pub(super) fn load(&self, progress: &mut Progress) -> anyhow::Result<System> {
+        let system = match (&self.place.scene, &self.place.system) {
+            (Some(name), _) => self.assembly.assemble(name, progress)?,
+            (None, Some(folder)) => import(folder, progress)?,
+            (None, None) => anyhow::bail!("give a scene, or --system DIR"),
+        };
+        let blocks = &system.blocks;
+        progress.say(&format!(
+            "n_u = {}, n_t = {}, n_p = {}",
+            blocks.n_u(),
+            blocks.n_t(),
+            blocks.n_p()
+        ));
+        Ok(system)
+    }
+}
+
+fn import(folder: &Path, progress: &mut Progress) -> anyhow::Result<System> {
+    let imported = read_folder(folder)?;
+    let findings: Vec<String> = imported.findings.iter().map(ToString::to_string).collect();
+    for finding in &findings {
+        progress.say(&format!("note: {finding}"));
+    }
+    let (blocks, manifest, has_rhs) = (imported.blocks, imported.manifest, imported.has_rhs);
+    Ok(System {
+        blocks,
+        manifest,
+        findings,
+        has_rhs,
+    })
+}
+
+impl Assembly {
+    /// Meshes a scene and assembles its blocks with every face in stick.
+    pub(super) fn assemble(&self, name: &str, progress: &mut Progress) -> anyhow::Result<System> {
+        let scene = scene::load(name, &self.overrides)?;
+        progress.say(&format!("{}: meshing and assembling", scene.title()));
+        let body = scene.build()?;
+        let stabilization = (self.stabilization > 0.0).then_some(JumpStabilization {
+            scale: self.stabilization,
+        });
+        let blocks = body
+            .saddle_blocks(stabilization)
+            .with_context(|| format!("{name} cannot be assembled"))?;
+        let mut manifest = Manifest {
+            scene: Some(name.into()),
+            states: Some(vec![0; body.fractures.faces.len()]),
+            ..Manifest::default()
+        };
+        manifest
+            .other
+            .insert("stabilization".into(), self.stabilization.into());
+        let has_rhs = blocks.rhs().iter().any(|b| *b != 0.0);
+        Ok(System {
+            blocks,
+            manifest,
+            findings: Vec::new(),
+            has_rhs,
+        })
+    }
+}

@@ -1,0 +1,31 @@
+//! The list of experiments: the only place besides its own file that a new experiment touches.
+
+use crate::report::Experiment;
+
+/// Every experiment, in the order of the report.
+pub static EXPERIMENTS: &[&dyn Experiment] = &[&crate::e01_checkerboard::Checkerboard];
+
+/// What `fracas reproduce` runs without arguments: about two minutes on two cores.
+pub static SHORT_SELECTION: &[&str] = &["e01"];
+
+/// The experiment with this id.
+pub fn find(id: &str) -> Option<&'static dyn Experiment> {
+    EXPERIMENTS.iter().copied().find(|e| e.id() == id)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ids_are_unique_and_the_short_selection_exists() {
+        for (k, e) in EXPERIMENTS.iter().enumerate() {
+            assert!(
+                EXPERIMENTS[..k].iter().all(|other| other.id() != e.id()),
+                "{} appears twice",
+                e.id()
+            );
+        }
+        assert!(SHORT_SELECTION.iter().all(|id| find(id).is_some()));
+    }
+}

@@ -1,0 +1,205 @@
+//! A page in points, on plotters' SVG backend (which counts whole pixels, so a point is several of them).
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::FontTransform;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+/// Pixels per point.
+const FINE: f64 = 8.0;
+/// Fonts that look alike on every system; the page does not embed one.
+const FONT: &str = "Helvetica, Arial, DejaVu Sans, sans-serif";
+
+/// What drawing can fail with: plotters' error on a backend that writes into memory.
+pub(super) type DrawError = plotters::drawing::DrawingAreaErrorKind<std::io::Error>;
+
+/// A drawing surface measured in points.
+pub(super) struct Canvas<'a> {
+    area: DrawingArea<SVGBackend<'a>, Shift>,
+}
+
+/// Draws on a page of `width × height` points and returns the SVG.
+pub(super) fn draw_page(
+    width: f64,
+    height: f64,
+    draw: impl FnOnce(&Canvas<'_>) -> Result<(), DrawError>,
+) -> Result<String, DrawError> {
+    let pixels = |points: f64| (points * FINE).round() as u32;
+    let size = (pixels(width), pixels(height));
+    let mut svg = String::new();
+    {
+        let canvas = Canvas {
+            area: SVGBackend::with_string(&mut svg, size).into_drawing_area(),
+        };
+        canvas.area.fill(&WHITE)?;
+        draw(&canvas)?;
+        canvas.area.present()?;
+    }
+    // The view box keeps the fine grid; the nominal size is in points.
+    let fine = format!("width=\"{}\" height=\"{}\" viewBox", size.0, size.1);
+    let nominal = format!("width=\"{width:.0}\" height=\"{height:.0}\" viewBox");
+    Ok(lower_subscripts(&svg.replacen(&fine, &nominal, 1)))
+}
+
+/// Sets `S_u` as S with a lowered u, wherever text has an underscore between letters.
+fn lower_subscripts(svg: &str) -> String {
+    let mut result = String::with_capacity(svg.len());
+    let mut parts = svg.split('_');
+    result.push_str(parts.next().unwrap_or_default());
+    for part in parts {
+        let end = part
+            .find(|c: char| !c.is_ascii_alphanumeric())
+            .unwrap_or(part.len());
+        let (index, rest) = part.split_at(end);
+        let after_symbol = result
+            .chars()
+            .next_back()
+            .is_some_and(char::is_alphanumeric);
+        if after_symbol && !index.is_empty() {
+            result.push_str("<tspan dy=\"0.28em\" font-size=\"75%\">");
+            result.push_str(index);
+            result.push_str("</tspan><tspan dy=\"-0.21em\">\u{200b}</tspan>");
+        } else {
+            result.push('_');
+            result.push_str(index);
+        }
+        result.push_str(rest);
+    }
+    result
+}
+
+fn pixel([x, y]: [f64; 2]) -> (i32, i32) {
+    ((x * FINE).round() as i32, (y * FINE).round() as i32)
+}
+
+fn stroke(color: RGBAColor, width: f64) -> ShapeStyle {
+    ShapeStyle {
+        color,
+        filled: false,
+        stroke_width: (width * FINE).round().max(1.0) as u32,
+    }
+}
+
+/// Where a text hangs on its point.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Anchor {
+    Left,
+    Center,
+    Right,
+    /// Centred, reading upwards.
+    Upwards,
+}
+
+impl Canvas<'_> {
+    /// An open line.
+    pub(super) fn line(
+        &self,
+        points: &[[f64; 2]],
+        color: RGBAColor,
+        width: f64,
+    ) -> Result<(), DrawError> {
+        self.area.draw(&PathElement::new(
+            points.iter().map(|p| pixel(*p)).collect::<Vec<_>>(),
+            stroke(color, width),
+        ))
+    }
+
+    /// A line of dashes.
+    pub(super) fn dashed(
+        &self,
+        points: &[[f64; 2]],
+        color: RGBAColor,
+        width: f64,
+    ) -> Result<(), DrawError> {
+        let (dash, gap) = (5.0, 3.0);
+        let mut along = 0.0;
+        for pair in points.windows(2) {
+            let ([x0, y0], [x1, y1]) = (pair[0], pair[1]);
+            let length = (x1 - x0).hypot(y1 - y0);
+            if length == 0.0 {
+                continue;
+            }
+            let at = |s: f64| [x0 + (x1 - x0) * s / length, y0 + (y1 - y0) * s / length];
+            let mut s = -along;
+            while s < length {
+                let (start, end) = (s.max(0.0), (s + dash).min(length));
+                if end > start {
+                    self.line(&[at(start), at(end)], color, width)?;
+                }
+                s += dash + gap;
+            }
+            along = length - (s - dash - gap);
+        }
+        Ok(())
+    }
+
+    /// A filled polygon.
+    pub(super) fn fill(&self, corners: &[[f64; 2]], color: RGBAColor) -> Result<(), DrawError> {
+        self.area.draw(&Polygon::new(
+            corners.iter().map(|p| pixel(*p)).collect::<Vec<_>>(),
+            color.filled(),
+        ))
+    }
+
+    /// A circle, filled or not.
+    pub(super) fn circle(
+        &self,
+        center: [f64; 2],
+        radius: f64,
+        color: RGBAColor,
+        width: Option<f64>,
+    ) -> Result<(), DrawError> {
+        let style = width.map_or_else(|| color.filled(), |w| stroke(color, w));
+        self.area.draw(&Circle::new(
+            pixel(center),
+            (radius * FINE).round() as i32,
+            style,
+        ))
+    }
+
+    /// A line of text.
+    pub(super) fn text(
+        &self,
+        at: [f64; 2],
+        text: &str,
+        size: f64,
+        anchor: Anchor,
+    ) -> Result<(), DrawError> {
+        self.colored_text(at, text, size, anchor, BLACK)
+    }
+
+    /// A line of text in a colour.
+    pub(super) fn colored_text(
+        &self,
+        at: [f64; 2],
+        text: &str,
+        size: f64,
+        anchor: Anchor,
+        color: RGBColor,
+    ) -> Result<(), DrawError> {
+        let (h, v, turn) = match anchor {
+            Anchor::Left => (HPos::Left, VPos::Center, FontTransform::None),
+            Anchor::Center => (HPos::Center, VPos::Center, FontTransform::None),
+            Anchor::Right => (HPos::Right, VPos::Center, FontTransform::None),
+            Anchor::Upwards => (HPos::Center, VPos::Center, FontTransform::Rotate270),
+        };
+        // plotters divides sizes by 1.24 for SVG.
+        let font = (FONT, size * FINE * 1.24).into_font().transform(turn);
+        let style = TextStyle::from(font).color(&color).pos(Pos::new(h, v));
+        self.area
+            .draw(&Text::new(text.to_owned(), pixel(at), style))
+    }
+}
+
+/// Width of a text in points, within about a tenth for Helvetica.
+pub(super) fn text_width(text: &str, size: f64) -> f64 {
+    let em = |c: char| match c {
+        'i' | 'l' | 'j' | '.' | ',' | ':' | ';' | '|' | '\'' | 'I' => 0.25,
+        'f' | 't' | 'r' | ' ' | '(' | ')' | '[' | ']' | '-' | '/' => 0.33,
+        '⁰' | '¹' | '²' | '³' | '⁴' | '⁵' | '⁶' | '⁷' | '⁸' | '⁹' | '⁻' => 0.36,
+        'm' | 'w' | 'M' | 'W' | '—' => 0.87,
+        c if c.is_uppercase() => 0.70,
+        _ => 0.56,
+    };
+    text.chars().map(em).sum::<f64>() * size
+}

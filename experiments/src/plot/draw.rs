@@ -1,0 +1,387 @@
+//! From a figure to SVG.
+
+use super::axis::{Scale, Tick};
+use super::canvas::{Anchor, Canvas, DrawError, draw_page, text_width};
+use super::figure::{Figure, Mark, Region, Series};
+use super::legend::Legend;
+use super::{marks, palette};
+use plotters::style::{BLACK, Color, RGBColor};
+
+/// Page width, in points: a column and a half of a journal.
+const WIDTH: f64 = 560.0;
+const TICK_SIZE: f64 = 10.0;
+const LABEL_SIZE: f64 = 11.0;
+const TITLE_SIZE: f64 = 12.0;
+const GRID: RGBColor = RGBColor(226, 226, 226);
+/// Series with more points are drawn hollow.
+const CROWD: usize = 60;
+
+/// The plot box on the page and the linearized ends of its axes.
+struct Frame<'a> {
+    figure: &'a Figure,
+    left: f64,
+    top: f64,
+    width: f64,
+    height: f64,
+    x: [f64; 2],
+    y: [f64; 2],
+}
+
+impl Figure {
+    /// The figure as SVG: no fonts, scripts or links inside.
+    ///
+    /// # Errors
+    /// plotters' error; writing into memory gives none.
+    pub fn to_svg(&self) -> anyhow::Result<String> {
+        let hidden: Vec<usize> = self
+            .series
+            .iter()
+            .map(|s| {
+                s.points
+                    .iter()
+                    .filter(|p| self.place(**p).is_none())
+                    .count()
+            })
+            .collect();
+        let (mut x, mut y) = self.ranges();
+        let y_names = matches!(&self.y.scale, Scale::Categories(_));
+        let y_most = 7;
+        let widest = self
+            .y
+            .ticks(y, y_most)
+            .iter()
+            .filter_map(|t| t.label.as_deref())
+            .map(|l| text_width(l, TICK_SIZE))
+            .fold(0.0, f64::max);
+        let left =
+            12.0 + if self.y.label.is_empty() {
+                0.0
+            } else {
+                LABEL_SIZE + 8.0
+            } + widest
+                + 8.0;
+        let width = WIDTH - left - 18.0;
+        let mut height = match &self.y.scale {
+            Scale::Categories(names) => 34.0 * names.len().max(2) as f64,
+            _ => 0.62 * width,
+        };
+        if self.equal_aspect {
+            // The box follows the data, within limits; beyond them the shorter range is widened.
+            let natural = width * (y[1] - y[0]) / (x[1] - x[0]);
+            height = natural.clamp(0.30 * width, 0.85 * width);
+            widen(&mut y, (x[1] - x[0]) * height / width);
+            widen(&mut x, (y[1] - y[0]) * width / height);
+        }
+        let top = if self.title.is_empty() { 12.0 } else { 34.0 };
+        let frame = Frame {
+            figure: self,
+            left,
+            top,
+            width,
+            height,
+            x,
+            y,
+        };
+        let legend = Legend::new(self, &hidden, WIDTH - 30.0);
+        let below = 43.0;
+        let page = top + height + below + legend.height() + 8.0;
+        let svg = draw_page(WIDTH, page, |canvas| {
+            frame.grid(canvas, y_names)?;
+            frame.regions(canvas)?;
+            frame.slopes(canvas)?;
+            frame.all_series(canvas)?;
+            frame.border(canvas)?;
+            if !self.title.is_empty() {
+                canvas.text(
+                    [left + 0.5 * width, 18.0],
+                    &self.title,
+                    TITLE_SIZE,
+                    Anchor::Center,
+                )?;
+            }
+            legend.draw(canvas, 0.5 * WIDTH, top + height + below)
+        })?;
+        Ok(svg)
+    }
+
+    /// A point in linearized coordinates; `None` when an axis cannot show it.
+    fn place(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
+        Some([self.x.linearize(x)?, self.y.linearize(y)?])
+    }
+
+    /// Linearized ends of both axes.
+    fn ranges(&self) -> ([f64; 2], [f64; 2]) {
+        let shown = |p: &&[f64; 2]| self.place(**p).is_some();
+        let mut corners: Vec<[f64; 2]> = self
+            .series
+            .iter()
+            .flat_map(|s| s.points.iter().filter(shown))
+            .copied()
+            .collect();
+        corners.extend(self.shades.iter().flat_map(|s| s.region.outline().1));
+        corners.extend(self.slopes.iter().map(|s| s.through));
+        let x = self.x.fit(corners.iter().map(|p| p[0]));
+        let mut y = self.y.fit(corners.iter().map(|p| p[1]));
+        let bars = self.series.iter().any(|s| s.mark == Mark::Bars);
+        if bars && self.y.scale == Scale::Linear && self.y.range.is_none() {
+            y = [0.0_f64.min(y[0].min(0.0)), y[1]];
+        }
+        if bars && self.y.scale == Scale::Log && self.y.range.is_none() {
+            // The shortest bar keeps a visible height.
+            y[0] -= 0.12 * (y[1] - y[0]);
+        }
+        (x, y)
+    }
+}
+
+/// Widens a range symmetrically to at least `length`.
+fn widen(range: &mut [f64; 2], length: f64) {
+    let missing = 0.5 * (length - (range[1] - range[0])).max(0.0);
+    range[0] -= missing;
+    range[1] += missing;
+}
+
+impl Frame<'_> {
+    /// Page position of linearized coordinates.
+    fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let u = (x - self.x[0]) / (self.x[1] - self.x[0]);
+        let v = (y - self.y[0]) / (self.y[1] - self.y[0]);
+        [
+            self.left + u * self.width,
+            self.top + (1.0 - v) * self.height,
+        ]
+    }
+
+    fn inside(&self, [x, y]: [f64; 2]) -> bool {
+        let slack = |r: [f64; 2]| 1e-9 * (r[1] - r[0]);
+        (self.x[0] - slack(self.x)..=self.x[1] + slack(self.x)).contains(&x)
+            && (self.y[0] - slack(self.y)..=self.y[1] + slack(self.y)).contains(&y)
+    }
+
+    fn grid(&self, canvas: &Canvas<'_>, y_names: bool) -> Result<(), DrawError> {
+        let (left, right, top, bottom) = (
+            self.left,
+            self.left + self.width,
+            self.top,
+            self.top + self.height,
+        );
+        let x_ticks = self.figure.x.ticks(self.x, 8);
+        let y_ticks = self.figure.y.ticks(self.y, 7);
+        let x_names = matches!(self.figure.x.scale, Scale::Categories(_));
+        let major = |t: &&Tick| t.label.is_some();
+        for tick in x_ticks.iter().filter(major).filter(|_| !x_names) {
+            let x = self.at([tick.at, self.y[0]])[0];
+            canvas.line(&[[x, top], [x, bottom]], GRID.mix(1.0), 0.6)?;
+        }
+        for tick in y_ticks.iter().filter(major) {
+            let y = self.at([self.x[0], tick.at])[1];
+            canvas.line(
+                &[[left, y], [right, y]],
+                GRID.mix(if y_names { 0.7 } else { 1.0 }),
+                0.6,
+            )?;
+        }
+        for tick in &x_ticks {
+            let x = self.at([tick.at, self.y[0]])[0];
+            let length = if tick.label.is_some() { 5.0 } else { 3.0 };
+            canvas.line(&[[x, bottom], [x, bottom + length]], BLACK.mix(1.0), 0.8)?;
+            if let Some(label) = &tick.label {
+                canvas.text([x, bottom + 14.0], label, TICK_SIZE, Anchor::Center)?;
+            }
+        }
+        for tick in &y_ticks {
+            let y = self.at([self.x[0], tick.at])[1];
+            let length = if tick.label.is_some() { 5.0 } else { 3.0 };
+            canvas.line(&[[left - length, y], [left, y]], BLACK.mix(1.0), 0.8)?;
+            if let Some(label) = &tick.label {
+                canvas.text([left - 8.0, y], label, TICK_SIZE, Anchor::Right)?;
+            }
+        }
+        canvas.text(
+            [0.5 * (left + right), bottom + 32.0],
+            &self.figure.x.label,
+            LABEL_SIZE,
+            Anchor::Center,
+        )?;
+        canvas.text(
+            [14.0, 0.5 * (top + bottom)],
+            &self.figure.y.label,
+            LABEL_SIZE,
+            Anchor::Upwards,
+        )
+    }
+
+    fn border(&self, canvas: &Canvas<'_>) -> Result<(), DrawError> {
+        let (l, r, t, b) = (
+            self.left,
+            self.left + self.width,
+            self.top,
+            self.top + self.height,
+        );
+        canvas.line(
+            &[[l, t], [r, t], [r, b], [l, b], [l, t]],
+            BLACK.mix(1.0),
+            0.8,
+        )
+    }
+
+    fn regions(&self, canvas: &Canvas<'_>) -> Result<(), DrawError> {
+        for (k, shade) in self.figure.shades.iter().enumerate() {
+            let color = palette::shade(k);
+            let mut corners = match &shade.region {
+                Region::Disc {
+                    center: [x, y],
+                    radius,
+                } => (0..180)
+                    .map(|i| f64::from(i) * std::f64::consts::TAU / 180.0)
+                    .map(|a| [x + radius * a.cos(), y + radius * a.sin()])
+                    .collect(),
+                other => other.outline().1,
+            };
+            corners.retain(|c| self.figure.place(*c).is_some());
+            let mut page: Vec<[f64; 2]> = corners
+                .iter()
+                .filter_map(|c| self.figure.place(*c))
+                .map(|c| self.at(self.clamped(c)))
+                .collect();
+            if let (Region::RealInterval(_), [a, b]) = (&shade.region, &page[..]) {
+                let h = 5.0;
+                canvas.fill(
+                    &[
+                        [a[0], a[1] - h],
+                        [b[0], b[1] - h],
+                        [b[0], b[1] + h],
+                        [a[0], a[1] + h],
+                    ],
+                    color.mix(0.5),
+                )?;
+                continue;
+            }
+            if page.len() > 2 {
+                canvas.fill(&page, color.mix(0.22))?;
+                page.push(page[0]);
+                canvas.line(&page, color.mix(1.0), 0.8)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn clamped(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [x.clamp(self.x[0], self.x[1]), y.clamp(self.y[0], self.y[1])]
+    }
+
+    /// `log y = log y0 + order (log x − log x0)`, as far as the box reaches.
+    fn slopes(&self, canvas: &Canvas<'_>) -> Result<(), DrawError> {
+        for slope in &self.figure.slopes {
+            let Some([x0, y0]) = self.figure.place(slope.through) else {
+                continue;
+            };
+            let y = |x: f64| y0 + slope.order * (x - x0);
+            let steps = 200;
+            let points: Vec<[f64; 2]> = (0..=steps)
+                .map(|i| self.x[0] + (self.x[1] - self.x[0]) * f64::from(i) / f64::from(steps))
+                .map(|x| [x, y(x)])
+                .filter(|p| self.inside(*p))
+                .collect();
+            let (Some(first), Some(last)) = (points.first(), points.last()) else {
+                continue;
+            };
+            let gray = RGBColor(110, 110, 110);
+            canvas.dashed(&[self.at(*first), self.at(*last)], gray.mix(1.0), 1.0)?;
+            // The label stands beside the line, an eighth of the way along.
+            let ([x0, y0], [x1, y1]) = (self.at(*first), self.at(*last));
+            let (dx, dy, length) = (x1 - x0, y1 - y0, (x1 - x0).hypot(y1 - y0).max(1.0));
+            let label = format!("slope {}", slope.order);
+            let away = 8.0 + 0.5 * text_width(&label, TICK_SIZE) * (dy / length).abs();
+            let at = [
+                x0 + 0.125 * dx + away * dy / length,
+                y0 + 0.125 * dy - away * dx / length,
+            ];
+            canvas.colored_text(at, &label, TICK_SIZE, Anchor::Center, gray)?;
+        }
+        Ok(())
+    }
+
+    fn all_series(&self, canvas: &Canvas<'_>) -> Result<(), DrawError> {
+        let bars = self
+            .figure
+            .series
+            .iter()
+            .filter(|s| s.mark == Mark::Bars)
+            .count();
+        let mut bar = 0;
+        for (k, series) in self.figure.series.iter().enumerate() {
+            if series.mark == Mark::Bars {
+                self.bars(canvas, series.tone.unwrap_or(k), series, bar, bars)?;
+                bar += 1;
+            } else {
+                self.points(canvas, series.tone.unwrap_or(k), series)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn points(&self, canvas: &Canvas<'_>, tone: usize, series: &Series) -> Result<(), DrawError> {
+        let shown: Vec<[f64; 2]> = series
+            .points
+            .iter()
+            .filter_map(|p| self.figure.place(*p))
+            .filter(|p| self.inside(*p))
+            .map(|p| self.at(p))
+            .collect();
+        let ink = palette::color(tone).mix(1.0);
+        match series.mark {
+            Mark::Line | Mark::LinePoints => canvas.line(&shown, ink, 1.5)?,
+            Mark::Dashed => canvas.dashed(&shown, ink, 1.5)?,
+            Mark::Points | Mark::Bars => {}
+        }
+        if matches!(series.mark, Mark::Points | Mark::LinePoints) {
+            let crowded = shown.len() > CROWD;
+            let radius = if crowded { 2.2 } else { marks::RADIUS };
+            for point in shown {
+                marks::draw(canvas, tone, point, radius, crowded)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Bars side by side in each category; a value that cannot be shown (a failed method) is a cross.
+    fn bars(
+        &self,
+        canvas: &Canvas<'_>,
+        tone: usize,
+        series: &Series,
+        place: usize,
+        of: usize,
+    ) -> Result<(), DrawError> {
+        let width = 0.8 / of as f64;
+        let base = self.y[0].max(if self.figure.y.scale == Scale::Linear {
+            0.0_f64.min(self.y[1])
+        } else {
+            self.y[0]
+        });
+        for [x, y] in &series.points {
+            let start = x - 0.4 + width * place as f64;
+            let Some(height) = self.figure.y.linearize(*y) else {
+                let [px, py] = self.at([start + 0.5 * width, base]);
+                canvas.colored_text(
+                    [px, py - 8.0],
+                    "✗",
+                    12.0,
+                    Anchor::Center,
+                    palette::color(tone),
+                )?;
+                continue;
+            };
+            let (a, b) = (
+                self.at([start + 0.04 * width, base]),
+                self.at(self.clamped([start + 0.96 * width, height])),
+            );
+            canvas.fill(
+                &[a, [b[0], a[1]], b, [a[0], b[1]]],
+                palette::color(tone).mix(0.9),
+            )?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,17 @@
+//! Figures as data: series over two axes, shaded regions, reference slopes. A figure draws itself as SVG and lists
+//! itself as CSV.
+
+mod axis;
+mod canvas;
+mod draw;
+mod figure;
+mod legend;
+mod marks;
+mod palette;
+mod spectrum;
+
+#[cfg(test)]
+mod tests;
+
+pub use axis::{Axis, Scale};
+pub use figure::{Figure, Mark, Region, Series, Shade, Slope};

@@ -1,0 +1,150 @@
+//! Figures draw what they are given, and their ticks are numbers that people read.
+
+use super::axis::Axis;
+use super::*;
+
+fn labels(axis: &Axis, ends: [f64; 2]) -> Vec<String> {
+    axis.ticks(ends, 7)
+        .into_iter()
+        .filter_map(|t| t.label)
+        .collect()
+}
+
+#[test]
+fn linear_ticks_are_round_numbers() {
+    let axis = Axis::linear("x");
+    assert_eq!(
+        labels(&axis, [-0.02, 1.07]),
+        ["0", "0.2", "0.4", "0.6", "0.8", "1.0"]
+    );
+    assert_eq!(labels(&axis, [-12.0, 31.0]), ["−10", "0", "10", "20", "30"]);
+    assert_eq!(
+        labels(&axis, [0.0, 4.1e-7]),
+        ["0", "1×10⁻⁷", "2×10⁻⁷", "3×10⁻⁷", "4×10⁻⁷"]
+    );
+    assert_eq!(
+        labels(&axis, [0.99, 1.01]),
+        ["0.990", "0.995", "1.000", "1.005", "1.010"]
+    );
+}
+
+#[test]
+fn logarithmic_ticks_are_decades_or_plain_numbers() {
+    let axis = Axis::log("x");
+    assert_eq!(
+        labels(&axis, [-3.2, 2.2]),
+        ["10⁻³", "10⁻²", "10⁻¹", "1", "10", "10²"]
+    );
+    assert_eq!(
+        labels(&axis, [-14.0, 2.0]),
+        ["10⁻¹²", "10⁻⁹", "10⁻⁶", "10⁻³", "1"]
+    );
+    assert_eq!(labels(&axis, [0.1, 0.9]), ["2", "5"]);
+    assert_eq!(labels(&axis, [-0.2, 0.1]), ["0.8", "1.0", "1.2"]);
+    let minor = axis
+        .ticks([0.0, 2.0], 7)
+        .iter()
+        .filter(|t| t.label.is_none())
+        .count();
+    assert_eq!(minor, 16);
+}
+
+#[test]
+fn a_range_holds_its_data_even_when_all_values_are_equal() {
+    for values in [
+        vec![3.0],
+        vec![0.0],
+        vec![1.0, 1.0 + 1e-15],
+        vec![-2.0, 5.0],
+        vec![1e-320],
+    ] {
+        let [low, high] = Axis::linear("x").fit(values.iter().copied());
+        assert!(
+            low < high && values.iter().all(|v| low <= *v && *v <= high),
+            "{values:?} in {low}..{high}"
+        );
+    }
+    let [low, high] = Axis::log("x").fit([0.0, 1e-3, 10.0].into_iter());
+    assert!(low < -3.0 && high > 1.0);
+}
+
+#[test]
+fn a_figure_shows_every_point_and_says_what_it_cannot_show() {
+    let points = vec![[1.0, 1e-2], [2.0, 1e-4], [4.0, 0.0]];
+    let figure = Figure::new("f", "T & t", "", Axis::log("n"), Axis::log("error [m]"))
+        .with(Series::new("ours", Mark::LinePoints, points))
+        .slope(-2.0, [1.0, 1e-2]);
+    let svg = figure.to_svg().unwrap();
+    assert!(svg.starts_with("<svg") && svg.contains("width=\"560\""));
+    for text in [
+        "error [m]",
+        "ours (1 of 3 cannot be shown)",
+        "slope -2",
+        "T &amp; t",
+    ] {
+        assert!(svg.contains(text), "{text} in {svg}");
+    }
+    assert_eq!(
+        svg.matches("<circle").count(),
+        3,
+        "two markers and one in the legend"
+    );
+    let csv = figure.to_csv();
+    assert_eq!(csv.lines().nth(3), Some("ours,line+points,4,0"));
+}
+
+#[test]
+fn the_complex_plane_has_equal_units() {
+    let figure = Figure::complex_plane("s", "", "", &[("λ", vec![[0.0, -0.5], [1.0, 0.5]])])
+        .shade(
+            "disc",
+            Region::Disc {
+                center: [0.5, 0.0],
+                radius: 0.5,
+            },
+        )
+        .shade("real", Region::RealInterval([0.25, 0.75]));
+    let svg = figure.to_svg().unwrap();
+    let circle = |svg: &str, k: usize| -> (f64, f64) {
+        let part = svg.split("<circle").nth(k + 1).unwrap();
+        let number = |key: &str| {
+            part.split(key)
+                .nth(1)
+                .unwrap()
+                .split('"')
+                .next()
+                .unwrap()
+                .parse()
+                .unwrap()
+        };
+        (number("cx=\""), number("cy=\""))
+    };
+    let ((x0, y0), (x1, y1)) = (circle(&svg, 0), circle(&svg, 1));
+    assert!(
+        ((x1 - x0) - (y0 - y1)).abs() <= 2.0,
+        "one unit is {} wide and {} high",
+        x1 - x0,
+        y0 - y1
+    );
+    assert!(svg.contains("disc") && svg.contains("Im λ"));
+}
+
+#[test]
+fn rows_count_what_a_logarithm_cannot_show() {
+    let rows = [
+        ("local".to_owned(), vec![0.5, 1.0]),
+        ("global".to_owned(), vec![0.0, 1e-3, 1.0]),
+    ];
+    let figure = Figure::rows("r", "", "", Axis::log("λ"), &rows);
+    let svg = figure.to_svg().unwrap();
+    assert!(svg.contains("global (1 ≤ 0)") && svg.contains(">local") || svg.contains("local\n"));
+}
+
+#[test]
+fn a_failed_bar_is_a_cross() {
+    let names = vec!["A".to_owned(), "B".to_owned()];
+    let figure = Figure::new("b", "", "", Axis::categories("", names), Axis::log("cost")).with(
+        Series::new("ours", Mark::Bars, vec![[0.0, 100.0], [1.0, f64::NAN]]),
+    );
+    assert!(figure.to_svg().unwrap().contains('✗'));
+}

@@ -1,0 +1,78 @@
+//! A claim held against a number.
+
+use super::table::format_real;
+use serde::Serialize;
+
+/// One line of the verdict: the claim, what is expected or published, what was found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Check {
+    /// The claim in words.
+    pub claim: String,
+    /// Expected or published value.
+    pub expected: String,
+    /// Value found here.
+    pub ours: String,
+    /// Does the claim hold?
+    pub pass: bool,
+}
+
+impl Check {
+    /// `|ours − expected| ≤ tolerance · |expected|`.
+    pub fn close(claim: impl Into<String>, expected: f64, ours: f64, tolerance: f64) -> Self {
+        Self {
+            claim: claim.into(),
+            expected: format!(
+                "{} ± {} %",
+                format_real(expected),
+                format_real(100.0 * tolerance)
+            ),
+            ours: format_real(ours),
+            pass: (ours - expected).abs() <= tolerance * expected.abs(),
+        }
+    }
+
+    /// `ours ≤ limit`.
+    pub fn at_most(claim: impl Into<String>, limit: f64, ours: f64) -> Self {
+        Self {
+            claim: claim.into(),
+            expected: format!("≤ {}", format_real(limit)),
+            ours: format_real(ours),
+            pass: ours <= limit,
+        }
+    }
+
+    /// `ours ≥ limit`.
+    pub fn at_least(claim: impl Into<String>, limit: f64, ours: f64) -> Self {
+        Self {
+            claim: claim.into(),
+            expected: format!("≥ {}", format_real(limit)),
+            ours: format_real(ours),
+            pass: ours >= limit,
+        }
+    }
+
+    /// Whole numbers that must agree.
+    pub fn equal(claim: impl Into<String>, expected: usize, ours: usize) -> Self {
+        Self {
+            claim: claim.into(),
+            expected: expected.to_string(),
+            ours: ours.to_string(),
+            pass: expected == ours,
+        }
+    }
+
+    /// Anything else that can be true or false.
+    pub fn holds(
+        claim: impl Into<String>,
+        expected: impl Into<String>,
+        ours: impl Into<String>,
+        pass: bool,
+    ) -> Self {
+        Self {
+            claim: claim.into(),
+            expected: expected.into(),
+            ours: ours.into(),
+            pass,
+        }
+    }
+}

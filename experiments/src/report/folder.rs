@@ -1,0 +1,88 @@
+//! Runs experiments and writes their files.
+
+use super::html::page;
+use super::manifest::Manifest;
+use super::{Experiment, Findings, Level};
+use anyhow::Context;
+use fracas_solvers::Observer;
+use std::path::Path;
+
+/// How an experiment ended.
+pub enum Outcome {
+    /// With an answer, whatever its checks say.
+    Answered(Findings),
+    /// Without one.
+    Broken(anyhow::Error),
+}
+
+/// An experiment and its answer: a chapter of the report.
+pub struct Chapter {
+    /// What was asked.
+    pub experiment: &'static dyn Experiment,
+    /// What was found.
+    pub outcome: Outcome,
+}
+
+impl Chapter {
+    /// True when there is an answer and every check holds.
+    pub fn passed(&self) -> bool {
+        matches!(&self.outcome, Outcome::Answered(findings) if findings.passed())
+    }
+}
+
+/// Runs an experiment and writes `out/<id>/*.csv *.svg manifest.json`. An experiment that breaks is a chapter too.
+///
+/// # Errors
+/// Files that cannot be written.
+pub fn run_chapter(
+    experiment: &'static dyn Experiment,
+    level: Level,
+    out: &Path,
+    observer: &mut dyn Observer,
+) -> anyhow::Result<Chapter> {
+    let outcome = match experiment.run(level, observer) {
+        Ok(findings) => {
+            write_findings(experiment, level, &findings, &out.join(experiment.id()))?;
+            Outcome::Answered(findings)
+        }
+        Err(error) => Outcome::Broken(error),
+    };
+    Ok(Chapter {
+        experiment,
+        outcome,
+    })
+}
+
+fn write_findings(
+    experiment: &dyn Experiment,
+    level: Level,
+    findings: &Findings,
+    folder: &Path,
+) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot create {}", folder.display()))?;
+    for table in &findings.tables {
+        write(folder, &format!("{}.csv", table.id), &table.to_csv())?;
+    }
+    for figure in &findings.figures {
+        write(folder, &format!("{}.csv", figure.id), &figure.to_csv())?;
+        write(folder, &format!("{}.svg", figure.id), &figure.to_svg()?)?;
+    }
+    let mut manifest = serde_json::to_string_pretty(&Manifest::new(experiment, level, findings))?;
+    manifest.push('\n');
+    write(folder, "manifest.json", &manifest)
+}
+
+/// Writes the self-contained `out/report.html`.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_report(chapters: &[Chapter], level: Level, out: &Path) -> anyhow::Result<()> {
+    std::fs::create_dir_all(out).with_context(|| format!("cannot create {}", out.display()))?;
+    write(out, "report.html", &page(chapters, level)?)
+}
+
+fn write(folder: &Path, name: &str, text: &str) -> anyhow::Result<()> {
+    let path = folder.join(name);
+    std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))
+}

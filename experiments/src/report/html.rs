@@ -1,0 +1,170 @@
+//! The report: one page, figures inline, nothing fetched, no scripts.
+
+use super::{Chapter, Check, Findings, Level, Outcome, Table};
+use std::fmt::Write as _;
+
+const STYLE: &str = include_str!("report.css");
+
+/// The whole page.
+pub(super) fn page(chapters: &[Chapter], level: Level) -> anyhow::Result<String> {
+    let mut html = String::new();
+    write!(
+        html,
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width\">\n\
+         <title>fracas: figures and tables</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<header>\n<h1>Figures and tables, beside the published numbers</h1>\n\
+         <p>fracas {}, level {}.</p>\n</header>\n",
+        env!("CARGO_PKG_VERSION"),
+        level.word()
+    )?;
+    overview(&mut html, chapters)?;
+    for chapter in chapters {
+        section(&mut html, chapter)?;
+    }
+    html.push_str("</body>\n</html>\n");
+    Ok(html)
+}
+
+fn overview(html: &mut String, chapters: &[Chapter]) -> anyhow::Result<()> {
+    html.push_str("<table class=\"overview\">\n<thead><tr><th>experiment</th><th>question</th><th>verdict</th></tr></thead>\n<tbody>\n");
+    for chapter in chapters {
+        let e = chapter.experiment;
+        let (class, verdict) = verdict(chapter);
+        writeln!(
+            html,
+            "<tr><td><a href=\"#{id}\">{id}</a></td><td>{}</td><td class=\"{class}\">{verdict}</td></tr>",
+            escape(e.question()),
+            id = escape(e.id())
+        )?;
+    }
+    html.push_str("</tbody>\n</table>\n");
+    Ok(())
+}
+
+/// Style class and words.
+fn verdict(chapter: &Chapter) -> (&'static str, String) {
+    match &chapter.outcome {
+        Outcome::Broken(_) => ("fail", "no answer".into()),
+        Outcome::Answered(findings) => {
+            let (all, good) = (
+                findings.checks.len(),
+                findings.checks.iter().filter(|c| c.pass).count(),
+            );
+            let class = if good == all { "pass" } else { "fail" };
+            (class, format!("{good} of {all} checks hold"))
+        }
+    }
+}
+
+fn section(html: &mut String, chapter: &Chapter) -> anyhow::Result<()> {
+    let e = chapter.experiment;
+    write!(
+        html,
+        "<section id=\"{id}\">\n<h2><span class=\"id\">{id}</span> {}</h2>\n<dl>\n<dt>Question</dt><dd>{}</dd>\n<dt>Set-up</dt><dd>{}</dd>\n<dt>Expected</dt><dd>{}</dd>\n</dl>\n",
+        escape(e.title()),
+        escape(e.question()),
+        escape(e.setup()),
+        escape(e.expect()),
+        id = escape(e.id())
+    )?;
+    match &chapter.outcome {
+        Outcome::Broken(error) => writeln!(
+            html,
+            "<p class=\"fail\">No answer: {}</p>",
+            escape(&format!("{error:#}"))
+        )?,
+        Outcome::Answered(findings) => answer(html, e.id(), findings)?,
+    }
+    html.push_str("</section>\n");
+    Ok(())
+}
+
+fn answer(html: &mut String, id: &str, findings: &Findings) -> anyhow::Result<()> {
+    for figure in &findings.figures {
+        writeln!(
+            html,
+            "<figure>\n{}\n<figcaption>{} <a href=\"{id}/{file}.csv\">data</a></figcaption>\n</figure>",
+            figure.to_svg()?.trim(),
+            escape(&figure.caption),
+            file = escape(&figure.id)
+        )?;
+    }
+    for table in &findings.tables {
+        table_rows(html, id, table)?;
+    }
+    if !findings.checks.is_empty() {
+        verdicts(html, &findings.checks)?;
+    }
+    for note in &findings.notes {
+        writeln!(html, "<p class=\"note\">{}</p>", escape(note))?;
+    }
+    if !findings.settings.is_empty() {
+        let settings = serde_json::to_string_pretty(&findings.settings)?;
+        writeln!(
+            html,
+            "<details><summary>Settings</summary><pre>{}</pre></details>",
+            escape(&settings)
+        )?;
+    }
+    Ok(())
+}
+
+fn table_rows(html: &mut String, id: &str, table: &Table) -> anyhow::Result<()> {
+    writeln!(
+        html,
+        "<table>\n<caption>{} <a href=\"{id}/{file}.csv\">data</a></caption>",
+        escape(&table.caption),
+        file = escape(&table.id)
+    )?;
+    html.push_str("<thead><tr>");
+    for column in &table.columns {
+        let unit = if column.unit.is_empty() {
+            String::new()
+        } else {
+            format!(" <span class=\"unit\">[{}]</span>", escape(&column.unit))
+        };
+        write!(html, "<th>{}{unit}</th>", escape(&column.name))?;
+    }
+    html.push_str("</tr></thead>\n<tbody>\n");
+    for row in &table.rows {
+        html.push_str("<tr>");
+        for cell in row {
+            let class = if cell.is_number() {
+                " class=\"number\""
+            } else {
+                ""
+            };
+            write!(html, "<td{class}>{}</td>", escape(&cell.display()))?;
+        }
+        html.push_str("</tr>\n");
+    }
+    html.push_str("</tbody>\n</table>\n");
+    Ok(())
+}
+
+fn verdicts(html: &mut String, checks: &[Check]) -> anyhow::Result<()> {
+    html.push_str("<table>\n<caption>Verdict</caption>\n<thead><tr><th>claim</th><th>published or expected</th><th>ours</th><th></th></tr></thead>\n<tbody>\n");
+    for check in checks {
+        let (class, word) = if check.pass {
+            ("pass", "holds")
+        } else {
+            ("fail", "fails")
+        };
+        writeln!(
+            html,
+            "<tr><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td><td class=\"{class}\">{word}</td></tr>",
+            escape(&check.claim),
+            escape(&check.expected),
+            escape(&check.ours)
+        )?;
+    }
+    html.push_str("</tbody>\n</table>\n");
+    Ok(())
+}
+
+/// Text in HTML.
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
+}

@@ -1,0 +1,17 @@
+//! From an experiment to tables, figures and a page: typed tables → CSV and JSON manifest → SVG → one `report.html`.
+
+mod check;
+mod experiment;
+mod folder;
+mod html;
+mod manifest;
+mod table;
+
+#[cfg(test)]
+mod tests;
+
+pub use check::Check;
+pub use experiment::{Experiment, Findings, Level};
+pub use folder::{Chapter, Outcome, run_chapter, write_report};
+pub use table::{Cell, Column, Table};
+pub(crate) use table::{quote, superscript};

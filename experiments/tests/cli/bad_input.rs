@@ -1,0 +1,149 @@
+//! Claim: every bad input ends with status 2 and one sentence that says what is wrong and where.
+
+use crate::run::{fracas, system_folder, write};
+
+/// Runs, and checks status 2, an empty standard output, and the end of standard error.
+fn refused(arguments: &[&str], sentence: &str) {
+    let ran = fracas(arguments);
+    assert_eq!(ran.status, 2, "{arguments:?}: {}", ran.stderr);
+    assert_eq!(ran.stdout, "", "{arguments:?}");
+    let last = ran
+        .stderr
+        .lines()
+        .rev()
+        .find(|l| l.starts_with("error: "))
+        .unwrap_or_default();
+    assert!(
+        last.contains(sentence),
+        "{arguments:?}: `{last}` should contain `{sentence}`"
+    );
+    assert!(!ran.stderr.contains("panicked"), "{}", ran.stderr);
+}
+
+#[test]
+fn arguments_that_do_not_exist() {
+    refused(
+        &["solve", "--system", "x", "--krylov", "gmers"],
+        "no Krylov method `gmers`",
+    );
+    refused(
+        &["solve", "--system", "x", "--tolerance", "2"],
+        "the tolerance is a number between 0 and 1",
+    );
+    refused(
+        &["solve", "--system", "x", "--tolerance", "nan"],
+        "the tolerance is a number between 0 and 1",
+    );
+    refused(
+        &["solve", "--system", "x", "--rhs", "zeros"],
+        "invalid value 'zeros'",
+    );
+    refused(&["--threads", "0", "list"], "invalid value '0'");
+    refused(&["reproduce", "e99999"], "no experiment `e99999`");
+    assert_eq!(fracas(&[]).status, 2);
+    assert_eq!(fracas(&["reprodcue"]).status, 2);
+}
+
+#[test]
+fn folders_that_are_no_system() {
+    refused(
+        &["solve", "--system", "/no/such/folder"],
+        "/no/such/folder is not a folder",
+    );
+    let folder = system_folder("no-b");
+    std::fs::remove_file(folder.join("B1.mtx")).unwrap();
+    refused(
+        &["solve", "--system", folder.to_str().unwrap()],
+        "holds no B1.mtx",
+    );
+}
+
+#[test]
+fn files_with_defects() {
+    const HEAD: &str = "%%MatrixMarket matrix coordinate real general\n";
+    let cases = [
+        ("A.mtx", "hello\n", "A.mtx, line 1: expected the banner"),
+        (
+            "A.mtx",
+            &format!("{HEAD}4 4 2\n1 1 1\n"),
+            "A.mtx, line 3: truncated: the sizes announce 2 entries",
+        ),
+        (
+            "A.mtx",
+            &format!("{HEAD}4 4 1\n1 2 1\n"),
+            "A.mtx is not symmetric: entry (1, 2) is 1e0, entry (2, 1) is 0e0",
+        ),
+        (
+            "A.mtx",
+            &format!("{HEAD}5 5 0\n"),
+            "B1.mtx is 4×2, expected 5×2 because A.mtx is 5×5",
+        ),
+        (
+            "B1.mtx",
+            &format!("{HEAD}4 2 1\n5 1 1\n"),
+            "B1.mtx, line 3: the entry (5, 1) lies outside the 4×2 matrix",
+        ),
+        (
+            "H.mtx",
+            &format!("{HEAD}2 2 1\n1 1 NaN\n"),
+            "H.mtx, line 3: the value `NaN` in row 1, column 1",
+        ),
+        (
+            "H.mtx",
+            "%%MatrixMarket matrix coordinate complex general\n",
+            "the field `complex` is not supported",
+        ),
+        (
+            "Q1.mtx",
+            &format!("{HEAD}4 1 0\n"),
+            "holds Q1.mtx but no Q2.mtx",
+        ),
+        (
+            "rhs_u.mtx",
+            "%%MatrixMarket matrix array real general\n3 1\n1\n1\n1\n",
+            "rhs_u.mtx is 3×1, expected 4×1",
+        ),
+        (
+            "coords.mtx",
+            "%%MatrixMarket matrix array real general\n1 1\n1\n",
+            "coords.mtx is 1×1, expected 4×4",
+        ),
+        ("manifest.json", "{", "manifest.json: "),
+        (
+            "manifest.json",
+            r#"{"n_u": 9}"#,
+            "manifest.json says n_u = 9, but A.mtx gives 4",
+        ),
+    ];
+    for (k, (file, text, sentence)) in cases.iter().enumerate() {
+        let folder = system_folder(&format!("defect-{k}"));
+        write(&folder.join(file), text);
+        refused(&["solve", "--system", folder.to_str().unwrap()], sentence);
+    }
+}
+
+#[test]
+fn output_that_cannot_be_written() {
+    let folder = system_folder("output");
+    let system = folder.to_str().unwrap();
+    refused(
+        &[
+            "solve",
+            "--system",
+            system,
+            "--json",
+            "/proc/none/report.json",
+        ],
+        "/proc/none",
+    );
+    refused(
+        &[
+            "solve",
+            "--system",
+            system,
+            "--solution",
+            "/proc/none/x.mtx",
+        ],
+        "/proc/none/x.mtx",
+    );
+}

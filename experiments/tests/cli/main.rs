@@ -1,0 +1,6 @@
+//! The `fracas` binary, as its users see it: status, standard output, standard error, files.
+
+mod bad_input;
+mod pipe;
+mod run;
+mod solve;

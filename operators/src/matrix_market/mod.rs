@@ -1,0 +1,23 @@
+//! Matrix Market files: a parallel reader and writer, exact to the last bit.
+//!
+//! Read: `coordinate` and `array`, `real`, `double` and `integer`, `general`, `symmetric` (either triangle) and
+//! `skew-symmetric`; banner in any case, `%` comments, blank lines, CRLF, Fortran exponents (`1.5D+03`). Written: 17
+//! significant digits, which give every `f64` back bit for bit.
+//!
+//! # Source
+//! Boisvert, Pozo & Remington, *The Matrix Market exchange formats*, NISTIR 5935 (1996).
+
+mod assemble;
+mod error;
+mod header;
+mod lines;
+mod read;
+mod write;
+
+#[cfg(test)]
+mod tests;
+
+pub use error::{Defect, MatrixMarketError};
+pub use header::Symmetry;
+pub use read::{Duplicates, SparseFile, read_dense, read_sparse, read_vector};
+pub use write::{write_dense, write_sparse, write_vector};

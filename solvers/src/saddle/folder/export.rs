@@ -1,0 +1,76 @@
+//! Writing a system folder.
+
+use super::compare::asymmetry;
+use super::import::FILES;
+use super::{FolderError, Manifest, SYMMETRY_TOLERANCE, coordinates};
+use crate::saddle::SaddleBlocks;
+use fracas_operators::matrix_market::{Symmetry, write_dense, write_sparse, write_vector};
+use std::path::Path;
+
+/// Writes blocks and manifest; sizes and version of the manifest are filled in.
+///
+/// The folder is created if needed. Files of an earlier system that this one does not have (say `H.mtx`) are removed,
+/// since their presence has a meaning.
+///
+/// # Errors
+/// [`FolderError::Asymmetric`] when A is not symmetric, else what the operating system says.
+pub fn write_folder(
+    folder: &Path,
+    blocks: &SaddleBlocks,
+    manifest: &Manifest,
+) -> Result<(), FolderError> {
+    if let Some(worst) = asymmetry(&blocks.a).filter(|w| w.relative > SYMMETRY_TOLERANCE) {
+        let (row, column) = (worst.row + 1, worst.column + 1);
+        return Err(FolderError::Asymmetric {
+            file: "A",
+            row,
+            column,
+            value: worst.x,
+            mirrored: worst.y,
+        });
+    }
+    std::fs::create_dir_all(folder).map_err(|source| FolderError::Io {
+        file: folder.into(),
+        source,
+    })?;
+    for name in FILES {
+        let file = folder.join(name);
+        if file.is_file() {
+            std::fs::remove_file(&file).map_err(|source| FolderError::Io { file, source })?;
+        }
+    }
+    let at = |name: &str| folder.join(name);
+    write_sparse(&at("A.mtx"), &blocks.a, Symmetry::Symmetric)?;
+    write_sparse(&at("B1.mtx"), &blocks.b1, Symmetry::General)?;
+    if let Some(b2) = &blocks.b2 {
+        write_sparse(&at("B2.mtx"), b2, Symmetry::General)?;
+    }
+    if let Some(h) = &blocks.h {
+        write_sparse(&at("H.mtx"), h, Symmetry::General)?;
+    }
+    write_vector(&at("rhs_u.mtx"), &blocks.rhs_u)?;
+    write_vector(&at("rhs_t.mtx"), &blocks.rhs_t)?;
+    if let Some(flow) = &blocks.flow {
+        write_sparse(&at("Q1.mtx"), &flow.q1, Symmetry::General)?;
+        write_sparse(&at("Q2.mtx"), &flow.q2, Symmetry::General)?;
+        write_sparse(&at("T.mtx"), &flow.t, Symmetry::General)?;
+        write_vector(&at("rhs_p.mtx"), &flow.rhs_p)?;
+    }
+    if let Some(c) = &blocks.coordinates {
+        write_dense(&at("coords.mtx"), &coordinates::to_table(c))?;
+    }
+    let manifest = Manifest {
+        version: Some(concat!("fracas ", env!("CARGO_PKG_VERSION")).into()),
+        n_u: Some(blocks.n_u()),
+        n_t: Some(blocks.n_t()),
+        n_p: Some(blocks.n_p()),
+        ..manifest.clone()
+    };
+    let file = at("manifest.json");
+    let mut text = match serde_json::to_string_pretty(&manifest) {
+        Ok(text) => text,
+        Err(source) => return Err(FolderError::Manifest { file, source }),
+    };
+    text.push('\n');
+    std::fs::write(&file, text).map_err(|source| FolderError::Io { file, source })
+}

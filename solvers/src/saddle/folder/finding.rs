@@ -1,0 +1,171 @@
+//! What is remarkable about an imported system, without being an error.
+
+use std::fmt;
+
+/// A remark with its place. Rows, columns and lines count from 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finding {
+    /// The file.
+    pub file: String,
+    /// First row concerned.
+    pub row: Option<usize>,
+    /// First column concerned.
+    pub column: Option<usize>,
+    /// What was found.
+    pub remark: Remark,
+}
+
+impl Finding {
+    /// A remark about a file as a whole.
+    pub(super) fn file(file: &str, remark: Remark) -> Self {
+        Self {
+            file: file.into(),
+            row: None,
+            column: None,
+            remark,
+        }
+    }
+
+    /// A remark that starts at a row, counted from 0 here.
+    pub(super) fn at_row(file: &str, row: usize, remark: Remark) -> Self {
+        Self {
+            row: Some(row + 1),
+            ..Self::file(file, remark)
+        }
+    }
+
+    /// A remark that starts at a column, counted from 0 here.
+    pub(super) fn at_column(file: &str, column: usize, remark: Remark) -> Self {
+        Self {
+            column: Some(column + 1),
+            ..Self::file(file, remark)
+        }
+    }
+
+    /// A remark about an entry, counted from 0 here.
+    pub(super) fn at_entry(file: &str, row: usize, column: usize, remark: Remark) -> Self {
+        Self {
+            row: Some(row + 1),
+            column: Some(column + 1),
+            ..Self::file(file, remark)
+        }
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.file)?;
+        if let Some(row) = self.row {
+            write!(f, ", row {row}")?;
+        }
+        if let Some(column) = self.column {
+            write!(f, ", column {column}")?;
+        }
+        write!(f, ": {}", self.remark)
+    }
+}
+
+/// What can be remarkable.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Remark {
+    /// Entries listed more than once.
+    #[error("{count} entries are listed more than once (first in line {line}); they were added up")]
+    DuplicatesSummed {
+        /// Surplus entries.
+        count: usize,
+        /// Line of the first one.
+        line: usize,
+    },
+    /// A given in general storage, symmetric to rounding.
+    #[error("stored as general; symmetric to {relative:.1e} of its diagonal")]
+    SymmetricToRounding {
+        /// Largest difference of mirrored entries, relative to the diagonal.
+        relative: f64,
+    },
+    /// Rows of A without entries.
+    #[error("{count} zero rows: A is singular there; only B1 can hold these unknowns")]
+    ZeroRows {
+        /// How many.
+        count: usize,
+    },
+    /// A diagonal that no positive semi-definite matrix has.
+    #[error(
+        "{count} diagonal entries are negative, or zero in a nonzero row (first: {value:e}): A is not positive semi-definite"
+    )]
+    BadDiagonal {
+        /// How many.
+        count: usize,
+        /// The first one.
+        value: f64,
+    },
+    /// Rows that hold nothing but their diagonal.
+    #[error(
+        "{count} rows hold only their diagonal and no entry of B1: constrained unknowns left in the system? They distort condition numbers and multigrid; remove them"
+    )]
+    ConstrainedRows {
+        /// How many.
+        count: usize,
+    },
+    /// Tractions that touch no displacement.
+    #[error(
+        "{count} empty columns: tractions that touch no displacement (every node of the face constrained?); without H they make the system singular"
+    )]
+    EmptyColumns {
+        /// How many.
+        count: usize,
+    },
+    /// B2 repeats B1.
+    #[error("equal to B1ᵀ to rounding: treated as absent, symmetric methods apply")]
+    EqualsTranspose,
+    /// The other sign convention.
+    #[error(
+        "equal to −B1ᵀ: a skew convention; kept as it is (change the sign of the contact rows for a symmetric system)"
+    )]
+    EqualsNegativeTranspose,
+    /// A slip Jacobian.
+    #[error(
+        "differs from B1ᵀ (largest: {b2:e} against {b1:e}): unsymmetric, as slipping faces make it"
+    )]
+    DiffersFromTranspose {
+        /// Entry of B2.
+        b2: f64,
+        /// Mirrored entry of B1.
+        b1: f64,
+    },
+    /// A matrix of zeros.
+    #[error("holds no nonzero entry: treated as absent")]
+    Zero,
+    /// H with a slip block.
+    #[error(
+        "unsymmetric: {value:e} here, {mirrored:e} mirrored, as slipping faces make it; bounds for symmetric H do not apply"
+    )]
+    Unsymmetric {
+        /// Entry.
+        value: f64,
+        /// Mirrored entry.
+        mirrored: f64,
+    },
+    /// H with negative diagonal entries.
+    #[error(
+        "{count} diagonal entries are negative (first: {value:e}): H is indefinite, as open and slipping faces make it; C is not built from these rows"
+    )]
+    NegativeDiagonal {
+        /// How many.
+        count: usize,
+        /// The first one.
+        value: f64,
+    },
+    /// No coordinates.
+    #[error("absent: rigid-body modes and plots on the mesh are not available")]
+    NoCoordinates,
+    /// No right-hand side at all.
+    #[error("absent, and so are the other right-hand sides")]
+    NoRightHandSide,
+    /// No manifest.
+    #[error("absent: sizes are taken from the matrices")]
+    NoManifest,
+    /// A file that plays no role.
+    #[error("not read: it is none of the files of a system folder")]
+    NotRead,
+}

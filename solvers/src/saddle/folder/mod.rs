@@ -1,0 +1,36 @@
+//! System folders: saddle-point systems exchanged with other codes as Matrix Market files.
+//!
+//! | file | content | if absent |
+//! |---|---|---|
+//! | `A.mtx` | n_u × n_u, symmetric | error |
+//! | `B1.mtx` | n_u × n_t | error |
+//! | `B2.mtx` | n_t × n_u | B1ᵀ |
+//! | `H.mtx` | n_t × n_t, the (2,2) block is −H | 0 |
+//! | `Q1.mtx` `Q2.mtx` `T.mtx` | n_u × n_p, n_p × n_u, n_p × n_p | no flow |
+//! | `rhs_u.mtx` `rhs_t.mtx` `rhs_p.mtx` | vectors | 0 |
+//! | `coords.mtx` | n_u rows `x y z component`, or n_u/3 rows `x y z` | unknown |
+//! | `manifest.json` | sizes, scene, step, states, version | sizes from the matrices |
+//!
+//! Constrained rows and columns are removed. An imported folder may come from any code: what makes a system impossible
+//! is a [`FolderError`]; what is merely remarkable is a [`Finding`].
+
+mod compare;
+mod coordinates;
+mod error;
+mod export;
+mod finding;
+mod import;
+mod inspect;
+mod manifest;
+
+#[cfg(test)]
+mod tests;
+
+pub use error::FolderError;
+pub use export::write_folder;
+pub use finding::{Finding, Remark};
+pub use import::{Imported, read_folder};
+pub use manifest::Manifest;
+
+/// Largest difference of mirrored entries that counts as rounding, relative to the scale of their row and column.
+pub const SYMMETRY_TOLERANCE: f64 = 1e-12;

@@ -1,0 +1,342 @@
+//! A system survives the round trip; every defect of a folder is named with its file and place.
+
+use super::*;
+use crate::saddle::{DofCoordinate, FlowBlocks, SaddleBlocks};
+use fracas_operators::sparse::{SparseMatrix, Triplets};
+use std::path::{Path, PathBuf};
+
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("fracas-folder-{}-{name}", std::process::id()));
+    if folder.exists() {
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn sparse(rows: usize, cols: usize, f: impl Fn(usize, usize) -> f64) -> SparseMatrix<f64> {
+    let mut triplets = Triplets::new((rows, cols));
+    for i in 0..rows {
+        for j in 0..cols {
+            if f(i, j) != 0.0 {
+                triplets.add_triplet(i, j, f(i, j));
+            }
+        }
+    }
+    triplets.to_csr()
+}
+
+/// n_u = 6, n_t = 3.
+fn system() -> SaddleBlocks {
+    let coordinate = |i: usize| DofCoordinate {
+        position: [(i / 3) as f64, 0.1, -1e-3],
+        component: (i % 3) as u8,
+    };
+    SaddleBlocks {
+        a: sparse(6, 6, |i, j| {
+            if i == j {
+                4.0
+            } else {
+                1.0 / (1 + i + j) as f64
+            }
+        }),
+        b1: sparse(6, 3, |i, j| if i % 3 == j { 1.0 / 3.0 } else { 0.0 }),
+        b2: None,
+        h: Some(sparse(3, 3, |i, j| if i == j { 0.1 } else { 0.0 })),
+        rhs_u: (0..6).map(|i| (i as f64).sin()).collect(),
+        rhs_t: vec![0.5; 3],
+        coordinates: Some((0..6).map(coordinate).collect()),
+        flow: None,
+    }
+}
+
+/// Writes the system, replaces some files, and reads it again.
+fn with_files(name: &str, files: &[(&str, &str)]) -> Result<Imported, FolderError> {
+    let folder = folder(name);
+    write_folder(&folder, &system(), &Manifest::default()).unwrap();
+    for (file, text) in files {
+        std::fs::write(folder.join(file), text).unwrap();
+    }
+    read_folder(&folder)
+}
+
+fn refusal(name: &str, files: &[(&str, &str)]) -> String {
+    with_files(name, files).unwrap_err().to_string()
+}
+
+const REAL: &str = "%%MatrixMarket matrix coordinate real general\n";
+const ARRAY: &str = "%%MatrixMarket matrix array real general\n";
+
+fn coordinate(rows: usize, cols: usize, entries: &[(usize, usize, f64)]) -> String {
+    let mut text = format!("{REAL}{rows} {cols} {}\n", entries.len());
+    for (i, j, v) in entries {
+        text.push_str(&format!("{i} {j} {v}\n"));
+    }
+    text
+}
+
+#[test]
+fn a_system_survives_the_round_trip_bit_for_bit() {
+    let mut blocks = system();
+    blocks.flow = Some(FlowBlocks {
+        q1: sparse(6, 2, |i, j| (i * j) as f64 / 7.0),
+        q2: sparse(2, 6, |i, j| (1 + i + j) as f64 / 9.0),
+        t: sparse(2, 2, |i, j| if i == j { 1e-17 } else { 0.0 }),
+        rhs_p: vec![1.0, -2.0],
+    });
+    blocks.b2 = Some(sparse(3, 6, |i, j| 1.0 / (2 + i + j) as f64));
+    let mut manifest = Manifest {
+        scene: Some("two_blocks".into()),
+        states: Some(vec![2]),
+        ..Manifest::default()
+    };
+    manifest.other.insert("mesher".into(), "other code".into());
+    let folder = folder("round");
+    write_folder(&folder, &blocks, &manifest).unwrap();
+    let read = read_folder(&folder).unwrap();
+    let b = &read.blocks;
+    assert!(read.has_rhs);
+    assert_eq!(
+        (&b.a, &b.b1, &b.b2, &b.h),
+        (&blocks.a, &blocks.b1, &blocks.b2, &blocks.h)
+    );
+    assert_eq!(
+        (&b.rhs_u, &b.rhs_t, &b.coordinates),
+        (&blocks.rhs_u, &blocks.rhs_t, &blocks.coordinates)
+    );
+    let (flow, written) = (b.flow.as_ref().unwrap(), blocks.flow.as_ref().unwrap());
+    assert_eq!(
+        (&flow.q1, &flow.q2, &flow.t, &flow.rhs_p),
+        (&written.q1, &written.q2, &written.t, &written.rhs_p)
+    );
+    assert_eq!(
+        (read.manifest.n_u, read.manifest.n_t, read.manifest.n_p),
+        (Some(6), Some(3), Some(2))
+    );
+    assert_eq!(read.manifest.other, manifest.other);
+    assert!(matches!(
+        &read.findings[..],
+        [Finding {
+            remark: Remark::DiffersFromTranspose { .. },
+            ..
+        }]
+    ));
+
+    write_folder(&folder, &system(), &Manifest::default()).unwrap();
+    let read = read_folder(&folder).unwrap();
+    assert!(
+        read.blocks.b2.is_none() && read.blocks.flow.is_none(),
+        "files of the earlier system are gone"
+    );
+    assert_eq!(read.findings, []);
+}
+
+#[test]
+fn missing_files_are_named() {
+    let empty = folder("empty");
+    assert!(matches!(
+        read_folder(&empty),
+        Err(FolderError::Missing {
+            file: "A.mtx",
+            near: None,
+            ..
+        })
+    ));
+    std::fs::write(empty.join("a.mtx"), "").unwrap();
+    let message = read_folder(&empty).unwrap_err().to_string();
+    assert!(
+        message.contains("holds no A.mtx") && message.contains("found a.mtx"),
+        "{message}"
+    );
+    assert!(matches!(
+        read_folder(Path::new("/nowhere/at/all")),
+        Err(FolderError::NotAFolder { .. })
+    ));
+    let message = refusal("flow", &[("Q1.mtx", &coordinate(6, 1, &[]))]);
+    assert!(message.contains("holds Q1.mtx but no Q2.mtx"), "{message}");
+}
+
+#[test]
+fn sizes_that_do_not_fit_name_both_files() {
+    let message = refusal("b1", &[("B1.mtx", &coordinate(5, 3, &[]))]);
+    assert_eq!(message, "B1.mtx is 5×3, expected 6×3 because A.mtx is 6×6");
+    let message = refusal("b2", &[("B2.mtx", &coordinate(6, 3, &[]))]);
+    assert_eq!(message, "B2.mtx is 6×3, expected 3×6 because B1.mtx is 6×3");
+    let message = refusal("h", &[("H.mtx", &coordinate(2, 2, &[]))]);
+    assert_eq!(message, "H.mtx is 2×2, expected 3×3 because B1.mtx is 6×3");
+    let message = refusal("rhs", &[("rhs_u.mtx", &format!("{ARRAY}1 1\n1\n"))]);
+    assert_eq!(
+        message,
+        "rhs_u.mtx is 1×1, expected 6×1 because A.mtx is 6×6"
+    );
+    let message = refusal("a", &[("A.mtx", &coordinate(6, 5, &[]))]);
+    assert_eq!(message, "A.mtx is 6×5; it must be square");
+    let message = refusal("manifest", &[("manifest.json", r#"{"n_t": 4}"#)]);
+    assert_eq!(message, "manifest.json says n_t = 4, but B1.mtx gives 3");
+    let q = [
+        ("Q1.mtx", coordinate(6, 1, &[])),
+        ("Q2.mtx", coordinate(2, 6, &[])),
+        ("T.mtx", coordinate(1, 1, &[])),
+    ];
+    let q: Vec<(&str, &str)> = q.iter().map(|(f, t)| (*f, t.as_str())).collect();
+    assert_eq!(
+        refusal("q", &q),
+        "Q2.mtx is 2×6, expected 1×6 because T.mtx is 1×1"
+    );
+}
+
+#[test]
+fn an_unsymmetric_stiffness_is_an_error_with_row_column_and_values() {
+    let mut entries: Vec<_> = (1..=6).map(|i| (i, i, 2.0)).collect();
+    entries.push((5, 2, 1.0));
+    entries.push((2, 5, 1.5));
+    let message = refusal("asymmetric", &[("A.mtx", &coordinate(6, 6, &entries))]);
+    let start = "A.mtx is not symmetric: entry (2, 5) is 1.5e0, entry (5, 2) is 1e0";
+    assert!(message.starts_with(start), "{message}");
+    entries.last_mut().unwrap().2 = 1.0 + 1e-14;
+    let read = with_files("rounding", &[("A.mtx", &coordinate(6, 6, &entries))]).unwrap();
+    assert!(
+        read.findings.iter().any(
+            |f| matches!(f.remark, Remark::SymmetricToRounding { relative } if relative < 1e-13)
+        )
+    );
+}
+
+#[test]
+fn nan_and_broken_files_keep_their_line() {
+    let message = refusal("nan", &[("H.mtx", &format!("{REAL}3 3 1\n2 3 NaN\n"))]);
+    assert!(
+        message
+            .ends_with("H.mtx, line 3: the value `NaN` in row 2, column 3 is not a finite number"),
+        "{message}"
+    );
+    let message = refusal("json", &[("manifest.json", "{\n \"n_u\": x\n}")]);
+    assert!(
+        message.contains("manifest.json: ") && message.contains("line 2"),
+        "{message}"
+    );
+}
+
+#[test]
+fn coordinates_come_in_two_forms_or_are_refused() {
+    let by_node = format!("{ARRAY}2 3\n0\n1\n0.1\n0.1\n-1e-3\n-1e-3\n");
+    let read = with_files("nodes", &[("coords.mtx", &by_node)]).unwrap();
+    assert_eq!(read.blocks.coordinates, system().coordinates);
+    let message = refusal(
+        "short",
+        &[("coords.mtx", &format!("{ARRAY}1 3\n0\n1\n0.1\n"))],
+    );
+    assert!(
+        message.starts_with("coords.mtx is 1×3, expected 6×4"),
+        "{message}"
+    );
+    let mut rows = format!("{ARRAY}6 4\n{}", "0\n".repeat(18));
+    rows.push_str("0\n1\n2\n0\n7\n2\n");
+    let message = refusal("component", &[("coords.mtx", &rows)]);
+    assert_eq!(
+        message,
+        "coords.mtx, row 5: the component is 7, expected 0, 1 or 2 (x, y, z)"
+    );
+}
+
+#[test]
+fn what_is_remarkable_is_found_with_its_place() {
+    let found = |name: &str, files: &[(&str, &str)]| -> Vec<String> {
+        with_files(name, files)
+            .unwrap()
+            .findings
+            .iter()
+            .map(ToString::to_string)
+            .collect()
+    };
+    let has = |list: &[String], start: &str| {
+        assert!(list.iter().any(|f| f.starts_with(start)), "{list:?}")
+    };
+
+    let b1 = coordinate(6, 3, &[(1, 1, 1.0), (1, 1, 1.0), (4, 3, 1.0)]);
+    let a = coordinate(
+        6,
+        6,
+        &[
+            (1, 1, 1.0),
+            (2, 2, 3.0),
+            (4, 4, -1.0),
+            (5, 6, 1.0),
+            (6, 5, 1.0),
+        ],
+    );
+    let list = found("blocks", &[("A.mtx", &a), ("B1.mtx", &b1), ("b2.MTX", &b1)]);
+    has(
+        &list,
+        "B1.mtx, row 1, column 1: 1 entries are listed more than once (first in line 4)",
+    );
+    has(&list, "A.mtx, row 3: 1 zero rows");
+    has(
+        &list,
+        "A.mtx, row 4: 3 diagonal entries are negative, or zero",
+    );
+    has(&list, "A.mtx, row 2: 1 rows hold only their diagonal");
+    has(&list, "B1.mtx, column 2: 1 empty columns");
+    has(&list, "b2.MTX: not read");
+
+    let third = 1.0 / 3.0;
+    let transposed = |s: f64| {
+        coordinate(
+            3,
+            6,
+            &[1, 2, 3, 4, 5, 6].map(|j| ((j - 1) % 3 + 1, j, s * third)),
+        )
+    };
+    let same = with_files("same", &[("B2.mtx", &transposed(1.0 + 1e-15))]).unwrap();
+    assert!(same.blocks.b2.is_none());
+    assert_eq!(same.findings[0].remark, Remark::EqualsTranspose);
+    has(
+        &found("minus", &[("B2.mtx", &transposed(-1.0))]),
+        "B2.mtx: equal to −B1ᵀ",
+    );
+
+    let h = coordinate(3, 3, &[(1, 1, 1.0), (1, 2, 0.5), (3, 3, -2.0)]);
+    let list = found("slip", &[("H.mtx", &h)]);
+    has(&list, "H.mtx, row 1, column 2: unsymmetric");
+    has(
+        &list,
+        "H.mtx, row 3: 1 diagonal entries are negative (first: -2e0)",
+    );
+    let zero = with_files("zero", &[("H.mtx", &coordinate(3, 3, &[]))]).unwrap();
+    assert!(zero.blocks.h.is_none());
+
+    let bare = folder("bare");
+    write_folder(
+        &bare,
+        &SaddleBlocks {
+            coordinates: None,
+            ..system()
+        },
+        &Manifest::default(),
+    )
+    .unwrap();
+    for file in ["rhs_u.mtx", "rhs_t.mtx", "manifest.json"] {
+        std::fs::remove_file(bare.join(file)).unwrap();
+    }
+    let read = read_folder(&bare).unwrap();
+    assert!(!read.has_rhs && read.blocks.rhs_u == [0.0; 6]);
+    let remarks: Vec<_> = read.findings.into_iter().map(|f| f.remark).collect();
+    assert_eq!(
+        remarks,
+        [
+            Remark::NoManifest,
+            Remark::NoRightHandSide,
+            Remark::NoCoordinates
+        ]
+    );
+}
+
+#[test]
+fn an_unsymmetric_stiffness_is_not_exported() {
+    let blocks = SaddleBlocks {
+        a: sparse(6, 6, |i, j| if i <= j { 1.0 } else { 0.0 }),
+        ..system()
+    };
+    let error = write_folder(&folder("export"), &blocks, &Manifest::default()).unwrap_err();
+    assert!(matches!(error, FolderError::Asymmetric { .. }));
+}

@@ -1,0 +1,262 @@
+//! Nodal forces of body forces, surface tractions and initial stresses, in full numbering [N].
+
+use super::element::{GAUSS, GaussPoints, gauss_point, shape_functions};
+use super::{ElasticityError, check};
+use crate::mesh::HexMesh;
+
+/// Stress in the order xx, yy, zz, xy, yz, xz [Pa].
+pub type Voigt = [f64; 6];
+
+/// Place of σ_ij in [`Voigt`].
+const VOIGT: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
+
+/// Calls `visit(e, points)` for every element.
+fn for_each_element(
+    mesh: &HexMesh,
+    mut visit: impl FnMut(usize, &GaussPoints),
+) -> Result<(), ElasticityError> {
+    for e in 0..mesh.elements.len() {
+        visit(e, &check::gauss_points(mesh, e)?);
+    }
+    Ok(())
+}
+
+/// Forces of a body force b per region: `f_a = ∫ N_a b dV`; `body[region]` in [N/m³], for example ρg.
+///
+/// # Errors
+/// [`ElasticityError`] for an inverted element or a region without a value.
+pub fn body_force(mesh: &HexMesh, body: &[[f64; 3]]) -> Result<Vec<f64>, ElasticityError> {
+    check::regions(mesh, body.len())?;
+    let shapes: [[f64; 8]; 8] = std::array::from_fn(|q| shape_functions(gauss_point(q)));
+    let mut force = vec![0.0; 3 * mesh.nodes.len()];
+    for_each_element(mesh, |e, points| {
+        let b = body[usize::from(mesh.regions[e])];
+        for (a, node) in mesh.elements[e].iter().enumerate() {
+            let volume: f64 = (0..8).map(|q| points.weights[q] * shapes[q][a]).sum();
+            for i in 0..3 {
+                force[3 * *node as usize + i] += volume * b[i];
+            }
+        }
+    })?;
+    Ok(force)
+}
+
+/// Forces of a constant traction on faces: `f_a = ∫ N_a t dS`, 2×2 Gauss points; `traction` in [Pa].
+pub fn surface_traction(nodes: &[[f64; 3]], faces: &[[u32; 4]], traction: [f64; 3]) -> Vec<f64> {
+    let mut force = vec![0.0; 3 * nodes.len()];
+    for face in faces {
+        let areas = node_areas(&face.map(|node| nodes[node as usize]));
+        for (node, area) in face.iter().zip(areas) {
+            for i in 0..3 {
+                force[3 * *node as usize + i] += area * traction[i];
+            }
+        }
+    }
+    force
+}
+
+/// `∫ N_a dS` of the four corners of a bilinear face, corners in cyclic order [m²].
+pub fn node_areas(corners: &[[f64; 3]; 4]) -> [f64; 4] {
+    const SIGNS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    let mut areas = [0.0; 4];
+    for point in SIGNS {
+        let (xi, eta) = (point[0] * GAUSS, point[1] * GAUSS);
+        let (mut s, mut t) = ([0.0; 3], [0.0; 3]);
+        for (x, sign) in corners.iter().zip(SIGNS) {
+            for i in 0..3 {
+                s[i] += x[i] * sign[0] * (1.0 + sign[1] * eta) / 4.0;
+                t[i] += x[i] * sign[1] * (1.0 + sign[0] * xi) / 4.0;
+            }
+        }
+        // dS = |∂x/∂ξ × ∂x/∂η|
+        let normal = [
+            s[1] * t[2] - s[2] * t[1],
+            s[2] * t[0] - s[0] * t[2],
+            s[0] * t[1] - s[1] * t[0],
+        ];
+        let area = normal.iter().map(|v| v * v).sum::<f64>().sqrt();
+        for (sum, sign) in areas.iter_mut().zip(SIGNS) {
+            *sum += area * (1.0 + sign[0] * xi) * (1.0 + sign[1] * eta) / 4.0;
+        }
+    }
+    areas
+}
+
+/// Forces of an initial stress: `f = −∫ Bᵀ σ0 dV`; `stress(region, x)` in [Pa], tension positive.
+///
+/// # Errors
+/// [`ElasticityError::Inverted`] for an inverted element.
+pub fn initial_stress(
+    mesh: &HexMesh,
+    stress: impl Fn(usize, [f64; 3]) -> Voigt,
+) -> Result<Vec<f64>, ElasticityError> {
+    let shapes: [[f64; 8]; 8] = std::array::from_fn(|q| shape_functions(gauss_point(q)));
+    let mut force = vec![0.0; 3 * mesh.nodes.len()];
+    for_each_element(mesh, |e, points| {
+        let x = check::corners(mesh, e);
+        for q in 0..8 {
+            let at = [0, 1, 2].map(|i| (0..8).map(|a| shapes[q][a] * x[a][i]).sum());
+            let sigma = stress(usize::from(mesh.regions[e]), at);
+            for (a, node) in mesh.elements[e].iter().enumerate() {
+                for i in 0..3 {
+                    let divergence: f64 = (0..3)
+                        .map(|j| points.gradients[a][j][q] * sigma[VOIGT[i][j]])
+                        .sum();
+                    force[3 * *node as usize + i] -= points.weights[q] * divergence;
+                }
+            }
+        }
+    })?;
+    Ok(force)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample::{self, Sample};
+    use super::*;
+
+    fn distorted() -> HexMesh {
+        sample::mesh(Sample {
+            cells: [3, 4, 2],
+            distortion: 0.2,
+            regions: 2,
+            ..Sample::default()
+        })
+    }
+
+    /// Σ f and Σ x × f.
+    fn resultant(nodes: &[[f64; 3]], force: &[f64]) -> [f64; 6] {
+        let mut sum = [0.0; 6];
+        for (x, f) in nodes.iter().zip(force.chunks_exact(3)) {
+            for i in 0..3 {
+                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+                sum[i] += f[i];
+                sum[3 + i] += x[j] * f[k] - x[k] * f[j];
+            }
+        }
+        sum
+    }
+
+    fn assert_near(a: &[f64], b: &[f64]) {
+        for (x, y) in a.iter().zip(b) {
+            assert!((x - y).abs() < 1e-12, "{a:?} is not {b:?}");
+        }
+    }
+
+    #[test]
+    fn weight_has_its_resultant_and_its_moment() {
+        let mesh = sample::mesh(Sample {
+            cells: [3, 4, 2],
+            grading: 0.2,
+            ..Sample::default()
+        });
+        let (x, y, z) = (3.64, 5.368, 2.2);
+        let force = body_force(&mesh, &[[0.0, 0.0, -2.0]]).unwrap();
+        let weight = -2.0 * x * y * z;
+        let expected = [0.0, 0.0, weight, weight * y / 2.0, -weight * x / 2.0, 0.0];
+        assert_near(&resultant(&mesh.nodes, &force), &expected);
+    }
+
+    #[test]
+    fn a_traction_has_its_resultant_and_its_moment() {
+        let nodes = [
+            [0.0, 0.0, 1.0],
+            [2.0, 0.0, 1.0],
+            [2.0, 3.0, 1.0],
+            [0.0, 3.0, 1.0],
+        ];
+        let t = [0.5, -1.0, 2.0];
+        let force = surface_traction(&nodes, &[[0, 1, 2, 3]], t);
+        let f = t.map(|v| 6.0 * v);
+        let (x, y, z) = (1.0, 1.5, 1.0);
+        let moment = [
+            y * f[2] - z * f[1],
+            z * f[0] - x * f[2],
+            x * f[1] - y * f[0],
+        ];
+        assert_near(
+            &resultant(&nodes, &force),
+            &[f[0], f[1], f[2], moment[0], moment[1], moment[2]],
+        );
+    }
+
+    #[test]
+    fn a_trapezoid_gives_more_to_its_long_side() {
+        let corners = [
+            [0.0, 0.0, 0.0],
+            [4.0, 0.0, 0.0],
+            [3.0, 1.0, 0.0],
+            [1.0, 1.0, 0.0],
+        ];
+        let areas = node_areas(&corners);
+        // ∫ (1−η)(4−2η)/… on the reference square: 5/6 per bottom corner, 4/6 per top corner.
+        assert_near(&areas, &[5.0 / 6.0, 5.0 / 6.0, 4.0 / 6.0, 4.0 / 6.0]);
+    }
+
+    #[test]
+    fn a_constant_initial_stress_is_balanced_by_its_boundary_tractions() {
+        let mesh = sample::mesh(Sample {
+            cells: [2, 3, 2],
+            ..Sample::default()
+        });
+        let sigma = [1.0, -2.0, 0.5, 0.25, -0.75, 0.4];
+        let mut force = initial_stress(&mesh, |_, _| sigma).unwrap();
+        // f + Σ over the six sides of σ0·n vanishes node by node.
+        for axis in 0..3 {
+            for (side, sign) in [(0.0, -1.0), ([2.0, 3.0, 2.0][axis], 1.0)] {
+                let traction = [0, 1, 2].map(|i| sign * sigma[VOIGT[i][axis]]);
+                let faces: Vec<[u32; 4]> = mesh
+                    .elements
+                    .iter()
+                    .filter_map(|e| face_on(&mesh, e, axis, side))
+                    .collect();
+                let t = surface_traction(&mesh.nodes, &faces, traction);
+                force.iter_mut().zip(&t).for_each(|(f, t)| *f += t);
+            }
+        }
+        assert!(force.iter().all(|f| f.abs() < 1e-13), "{force:?}");
+    }
+
+    /// The face of an element whose nodes lie on the plane x_axis = side, in cyclic order.
+    fn face_on(mesh: &HexMesh, element: &[u32; 8], axis: usize, side: f64) -> Option<[u32; 4]> {
+        const FACES: [[usize; 4]; 6] = [
+            [0, 1, 2, 3],
+            [4, 5, 6, 7],
+            [0, 1, 5, 4],
+            [1, 2, 6, 5],
+            [2, 3, 7, 6],
+            [3, 0, 4, 7],
+        ];
+        let on = |n: &u32| mesh.nodes[*n as usize][axis] == side;
+        FACES
+            .map(|f| f.map(|a| element[a]))
+            .into_iter()
+            .find(|f| f.iter().all(on))
+    }
+
+    #[test]
+    fn an_initial_stress_has_no_resultant_and_no_moment() {
+        let force = initial_stress(&distorted(), |region, x| {
+            [region as f64, 1.0 + x[2], -2.0 * x[2], 0.3, 0.1 * x[2], 0.0]
+        })
+        .unwrap();
+        assert_near(&resultant(&distorted().nodes, &force), &[0.0; 6]);
+    }
+
+    #[test]
+    fn a_stress_that_grows_with_depth_carries_the_weight_of_inner_nodes() {
+        let mesh = sample::mesh(Sample {
+            cells: [2, 2, 4],
+            grading: 0.3,
+            ..Sample::default()
+        });
+        // σ_zz,z = γ with body force −γ
+        let stress = initial_stress(&mesh, |_, x| [0.0, 0.0, 2.0 * x[2], 0.0, 0.0, 0.0]).unwrap();
+        let weight = body_force(&mesh, &[[0.0, 0.0, -2.0]]).unwrap();
+        for layer in 1..4 {
+            let dof = 3 * (4 + 9 * layer) + 2;
+            assert!(weight[dof] < -0.5);
+            assert!((stress[dof] + weight[dof]).abs() < 1e-13);
+        }
+    }
+}

@@ -1,0 +1,266 @@
+//! Tractions that no displacement feels: the kernel of B on the free displacements, with and without H.
+
+use std::collections::{BTreeMap, HashMap};
+
+use super::rank::gram_rank;
+use super::{FractureMesh, HexMesh};
+
+/// Faces beyond which the dense rank of B is not computed (three n×n Gram matrices, n³/3 each: about a second).
+const DENSE_FACES: usize = 1200;
+
+/// Edge-connected patches beyond which their joint rank is not computed, only that of each patch alone.
+const DENSE_PATCHES: usize = 1200;
+
+/// Pivots of Gram matrices below this share of the largest one count as zero.
+const RANK_TOLERANCE: f64 = 1e-10;
+
+/// Names of the three traction components.
+pub(super) const COMPONENTS: [&str; 3] = ["t_N", "t_1", "t_2"];
+
+/// Why tractions have no effect.
+#[derive(Clone, Debug, PartialEq)]
+pub enum KernelReason {
+    /// The column of B is empty: all displacements that it acts on are prescribed, or the face is not split.
+    EmptyColumn {
+        /// Component 0–2: t_N, t_1, t_2.
+        component: usize,
+    },
+    /// A uniform traction on a connected patch of faces does no work: H does not help, the system is singular.
+    UniformPatch {
+        /// Faces in the patch.
+        faces: usize,
+        /// Global direction of the traction (0–2).
+        direction: usize,
+    },
+    /// More tractions than free jumps in a patch: only H makes the system regular.
+    Counting {
+        /// Faces in the patch.
+        faces: usize,
+        /// Global direction (0–2).
+        direction: usize,
+        /// Free jumps of the nodes of the patch in that direction.
+        jumps: usize,
+    },
+}
+
+/// One finding, with its place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KernelFinding {
+    /// Index of the fracture.
+    pub fracture: u16,
+    /// The face, or the first face of the patch.
+    pub face: u32,
+    /// Its centre [m].
+    pub center: [f64; 3],
+    /// What is wrong.
+    pub reason: KernelReason,
+}
+
+/// What is known of ker B (B on free displacements, all faces closed).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CouplingKernel {
+    /// dim ker B, where the fractures are small enough for a dense rank (1,200 faces).
+    pub dimension: Option<usize>,
+    /// dim (ker B ∩ ker H): with jump stabilization the tractions are unique exactly if this is 0. Beyond 1,200 patches
+    /// a lower bound, from each patch alone.
+    pub stabilized_dimension: usize,
+    /// Where and why.
+    pub findings: Vec<KernelFinding>,
+}
+
+/// Column of B for a unit traction of one global direction on a face: (free displacement's node, ±∫N_a).
+type Column = Vec<(u32, f64)>;
+
+/// Column of face `f` in direction `d`. The two contributions of a tip node cancel exactly.
+fn column(fractures: &FractureMesh, prescribed: &[bool], f: usize, d: usize) -> Column {
+    let face = &fractures.faces[f];
+    (0..4)
+        .filter(|a| face.plus.nodes[*a] != face.minus.nodes[*a])
+        .flat_map(|a| {
+            let area = face.node_areas[a];
+            [(face.plus.nodes[a], area), (face.minus.nodes[a], -area)]
+        })
+        .filter(|(node, _)| !prescribed[3 * *node as usize + d])
+        .collect()
+}
+
+/// Rank of the matrix whose sparse columns are given, by the Gram matrix.
+fn rank(columns: &[Column]) -> usize {
+    let n = columns.len();
+    let mut rows: HashMap<u32, Vec<(usize, f64)>> = HashMap::new();
+    for (c, column) in columns.iter().enumerate() {
+        for (row, value) in column {
+            rows.entry(*row).or_default().push((c, *value));
+        }
+    }
+    // fixed order of additions: same bits on every run
+    let mut order: Vec<&u32> = rows.keys().collect();
+    order.sort_unstable();
+    let mut gram = vec![0.0; n * n];
+    for entries in order.iter().map(|row| &rows[*row]) {
+        for (i, x) in entries {
+            for (j, y) in entries {
+                gram[i * n + j] += x * y;
+            }
+        }
+    }
+    // columns of unit length, so that large and small faces count alike
+    let norm: Vec<f64> = (0..n).map(|i| gram[i * n + i].sqrt()).collect();
+    for i in 0..n {
+        for j in 0..n {
+            if norm[i] > 0.0 && norm[j] > 0.0 {
+                gram[i * n + j] /= norm[i] * norm[j];
+            }
+        }
+    }
+    gram_rank(&mut gram, n, RANK_TOLERANCE)
+}
+
+/// Patches: faces of one fracture connected over inner edges, in order of their first face.
+pub(super) fn patches(fractures: &FractureMesh) -> Vec<Vec<u32>> {
+    let mut parent: Vec<u32> = (0..fractures.faces.len() as u32).collect();
+    fn root(parent: &mut [u32], mut i: u32) -> u32 {
+        while parent[i as usize] != i {
+            parent[i as usize] = parent[parent[i as usize] as usize];
+            i = parent[i as usize];
+        }
+        i
+    }
+    for edge in &fractures.edges {
+        let (a, b) = (
+            root(&mut parent, edge.faces[0]),
+            root(&mut parent, edge.faces[1]),
+        );
+        parent[a.max(b) as usize] = a.min(b);
+    }
+    let mut groups: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for f in 0..fractures.faces.len() as u32 {
+        groups.entry(root(&mut parent, f)).or_default().push(f);
+    }
+    groups.into_values().collect()
+}
+
+/// Sum of columns.
+fn sum_columns(columns: impl Iterator<Item = Column>) -> Column {
+    let mut sum: BTreeMap<u32, f64> = BTreeMap::new();
+    let mut size: f64 = 0.0;
+    for (row, value) in columns.flatten() {
+        *sum.entry(row).or_insert(0.0) += value;
+        size = size.max(value.abs());
+    }
+    sum.into_iter()
+        .filter(|(_, v)| v.abs() > 1e-12 * size)
+        .collect()
+}
+
+/// Free jumps of the nodes of a patch in direction `d`: an upper bound of the rank of its columns.
+fn free_jumps(
+    mesh: &HexMesh,
+    fractures: &FractureMesh,
+    prescribed: &[bool],
+    patch: &[u32],
+    d: usize,
+) -> usize {
+    let mut copies: HashMap<u32, Vec<u32>> = HashMap::new();
+    for face in patch.iter().map(|f| &fractures.faces[*f as usize]) {
+        for node in face.plus.nodes.iter().chain(&face.minus.nodes) {
+            copies
+                .entry(mesh.origin[*node as usize])
+                .or_default()
+                .push(*node);
+        }
+    }
+    copies
+        .into_values()
+        .map(|mut list| {
+            list.sort_unstable();
+            list.dedup();
+            let free = list
+                .iter()
+                .filter(|n| !prescribed[3 * **n as usize + d])
+                .count();
+            // rows of one node sum to zero unless a copy is prescribed
+            free.min(list.len() - 1)
+        })
+        .sum()
+}
+
+/// Finds tractions without effect; `prescribed[3·node + component]` marks the displacements that are given.
+///
+/// # Cost
+/// O(faces), and two dense ranks where the fractures are small enough.
+pub fn coupling_kernel(
+    mesh: &HexMesh,
+    fractures: &FractureMesh,
+    prescribed: &[bool],
+) -> CouplingKernel {
+    let n = fractures.faces.len();
+    let place = |f: u32, reason| KernelFinding {
+        fracture: fractures.faces[f as usize].fracture,
+        face: f,
+        center: fractures.faces[f as usize].center,
+        reason,
+    };
+    let mut kernel = CouplingKernel::default();
+    for (f, face) in fractures.faces.iter().enumerate() {
+        let empty = [0, 1, 2].map(|d: usize| column(fractures, prescribed, f, d).is_empty());
+        for component in 0..3 {
+            if (0..3).all(|d| empty[d] || face.frame[component][d].abs() < 1e-12) {
+                kernel
+                    .findings
+                    .push(place(f as u32, KernelReason::EmptyColumn { component }));
+            }
+        }
+    }
+    if n <= DENSE_FACES {
+        kernel.dimension = Some(
+            (0..3)
+                .map(|d| {
+                    let columns: Vec<Column> = (0..n)
+                        .map(|f| column(fractures, prescribed, f, d))
+                        .collect();
+                    n - rank(&columns)
+                })
+                .sum(),
+        );
+    }
+    let patches = patches(fractures);
+    for d in 0..3 {
+        let columns: Vec<Column> = patches
+            .iter()
+            .map(|p| {
+                sum_columns(
+                    p.iter()
+                        .map(|f| column(fractures, prescribed, *f as usize, d)),
+                )
+            })
+            .collect();
+        let mut alone = 0;
+        for (patch, column) in patches.iter().zip(&columns) {
+            let (faces, direction) = (patch.len(), d);
+            if column.is_empty() {
+                alone += 1;
+                kernel.findings.push(place(
+                    patch[0],
+                    KernelReason::UniformPatch { faces, direction },
+                ));
+            }
+            let jumps = free_jumps(mesh, fractures, prescribed, patch, d);
+            if jumps < faces {
+                kernel.findings.push(place(
+                    patch[0],
+                    KernelReason::Counting {
+                        faces,
+                        direction,
+                        jumps,
+                    },
+                ));
+            }
+        }
+        kernel.stabilized_dimension += match patches.len() <= DENSE_PATCHES {
+            true => patches.len() - rank(&columns),
+            false => alone,
+        };
+    }
+    kernel
+}

@@ -1,0 +1,82 @@
+//! What a scene becomes: everything that assembly needs, in SI units.
+
+use crate::elasticity::{Constraints, Elastic};
+use crate::mesh::{Audit, FractureMesh, HexMesh, audit};
+
+/// A constant traction on faces of the surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SurfaceTraction {
+    /// Four nodes per face, counter-clockwise seen from outside.
+    pub faces: Vec<[u32; 4]>,
+    /// Force per area, tension positive [Pa].
+    pub value: [f64; 3],
+}
+
+/// Initial stress σ0(z) = constant + (z − reference) · gradient, Voigt order xx, yy, zz, xy, yz, xz.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InitialStress {
+    /// At z = reference [Pa].
+    pub constant: [f64; 6],
+    /// Per metre of z, upwards [Pa/m].
+    pub gradient: [f64; 6],
+    /// Where `constant` holds [m].
+    pub reference: f64,
+}
+
+impl InitialStress {
+    /// σ0 at a point [Pa].
+    pub fn at(&self, x: [f64; 3]) -> [f64; 6] {
+        std::array::from_fn(|i| self.constant[i] + (x[2] - self.reference) * self.gradient[i])
+    }
+}
+
+/// Coulomb friction of a fracture: τ_L = c − t_N tan φ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Friction {
+    /// Friction angle φ [rad].
+    pub angle: f64,
+    /// Cohesion c [Pa].
+    pub cohesion: f64,
+}
+
+/// A fractured body with materials, constraints and loads.
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// The mesh, split along its fractures.
+    pub mesh: HexMesh,
+    /// Its fractures.
+    pub fractures: FractureMesh,
+    /// Friction per fracture, where the scene gives it.
+    pub friction: Vec<Option<Friction>>,
+    /// Names of the materials; `mesh.regions` indexes all three lists.
+    pub material_names: Vec<String>,
+    /// Elastic constants per material.
+    pub materials: Vec<Elastic>,
+    /// Density per material [kg/m³].
+    pub densities: Vec<f64>,
+    /// Body force per material: density · gravity + the scene's own [N/m³].
+    pub body_force: Vec<[f64; 3]>,
+    /// Prescribed displacements.
+    pub constraints: Constraints,
+    /// Loads on the surface.
+    pub tractions: Vec<SurfaceTraction>,
+    /// Stress before any displacement.
+    pub initial_stress: Option<InitialStress>,
+}
+
+impl Body {
+    /// Marks of the prescribed displacements, `3·node + component`.
+    pub fn prescribed(&self) -> Vec<bool> {
+        (0..self.constraints.full_len())
+            .map(|dof| self.constraints.free_index(dof).is_none())
+            .collect()
+    }
+
+    /// Counts, bodies and what holds them, quality, rank of the coupling.
+    ///
+    /// # Cost
+    /// O(elements), plus dense ranks where the fractures are small.
+    pub fn audit(&self) -> Audit {
+        audit(&self.mesh, &self.fractures, &self.prescribed())
+    }
+}

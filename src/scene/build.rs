@@ -1,0 +1,219 @@
+//! From sections to a body.
+
+use std::collections::HashSet;
+
+use super::geometry::{axis, expand, regions, warps};
+use super::hold::hold;
+use super::mesh_sections::FractureSection;
+use super::sections::SceneSections;
+use super::source::Source;
+use super::{Body, Friction, InitialStress, Problem, SceneError};
+use crate::elasticity::{Constraints, Elastic};
+use crate::mesh::{BoxGrid, Hold, MeshError, bodies};
+use crate::units::Measure;
+
+/// A problem and the path of keys to where it is written.
+pub(super) struct Located {
+    pub(super) path: Vec<String>,
+    pub(super) problem: Box<Problem>,
+}
+
+/// `problem` at a path.
+pub(super) fn at(path: &[&str], problem: impl Into<Problem>) -> Located {
+    Located {
+        path: path.iter().map(|s| (*s).to_string()).collect(),
+        problem: Box::new(problem.into()),
+    }
+}
+
+/// Builds the body; problems get their place in the file.
+pub(super) fn build(sections: &SceneSections, source: &Source) -> Result<Body, SceneError> {
+    let body = assemble(sections).map_err(|located| {
+        let path: Vec<&str> = located.path.iter().map(String::as_str).collect();
+        SceneError::Section {
+            place: Box::new(source.locate(&path)),
+            problem: located.problem,
+        }
+    })?;
+    let parts = bodies(&body.mesh, &body.fractures, &body.prescribed());
+    for (number, part) in parts.iter().enumerate() {
+        if let Hold::Nothing { free } = part.hold {
+            return Err(SceneError::NotHeld {
+                body: number,
+                elements: part.elements,
+                center: part.center,
+                free,
+                free_axes: part.free_axes,
+            });
+        }
+    }
+    Ok(body)
+}
+
+fn assemble(sections: &SceneSections) -> Result<Body, Located> {
+    if sections.material.is_empty() {
+        return Err(at(&["material"], Problem::NoMaterial));
+    }
+    unique(
+        "material",
+        "materials",
+        sections.material.iter().map(|m| &m.name),
+    )?;
+    unique(
+        "fracture",
+        "fractures",
+        sections.fracture.iter().map(|f| &f.name),
+    )?;
+
+    let mesh = &sections.mesh;
+    let axes = [
+        axis(&mesh.x, "x")?,
+        axis(&mesh.y, "y")?,
+        axis(&mesh.z, "z")?,
+    ];
+    let mut lines: [Vec<f64>; 3] = Default::default();
+    for d in 0..3 {
+        lines[d] = axes[d]
+            .lines(d)
+            .map_err(|e| at(&["mesh", ["x", "y", "z"][d]], e))?;
+    }
+    let center = [0, 1, 2].map(|d: usize| 0.5 * (lines[d][0] + lines[d][lines[d].len() - 1]));
+
+    // every expanded plane remembers its section
+    let (mut planes, mut section_of) = (Vec::new(), Vec::new());
+    for (i, fracture) in sections.fracture.iter().enumerate() {
+        let expanded = expand(fracture, i, &lines)?;
+        section_of.resize(section_of.len() + expanded.len(), i);
+        planes.extend(expanded);
+    }
+    let grid = BoxGrid {
+        axes,
+        regions: regions(sections)?,
+        fractures: planes,
+        warps: match &mesh.map {
+            Some(map) => warps(map, center)?,
+            None => Vec::new(),
+        },
+    };
+    let built = grid
+        .build()
+        .map_err(|e| locate(e, &grid, &section_of, sections))?;
+
+    let (prescribed, tractions) = hold(&sections.boundary, &built)?;
+    let gravity = sections.gravity.as_ref().map_or([0.0; 3], |g| g.si());
+    let extra = sections.body_force.as_ref().map_or([0.0; 3], |f| f.si());
+    let densities: Vec<f64> = sections
+        .material
+        .iter()
+        .map(|m| m.density.as_ref().map_or(0.0, Measure::si))
+        .collect();
+    Ok(Body {
+        mesh: built.mesh,
+        fractures: built.fractures,
+        friction: section_of
+            .iter()
+            .map(|i| friction(&sections.fracture[*i]))
+            .collect(),
+        material_names: sections.material.iter().map(|m| m.name.clone()).collect(),
+        materials: sections
+            .material
+            .iter()
+            .map(|m| Elastic {
+                young: m.young.si(),
+                poisson: m.poisson.si(),
+            })
+            .collect(),
+        body_force: densities
+            .iter()
+            .map(|rho| [0, 1, 2].map(|d: usize| rho * gravity[d] + extra[d]))
+            .collect(),
+        densities,
+        constraints: Constraints::new(prescribed),
+        tractions,
+        initial_stress: sections.initial_stress.as_ref().map(|s| InitialStress {
+            constant: s.constant.as_ref().map_or([0.0; 6], |c| c.si()),
+            gradient: s.gradient.as_ref().map_or([0.0; 6], |g| g.si()),
+            reference: s.reference.as_ref().map_or(0.0, Measure::si),
+        }),
+    })
+}
+
+/// All names of a list differ.
+fn unique<'a>(
+    key: &str,
+    what: &'static str,
+    names: impl Iterator<Item = &'a String>,
+) -> Result<(), Located> {
+    let mut seen = HashSet::new();
+    for (i, name) in names.enumerate() {
+        if !seen.insert(name) {
+            let name = name.clone();
+            return Err(at(
+                &[key, &i.to_string(), "name"],
+                Problem::DuplicateName { what, name },
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn friction(fracture: &FractureSection) -> Option<Friction> {
+    match (&fracture.friction_angle, &fracture.cohesion) {
+        (None, None) => None,
+        (angle, cohesion) => Some(Friction {
+            angle: angle.as_ref().map_or(0.0, Measure::si),
+            cohesion: cohesion.as_ref().map_or(0.0, Measure::si),
+        }),
+    }
+}
+
+/// Where a mesh error is written.
+fn locate(
+    error: MeshError,
+    grid: &BoxGrid,
+    section_of: &[usize],
+    sections: &SceneSections,
+) -> Located {
+    let fracture = |name: &str, key: Option<char>| {
+        let Some(index) = grid.fractures.iter().position(|f| f.name == name) else {
+            return vec!["fracture".to_string()];
+        };
+        let section = section_of[index];
+        let mut path = vec!["fracture".to_string(), section.to_string()];
+        match key {
+            Some(axis) if sections.fracture[section].plane.name() != axis.to_string() => {
+                path.push(axis.into())
+            }
+            Some(_) => path.push("at".into()),
+            None => {}
+        }
+        path
+    };
+    let path = match &error {
+        MeshError::OffGrid {
+            fracture: f, axis, ..
+        }
+        | MeshError::OutsideBox {
+            fracture: f, axis, ..
+        }
+        | MeshError::OnBoundary {
+            fracture: f, axis, ..
+        }
+        | MeshError::SelectsNothing {
+            fracture: f, axis, ..
+        } => fracture(f, Some(*axis)),
+        MeshError::Overlap { second, .. } => fracture(second, None),
+        MeshError::EmptyRegion { region } => {
+            let index = sections.material.iter().position(|m| m.name == *region);
+            vec!["material".into(), index.unwrap_or(0).to_string()]
+        }
+        MeshError::NoRegion { .. } => vec!["material".into(), "0".into()],
+        MeshError::Inverted { .. } => vec!["mesh".into(), "map".into()],
+        MeshError::BadWarp { map, .. } => vec!["mesh".into(), "map".into(), (*map).into()],
+        _ => vec!["mesh".into()],
+    };
+    Located {
+        path,
+        problem: Box::new(error.into()),
+    }
+}

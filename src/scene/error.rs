@@ -1,0 +1,216 @@
+//! What can be wrong with a scene: where it is written and what to do.
+
+use std::fmt;
+
+use crate::mesh::MeshError;
+
+/// A place in a scene file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// File name.
+    pub file: String,
+    /// Line, counted from 1.
+    pub line: usize,
+    /// Column in characters, counted from 1.
+    pub column: usize,
+    /// The whole line.
+    pub excerpt: String,
+    /// Characters to underline.
+    pub width: usize,
+}
+
+impl Place {
+    /// The line with carets under what is meant.
+    fn underlined(&self) -> String {
+        let gutter = " ".repeat(self.line.to_string().len());
+        let indent = " ".repeat(self.column - 1);
+        let carets = "^".repeat(self.width);
+        format!(
+            "{gutter} |\n{} | {}\n{gutter} | {indent}{carets}",
+            self.line, self.excerpt
+        )
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}:{}", self.file, self.line, self.column)
+    }
+}
+
+/// A section that makes no sense.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Problem {
+    /// From the mesh.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// Keys that are needed together.
+    #[error("[mesh.{axis}] needs `from`, `to` and `cells`, or `lines` alone")]
+    AxisKeys {
+        /// x, y or z.
+        axis: &'static str,
+    },
+    /// Not exactly one of several keys.
+    #[error("{what} needs exactly one of {keys}; it has {found}")]
+    ExactlyOne {
+        /// Which section.
+        what: String,
+        /// The keys.
+        keys: &'static str,
+        /// How many are there.
+        found: usize,
+    },
+    /// An interval that is empty.
+    #[error("{what} from {from} m to {to} m is empty; write the lower end first")]
+    EmptyInterval {
+        /// Which interval.
+        what: String,
+        /// Start [m].
+        from: f64,
+        /// End [m].
+        to: f64,
+    },
+    /// A span along the fracture's own normal.
+    #[error(
+        "fracture \"{name}\" has the plane {axis}, so it cannot have a span in {axis}; use `at`"
+    )]
+    SpanAlongNormal {
+        /// Its name.
+        name: String,
+        /// x, y or z.
+        axis: &'static str,
+    },
+    /// A dip for planes that have none.
+    #[error("`dip` needs `along = \"z\"` (planes x or y) or planes z; use `tilt` for other shears")]
+    NoDip,
+    /// Two parts of one name.
+    #[error("two {what} are named \"{name}\"; names must differ")]
+    DuplicateName {
+        /// Materials or fractures.
+        what: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// No grid plane at all.
+    #[error(
+        "fracture \"{name}\" selects nothing: no interior grid line in {axis} is a multiple of `every = {every}`"
+    )]
+    NoPlane {
+        /// Its name.
+        name: String,
+        /// x, y or z.
+        axis: &'static str,
+        /// The step asked for.
+        every: u32,
+    },
+    /// A side that no single component is normal to.
+    #[error("a roller needs a side perpendicular to an axis, but after the maps the normal of {side} is ({:.4}, {:.4}, {:.4}) at its first face; use `hold = \"fixed\"`, a displacement, or a map that fades", normal[0], normal[1], normal[2])]
+    TiltedRoller {
+        /// The side.
+        side: String,
+        /// Unit normal of the first face that is not perpendicular to an axis.
+        normal: [f64; 3],
+    },
+    /// A displacement without components.
+    #[error("the displacement of {side} has no component; give `x`, `y` or `z`")]
+    NoComponent {
+        /// The side.
+        side: String,
+    },
+    /// No material at all.
+    #[error("the scene has no [[material]]; give at least one with name, young and poisson")]
+    NoMaterial,
+}
+
+/// A scene that cannot be read or built.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// The file cannot be read.
+    #[error("cannot read {file}: {source}")]
+    Read {
+        /// File name.
+        file: String,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The scene has no TOML form.
+    #[error("cannot write the scene as TOML: {0}")]
+    Write(#[from] toml::ser::Error),
+    /// Not TOML, or a value that cannot be.
+    #[error("{place}: {message}\n{}", place.underlined())]
+    Syntax {
+        /// Where.
+        place: Box<Place>,
+        /// What the parser or the value's own check says.
+        message: String,
+    },
+    /// A key or a choice that does not exist.
+    #[error("{place}: unknown {what} `{found}`{}; known here: {}\n{}", nearest.as_ref().map_or(String::new(), |n| format!(", did you mean `{n}`?")), known.join(", "), place.underlined())]
+    Unknown {
+        /// Where.
+        place: Box<Place>,
+        /// Key or value.
+        what: &'static str,
+        /// What is written.
+        found: String,
+        /// The known one most like it.
+        nearest: Option<String>,
+        /// All known ones.
+        known: Vec<String>,
+    },
+    /// A section that makes no sense.
+    #[error("{place}: {problem}\n{}", place.underlined())]
+    Section {
+        /// Where.
+        place: Box<Place>,
+        /// What is wrong.
+        problem: Box<Problem>,
+    },
+    /// An override without a value.
+    #[error("--set {text}: write key=value, e.g. --set mesh.x.cells=8")]
+    OverrideForm {
+        /// What was written.
+        text: String,
+    },
+    /// An override whose path leads nowhere.
+    #[error("--set {text}: `{segment}` is not in `{parent}`; there are: {}", known.join(", "))]
+    OverridePath {
+        /// What was written.
+        text: String,
+        /// The segment that does not fit.
+        segment: String,
+        /// What it was looked for in.
+        parent: String,
+        /// What is there.
+        known: Vec<String>,
+    },
+    /// A body that can move rigidly.
+    #[error(
+        "body {body} ({elements} elements around ({:.6}, {:.6}, {:.6}) m) is not held by its boundary, nor by closed fractures to a held body: {free} rigid motions are free{}; hold it with a [[boundary]] (roller, fixed or displacement)",
+        center[0], center[1], center[2], free_axes_text(free_axes)
+    )]
+    NotHeld {
+        /// Its number, in order of its lowest element.
+        body: usize,
+        /// Elements in it.
+        elements: usize,
+        /// Its centre [m].
+        center: [f64; 3],
+        /// Rigid motions left, together with the bodies that it touches.
+        free: usize,
+        /// Axes along which no displacement of it is prescribed.
+        free_axes: [bool; 3],
+    },
+}
+
+/// `, nothing holds it along x and y`.
+fn free_axes_text(free: &[bool; 3]) -> String {
+    let axes: Vec<&str> = (0..3)
+        .filter(|d| free[*d])
+        .map(|d| ["x", "y", "z"][d])
+        .collect();
+    match axes.is_empty() {
+        true => String::new(),
+        false => format!(", nothing is prescribed along {}", axes.join(", ")),
+    }
+}

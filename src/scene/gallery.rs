@@ -1,0 +1,99 @@
+//! Named scenes: a question each, and what is known of the answer.
+
+use super::{Scene, SceneError};
+
+/// A scene of the gallery.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GalleryScene {
+    /// Name on the command line.
+    pub name: &'static str,
+    /// What it asks.
+    pub question: &'static str,
+    /// What is known of the answer.
+    pub expected: &'static str,
+    /// The scene file.
+    pub toml: &'static str,
+    /// Overrides for a version of a few hundred to a few thousand unknowns.
+    pub small: &'static [&'static str],
+}
+
+impl GalleryScene {
+    /// The scene at its default size.
+    ///
+    /// # Errors
+    /// [`SceneError`]; a test reads and builds every scene.
+    pub fn scene(&self) -> Result<Scene, SceneError> {
+        Scene::from_toml(self.toml, &format!("{}.toml", self.name))
+    }
+
+    /// The small version.
+    ///
+    /// # Errors
+    /// As [`GalleryScene::scene`].
+    pub fn small_scene(&self) -> Result<Scene, SceneError> {
+        self.scene()?.with_overrides(self.small)
+    }
+}
+
+macro_rules! gallery {
+    ($($name:literal: $question:literal, $expected:literal, [$($small:literal),*];)*) => {
+        /// The list; adding a scene touches it and one file.
+        const GALLERY: &[GalleryScene] = &[$(GalleryScene {
+            name: $name,
+            question: $question,
+            expected: $expected,
+            toml: include_str!(concat!("gallery/", $name, ".toml")),
+            small: &[$($small),*],
+        }),*];
+    };
+}
+
+gallery! {
+    "checkerboard": "How many tractions does the unstabilised pair not see on a closed N x N fracture with tips not split?",
+        "2N - 1 per component (N = 8: 45 in all); none with H",
+        ["mesh.x.cells=6", "mesh.y.cells=6", "mesh.z.cells=6"];
+    "patch": "Do two blocks under uniform pressure carry it through the fracture between them?",
+        "t_N = -p on every face, no jump, to rounding",
+        [];
+    "inclined": "How do tractions and slip develop on a through-going fracture of 60 deg dip?",
+        "stick or slip of the whole plane by tan(30 deg) against tan(phi): A is singular, K is not",
+        ["mesh.x.cells=8", "mesh.y.cells=4", "mesh.z.cells=8"];
+    "crossing": "Do two crossing fractures (X) need a special case?",
+        "four copies of every node on the crossing line, junction edges left out of H",
+        ["mesh.x.cells=8", "mesh.y.cells=4", "mesh.z.cells=8"];
+    "tee": "Does a fracture that ends on another one (T) need a special case?",
+        "three copies of every node on the meeting line",
+        ["mesh.x.cells=8", "mesh.y.cells=4", "mesh.z.cells=8"];
+    "floating": "What if a block is held by closed fractures alone?",
+        "A has six zero eigenvalues per floating block, the saddle point none",
+        ["mesh.x.cells=9", "mesh.y.cells=4", "mesh.z.cells=4"];
+    "analogue_a": "Which preconditioner survives a singular A (published test A, n_t/n_u = 2.9 %)?",
+        "RACP converges in a few tens of iterations; MCP is not applicable (analogue: the mesh of the publication is not public)",
+        ["mesh.x.cells=20", "mesh.y.cells=4", "mesh.z.cells=4"];
+    "analogue_b": "How do RACP and MCP compare on a well posed body with few fractures (published test B, n_t/n_u = 3.6 %)?",
+        "RACP takes fewer iterations than MCP (analogue: the mesh of the publication is not public)",
+        ["mesh.x.cells=10", "mesh.y.cells=8", "mesh.z.cells=8"];
+    "analogue_c": "How do RACP and MCP compare on a dense fracture network (published test C, n_t/n_u = 44.2 %)?",
+        "RACP keeps converging where MCP-AMG fails (analogue: the mesh of the publication is not public)",
+        ["mesh.x.cells=6", "mesh.y.cells=6", "mesh.z.cells=6",
+            "fracture.joint_x.z=['8 m', '16 m']", "fracture.joint_y.z=['8 m', '16 m']"];
+    "layered": "What does a stiffness contrast of 1000 between layers do to the spectrum?",
+        "C_local alone lets it grow with the contrast; C_local + diag(H) does not",
+        ["mesh.x.cells=6", "mesh.y.cells=6", "mesh.z.cells=6"];
+    "stretched": "What do cells of 1:50 do to iterations?",
+        "local augmentation follows the anisotropy, a global one does not",
+        ["mesh.x.cells=6", "mesh.y.cells=6", "mesh.z.cells=6"];
+    "incompressible": "Does a Poisson ratio of 0.49 spoil the augmentation?",
+        "iterations grow with the inner solver for S_u, not with C",
+        ["mesh.x.cells=6", "mesh.y.cells=6", "mesh.z.cells=6"];
+}
+
+/// Every scene of the gallery.
+pub fn gallery() -> &'static [GalleryScene] {
+    GALLERY
+}
+
+/// The scene of that name.
+pub fn named(name: &str) -> Option<&'static GalleryScene> {
+    GALLERY.iter().find(|scene| scene.name == name)
+}

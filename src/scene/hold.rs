@@ -1,0 +1,120 @@
+//! Boundary conditions on the sides of the box.
+
+use super::build::{Located, at};
+use super::sections::{BoundarySection, HoldSection};
+use super::{Problem, SurfaceTraction};
+use crate::mesh::{BuiltMesh, FaceSide, face_geometry};
+use crate::units::Measure;
+
+/// A face is perpendicular to an axis if its unit normal has a component larger than 1 − this: an angle of 1e-5 rad.
+const FLAT: f64 = 5e-11;
+
+/// Prescribed displacement per `3·node + component` where one is given, and loads.
+pub(super) fn hold(
+    boundaries: &[BoundarySection],
+    built: &BuiltMesh,
+) -> Result<(Vec<Option<f64>>, Vec<SurfaceTraction>), Located> {
+    let mut prescribed = vec![None; 3 * built.mesh.nodes.len()];
+    let mut tractions = Vec::new();
+    for (i, boundary) in boundaries.iter().enumerate() {
+        let number = i.to_string();
+        let faces = &built.sides[boundary.side.index()];
+        let mut prescribe = |given: [Option<f64>; 3]| {
+            for node in faces.iter().flat_map(|f| f.nodes) {
+                for d in (0..3).filter(|d| given[*d].is_some()) {
+                    prescribed[3 * node as usize + d] = given[d];
+                }
+            }
+        };
+        match (
+            boundary.hold,
+            &boundary.displacement,
+            &boundary.traction,
+            &boundary.pressure,
+        ) {
+            (Some(HoldSection::Fixed), None, None, None) => prescribe([Some(0.0); 3]),
+            (Some(HoldSection::Roller), None, None, None) => {
+                let first = faces.first().map_or([0.0; 3], |f| normal(f, built));
+                let axis = (0..3).fold(0, |m, d| {
+                    if first[d].abs() > first[m].abs() {
+                        d
+                    } else {
+                        m
+                    }
+                });
+                let mut normals = faces.iter().map(|f| normal(f, built));
+                if let Some(normal) = normals.find(|n| n[axis].abs() < 1.0 - FLAT) {
+                    return Err(at(
+                        &["boundary", &number, "hold"],
+                        Problem::TiltedRoller {
+                            side: boundary.side.name().into(),
+                            normal,
+                        },
+                    ));
+                }
+                let mut given = [None; 3];
+                given[axis] = Some(0.0);
+                prescribe(given);
+            }
+            (None, Some(displacement), None, None) => {
+                let given = displacement.given();
+                if given.iter().all(Option::is_none) {
+                    return Err(at(
+                        &["boundary", &number, "displacement"],
+                        Problem::NoComponent {
+                            side: boundary.side.name().into(),
+                        },
+                    ));
+                }
+                prescribe(given);
+            }
+            (None, None, Some(traction), None) => tractions.push(SurfaceTraction {
+                faces: faces.iter().map(|f| f.nodes).collect(),
+                value: traction.si(),
+            }),
+            (None, None, None, Some(pressure)) => tractions.extend(pressed(faces, built, pressure)),
+            (hold, displacement, traction, pressure) => {
+                let found = [
+                    hold.is_some(),
+                    displacement.is_some(),
+                    traction.is_some(),
+                    pressure.is_some(),
+                ];
+                return Err(at(
+                    &["boundary", &number],
+                    Problem::ExactlyOne {
+                        what: format!("[[boundary]] of side {}", boundary.side.name()),
+                        keys: "`hold`, `displacement`, `traction`, `pressure`",
+                        found: found.iter().filter(|f| **f).count(),
+                    },
+                ));
+            }
+        }
+    }
+    Ok((prescribed, tractions))
+}
+
+/// Outward unit normal, averaged over the face.
+fn normal(face: &FaceSide, built: &BuiltMesh) -> [f64; 3] {
+    face_geometry(&face.nodes.map(|n| built.mesh.nodes[n as usize])).frame[0]
+}
+
+/// Tractions −p n; faces in a row with the same normal share one.
+fn pressed<K: crate::units::Kind>(
+    faces: &[FaceSide],
+    built: &BuiltMesh,
+    pressure: &Measure<K>,
+) -> Vec<SurfaceTraction> {
+    let mut loads: Vec<SurfaceTraction> = Vec::new();
+    for face in faces {
+        let value = normal(face, built).map(|n| -pressure.si() * n);
+        match loads.last_mut() {
+            Some(last) if last.value == value => last.faces.push(face.nodes),
+            _ => loads.push(SurfaceTraction {
+                faces: vec![face.nodes],
+                value,
+            }),
+        }
+    }
+    loads
+}
