@@ -19,6 +19,7 @@ pub mod operator;
 pub mod preconditioner;
 pub mod real;
 pub mod shape;
+pub mod simd;
 pub mod sparse;
 pub mod timed;
 pub mod vector;

@@ -7,6 +7,7 @@ pub mod element;
 mod error;
 pub mod loads;
 mod material;
+mod matrix_free;
 #[cfg(test)]
 mod sample;
 
@@ -14,3 +15,4 @@ pub use assembled::{lift, reduced, stiffness};
 pub use constraints::Constraints;
 pub use error::ElasticityError;
 pub use material::Elastic;
+pub use matrix_free::Bricks;
