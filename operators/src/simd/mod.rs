@@ -49,8 +49,9 @@ pub trait Lanes<R>: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output 
     fn interleave(components: [Self; 3]) -> [Self; 3];
 }
 
-/// Work that runs on vector registers. Mark `run` and whatever it calls `#[inline(always)]`: instructions beyond the
-/// baseline are generated only inside the body that [`Level::run`] compiles for them.
+/// Work that runs on vector registers. Mark `run` and whatever it calls `#[inline(always)]`, and keep lanes out of
+/// closures (`map`, `fold`): instructions beyond the baseline are generated only inside the body that [`Level::run`]
+/// compiles for them.
 pub trait Kernel<R> {
     /// Runs on registers `L`.
     fn run<L: Lanes<R>>(self);

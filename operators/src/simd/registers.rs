@@ -68,13 +68,17 @@ macro_rules! registers {
             // Entry k of component c sits at position 3k + c, which is lane (3k + c) mod WIDTH of one of the three.
             #[inline(always)]
             fn deinterleave(triples: [Self; 3]) -> [Self; 3] {
-                [0, 1, 2].map(|c| {
-                    Self::blend(triples, |v, p| ($width * v + p) % 3 == c)
-                        .permuted(|k| (3 * k + c) % $width)
-                })
+                [
+                    Self::blend(triples, |v, p| ($width * v + p) % 3 == 0)
+                        .permuted(|k| 3 * k % $width),
+                    Self::blend(triples, |v, p| ($width * v + p) % 3 == 1)
+                        .permuted(|k| (3 * k + 1) % $width),
+                    Self::blend(triples, |v, p| ($width * v + p) % 3 == 2)
+                        .permuted(|k| (3 * k + 2) % $width),
+                ]
             }
 
-            // The inverse of k ↦ (3k + c) mod WIDTH is p ↦ (p − c)/3, and 1/3 = 3⁻¹ modulo WIDTH = INVERSE.
+            // The inverse of k ↦ (3k + c) mod WIDTH is p ↦ (p − c)/3, and 1/3 = INVERSE modulo WIDTH.
             #[inline(always)]
             fn interleave(components: [Self; 3]) -> [Self; 3] {
                 const INVERSE: usize = if $width % 3 == 1 {
@@ -88,7 +92,11 @@ macro_rules! registers {
                     y.permuted(|p| (p + $width - 1) * INVERSE % $width),
                     z.permuted(|p| (p + $width - 2) * INVERSE % $width),
                 ];
-                [0, 1, 2].map(|v| Self::blend(spread, |c, p| ($width * v + p) % 3 == c))
+                [
+                    Self::blend(spread, |c, p| p % 3 == c),
+                    Self::blend(spread, |c, p| ($width + p) % 3 == c),
+                    Self::blend(spread, |c, p| (2 * $width + p) % 3 == c),
+                ]
             }
         }
     };

@@ -307,9 +307,10 @@ impl<R: Real> Product<'_, R> {
             let mut modes: Modes<L> = [[zero; 8]; 3];
             for c in 0..3 {
                 for z in 0..2 {
-                    let ends = u.map(|line| (line.load::<L>(z, c, i), line.load::<L>(z, c, i + 1)));
-                    let [(p0, d0), (p1, d1)] =
-                        ends.map(|(left, right)| (left + right, right - left));
+                    let (left0, right0) = (u[0].load::<L>(z, c, i), u[0].load::<L>(z, c, i + 1));
+                    let (left1, right1) = (u[1].load::<L>(z, c, i), u[1].load::<L>(z, c, i + 1));
+                    let (p0, d0) = (left0 + right0, right0 - left0);
+                    let (p1, d1) = (left1 + right1, right1 - left1);
                     let m = D_Z * z;
                     modes[c][m] = p0 + p1;
                     modes[c][m | D_X] = d0 + d1;
@@ -328,11 +329,11 @@ impl<R: Real> Product<'_, R> {
                     let m = D_Z * z;
                     let (p, d) = (force[c][m], force[c][m | D_X]);
                     let (py, dy) = (force[c][m | D_Y], force[c][m | D_X | D_Y]);
-                    for (line, (sum, difference)) in
-                        [(p - py, d - dy), (p + py, d + dy)].into_iter().enumerate()
-                    {
-                        let right = sum + difference;
-                        let here = (sum - difference) + right.shifted(carried[c][z][line]);
+                    let (sums, differences) = ([p - py, p + py], [d - dy, d + dy]);
+                    for line in 0..2 {
+                        let right = sums[line] + differences[line];
+                        let left = sums[line] - differences[line];
+                        let here = left + right.shifted(carried[c][z][line]);
                         carried[c][z][line] = right;
                         if line == 0 {
                             (near.load::<L>(z, c, i) + here).store(near.lanes(z, c, i));
@@ -346,7 +347,8 @@ impl<R: Real> Product<'_, R> {
         }
         for c in 0..3 {
             for z in 0..2 {
-                let [to_near, to_far] = carried[c][z].map(|right| zero.shifted(right));
+                let [to_near, to_far] = carried[c][z];
+                let (to_near, to_far) = (zero.shifted(to_near), zero.shifted(to_far));
                 (near.load::<L>(z, c, i) + to_near).store(near.lanes(z, c, i));
                 to_far.store(far.lanes(z, c, i));
             }
@@ -373,13 +375,18 @@ impl<R: Real> Product<'_, R> {
                 lanes[l] = value;
             }
         }
-        let [r, s, t, lambda, shear] = brick.map(|values| L::load(&values));
+        let [r, s, t, lambda, shear] = &brick;
         let brick = Brick {
-            inverse: [r, s, t],
-            lambda,
-            shear,
+            inverse: [L::load(r), L::load(s), L::load(t)],
+            lambda: L::load(lambda),
+            shear: L::load(shear),
         };
-        let corners = lanes.map(|component| component.map(|values| L::load(&values)));
+        let mut corners: Modes<L> = [[L::splat(R::zero()); 8]; 3];
+        for c in 0..3 {
+            for m in 0..8 {
+                corners[c][m] = L::load(&lanes[c][m]);
+            }
+        }
         let force = to_corners(forces(&to_modes(corners), brick));
         for c in 0..3 {
             for m in 0..8 {

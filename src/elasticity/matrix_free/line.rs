@@ -56,13 +56,9 @@ impl<R: Real> Line<R> {
 
     #[inline(always)]
     fn read_register<L: Lanes<R>>(&mut self, i: usize, low: &[R], high: &[R]) {
-        let w = L::WIDTH;
-        let (low, high) = (
-            [0, w, 2 * w].map(|n| L::load(&low[n..])),
-            [0, w, 2 * w].map(|n| L::load(&high[n..])),
-        );
-        let sums = L::deinterleave([low[0] + high[0], low[1] + high[1], low[2] + high[2]]);
-        let differences = L::deinterleave([high[0] - low[0], high[1] - low[1], high[2] - low[2]]);
+        let ([a, b, c], [d, e, f]) = (triples::<R, L>(low), triples::<R, L>(high));
+        let sums = L::deinterleave([a + d, b + e, c + f]);
+        let differences = L::deinterleave([d - a, e - b, f - c]);
         for c in 0..3 {
             sums[c].store(&mut self.0[0][c][i..]);
             differences[c].store(&mut self.0[1][c][i..]);
@@ -95,10 +91,13 @@ impl<R: Real> Line<R> {
     #[inline(always)]
     fn add_register<L: Lanes<R>>(&self, i: usize, alpha: R, low: &mut [R], high: &mut [R]) {
         let alpha = L::splat(alpha);
-        let sums = [0, 1, 2].map(|c| self.load::<L>(0, c, i));
-        let differences = [0, 1, 2].map(|c| self.load::<L>(1, c, i));
-        let down = L::interleave([0, 1, 2].map(|c| sums[c] - differences[c]));
-        let up = L::interleave([0, 1, 2].map(|c| sums[c] + differences[c]));
+        let zero = L::splat(R::zero());
+        let (mut down, mut up) = ([zero; 3], [zero; 3]);
+        for c in 0..3 {
+            let (sum, difference) = (self.load::<L>(0, c, i), self.load::<L>(1, c, i));
+            (down[c], up[c]) = (sum - difference, sum + difference);
+        }
+        let (down, up) = (L::interleave(down), L::interleave(up));
         for v in 0..3 {
             let at = L::WIDTH * v;
             alpha
@@ -109,4 +108,11 @@ impl<R: Real> Line<R> {
                 .store(&mut high[at..]);
         }
     }
+}
+
+/// Three registers of interleaved triples.
+#[inline(always)]
+fn triples<R: Real, L: Lanes<R>>(from: &[R]) -> [L; 3] {
+    let w = L::WIDTH;
+    [L::load(from), L::load(&from[w..]), L::load(&from[2 * w..])]
 }

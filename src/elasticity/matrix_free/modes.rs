@@ -88,8 +88,9 @@ pub(super) fn forces<R: Real, L: Lanes<R>>(u: &Modes<L>, brick: Brick<L>) -> Mod
     f[2][D_Z] = t * shear_twice.mul_add(e_z, p);
 
     // Uniform shears: σ_ij = G (∂_j u_i + ∂_i u_j).
-    for (i, j, a, b) in [(0, 1, r, s), (0, 2, r, t), (1, 2, s, t)] {
+    for (i, j) in [(0, 1), (0, 2), (1, 2)] {
         let (d_i, d_j) = (1 << i, 1 << j);
+        let (a, b) = (brick.inverse[i], brick.inverse[j]);
         let tau = shear * b.mul_add(u[i][d_j], a * u[j][d_i]);
         f[i][d_j] = b * tau;
         f[j][d_i] = a * tau;
@@ -121,9 +122,9 @@ pub(super) fn forces<R: Real, L: Lanes<R>>(u: &Modes<L>, brick: Brick<L>) -> Mod
     let (r2, s2, t2) = (r * r, s * s, t * t);
     let lambda9 = third * (lambda3 + shear3);
     let common = third * shear3 * (r2 + s2 + t2);
-    for (i, squared) in [r2, s2, t2].into_iter().enumerate() {
-        f[i][7] = lambda9.mul_add(squared, common) * u[i][7];
-    }
+    f[0][7] = lambda9.mul_add(r2, common) * u[0][7];
+    f[1][7] = lambda9.mul_add(s2, common) * u[1][7];
+    f[2][7] = lambda9.mul_add(t2, common) * u[2][7];
     f
 }
 
