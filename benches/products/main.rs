@@ -11,7 +11,7 @@ mod sample;
 
 use ceilings::Ceilings;
 use criterion::Criterion;
-use fracas::elasticity::{Bricks, Elastic, stiffness};
+use fracas::elasticity::{Bricks, Elastic, Hexes, stiffness};
 use fracas::mesh;
 use fracas_operators::laws::probe;
 use fracas_operators::sparse::{Block3, Csr};
@@ -42,7 +42,7 @@ struct Subject<R> {
 
 fn subjects<R: Real>() -> Vec<Subject<R>> {
     let sample = |distortion| {
-        mesh_of(sample::Sample {
+        sample::mesh(sample::Sample {
             cells: [CELLS; 3],
             distortion,
             regions: 2,
@@ -71,11 +71,12 @@ fn subjects<R: Real>() -> Vec<Subject<R>> {
             bytes: vectors + 2.0 * size * elements,
             operator: Box::new(Bricks::<R>::new(&bricks, &ROCKS).expect("valid mesh")),
         },
+        Subject {
+            name: "Hexes",
+            bytes: vectors + (23.0 * size + 32.0) * elements,
+            operator: Box::new(Hexes::<R>::new(&sample(0.2), &ROCKS).expect("valid mesh")),
+        },
     ]
-}
-
-fn mesh_of(sample: sample::Sample) -> mesh::HexMesh {
-    sample::mesh(sample)
 }
 
 /// Median time of one product over the samples that criterion takes.

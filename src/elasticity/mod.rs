@@ -15,4 +15,4 @@ pub use assembled::{lift, reduced, stiffness};
 pub use constraints::Constraints;
 pub use error::ElasticityError;
 pub use material::Elastic;
-pub use matrix_free::Bricks;
+pub use matrix_free::{Bricks, Hexes, Restricted, matrix_free};

@@ -21,7 +21,8 @@ registers!(
     _mm256_add_pd,
     _mm256_sub_pd,
     _mm256_mul_pd,
-    _mm256_fmadd_pd
+    _mm256_fmadd_pd,
+    _mm256_div_pd
 );
 registers!(
     Singles,
@@ -33,7 +34,8 @@ registers!(
     _mm256_add_ps,
     _mm256_sub_ps,
     _mm256_mul_ps,
-    _mm256_fmadd_ps
+    _mm256_fmadd_ps,
+    _mm256_div_ps
 );
 
 impl Doubles {

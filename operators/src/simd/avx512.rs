@@ -21,7 +21,8 @@ registers!(
     _mm512_add_pd,
     _mm512_sub_pd,
     _mm512_mul_pd,
-    _mm512_fmadd_pd
+    _mm512_fmadd_pd,
+    _mm512_div_pd
 );
 registers!(
     Singles,
@@ -33,7 +34,8 @@ registers!(
     _mm512_add_ps,
     _mm512_sub_ps,
     _mm512_mul_ps,
-    _mm512_fmadd_ps
+    _mm512_fmadd_ps,
+    _mm512_div_ps
 );
 
 impl Doubles {

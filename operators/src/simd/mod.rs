@@ -39,6 +39,9 @@ pub trait Lanes<R>: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output 
     /// `self · factor + term`, fused where the machine fuses.
     fn mul_add(self, factor: Self, term: Self) -> Self;
 
+    /// `1/self`, correctly rounded.
+    fn reciprocal(self) -> Self;
+
     /// Lanes moved up by one place, the last lane of `before` entering at the bottom.
     fn shifted(self, before: Self) -> Self;
 
@@ -132,6 +135,7 @@ mod tests {
                 assert_eq!(read(a - b)[i], x - y);
                 assert_eq!(read(a * b)[i], x * y);
                 assert_eq!(read(a.mul_add(b, c))[i], x * y + z);
+                assert_eq!(read(a.reciprocal())[i], x.recip());
                 assert_eq!(read(L::splat(y))[i], y);
                 assert_eq!(read(b.shifted(a))[i], data[w + i - 1]);
             }

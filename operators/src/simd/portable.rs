@@ -65,6 +65,14 @@ impl<R: Real> Lanes<R> for Array<R> {
     }
 
     #[inline(always)]
+    fn reciprocal(mut self) -> Self {
+        for value in &mut self.0 {
+            *value = value.recip();
+        }
+        self
+    }
+
+    #[inline(always)]
     fn shifted(self, before: Self) -> Self {
         let a = self.0;
         Self([before.0[WIDTH - 1], a[0], a[1], a[2]])

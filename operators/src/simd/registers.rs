@@ -3,7 +3,7 @@
 /// Implements [`Lanes`](super::Lanes) for a register type that has `blend`, `permuted` and `after`.
 macro_rules! registers {
     ($name:ident, $scalar:ty, $width:literal, $set1:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident,
-     $fma:ident) => {
+     $fma:ident, $div:ident) => {
         impl std::ops::Add for $name {
             type Output = Self;
             #[inline(always)]
@@ -58,6 +58,12 @@ macro_rules! registers {
             fn mul_add(self, factor: Self, term: Self) -> Self {
                 // SAFETY: see the type.
                 unsafe { Self($fma(self.0, factor.0, term.0)) }
+            }
+
+            #[inline(always)]
+            fn reciprocal(self) -> Self {
+                // SAFETY: see the type.
+                unsafe { Self($div($set1(1.0), self.0)) }
             }
 
             #[inline(always)]
