@@ -45,7 +45,9 @@ pub(crate) fn measure<R: Real>() -> Ceilings {
     Ceilings {
         stream: 3.0 * bytes * STREAMED as f64 / stream,
         read: 2.0 * bytes * STREAMED as f64 / read,
-        flops: threads as f64 * (Fused::ROUNDS * Fused::CHAINS * 2 * width::<R>()) as f64 / fused,
+        flops: threads as f64
+            * (Fused::ROUNDS * Fused::CHAINS * 2 * Level::best().width::<R>()) as f64
+            / fused,
     }
 }
 
@@ -76,18 +78,4 @@ impl<R: Real> Kernel<R> for Fused {
             black_box(&out);
         }
     }
-}
-
-/// Scalars per register of the best level.
-fn width<R: Real>() -> usize {
-    struct Width<'a>(&'a mut usize);
-    impl<R: Real> Kernel<R> for Width<'_> {
-        #[inline(always)]
-        fn run<L: Lanes<R>>(self) {
-            *self.0 = L::WIDTH;
-        }
-    }
-    let mut width = 0;
-    Level::best().run::<R>(Width(&mut width));
-    width
 }

@@ -39,6 +39,18 @@ registers!(
 );
 
 impl Doubles {
+    /// The three entries of `from`, then zeros.
+    #[inline(always)]
+    fn first_three(from: &[f64]) -> Self {
+        const MASK: [i64; 4] = [-1, -1, -1, 0];
+        let from = &from[..3];
+        // SAFETY: see the type; three entries are read.
+        unsafe {
+            let mask = _mm256_loadu_si256(MASK.as_ptr().cast());
+            Self(_mm256_maskload_pd(from.as_ptr(), mask))
+        }
+    }
+
     /// Lane p from the part v for which `takes(v, p)`.
     #[inline(always)]
     fn blend([a, b, c]: [Self; 3], takes: impl Fn(usize, usize) -> bool) -> Self {
@@ -82,6 +94,18 @@ impl Doubles {
 }
 
 impl Singles {
+    /// The three entries of `from`, then zeros.
+    #[inline(always)]
+    fn first_three(from: &[f32]) -> Self {
+        const MASK: [i32; 8] = [-1, -1, -1, 0, 0, 0, 0, 0];
+        let from = &from[..3];
+        // SAFETY: see the type; three entries are read.
+        unsafe {
+            let mask = _mm256_loadu_si256(MASK.as_ptr().cast());
+            Self(_mm256_maskload_ps(from.as_ptr(), mask))
+        }
+    }
+
     /// Lane p from the part v for which `takes(v, p)`.
     #[inline(always)]
     fn blend([a, b, c]: [Self; 3], takes: impl Fn(usize, usize) -> bool) -> Self {

@@ -39,6 +39,14 @@ registers!(
 );
 
 impl Doubles {
+    /// The three entries of `from`, then zeros.
+    #[inline(always)]
+    fn first_three(from: &[f64]) -> Self {
+        let from = &from[..3];
+        // SAFETY: see the type; three entries are read.
+        unsafe { Self(_mm512_maskz_loadu_pd(0b111, from.as_ptr())) }
+    }
+
     /// Lane p from the part v for which `takes(v, p)`.
     #[inline(always)]
     fn blend([a, b, c]: [Self; 3], takes: impl Fn(usize, usize) -> bool) -> Self {
@@ -75,6 +83,14 @@ impl Doubles {
 }
 
 impl Singles {
+    /// The three entries of `from`, then zeros.
+    #[inline(always)]
+    fn first_three(from: &[f32]) -> Self {
+        let from = &from[..3];
+        // SAFETY: see the type; three entries are read.
+        unsafe { Self(_mm512_maskz_loadu_ps(0b111, from.as_ptr())) }
+    }
+
     /// Lane p from the part v for which `takes(v, p)`.
     #[inline(always)]
     fn blend([a, b, c]: [Self; 3], takes: impl Fn(usize, usize) -> bool) -> Self {

@@ -50,6 +50,22 @@ pub trait Lanes<R>: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output 
 
     /// The inverse of [`deinterleave`](Self::deinterleave).
     fn interleave(components: [Self; 3]) -> [Self; 3];
+
+    /// The first three entries over and over: lane p holds `from[(start + p) mod 3]`.
+    fn repeat(from: &[R], start: usize) -> Self;
+}
+
+/// Asks for the cache line of `data[index]`, which may lie behind the end; changes nothing but time.
+#[inline(always)]
+pub fn prefetch<T>(data: &[T], index: usize) {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: a prefetch never faults.
+    unsafe {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        _mm_prefetch::<_MM_HINT_T0>(data.as_ptr().wrapping_add(index).cast());
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (data, index);
 }
 
 /// Work that runs on vector registers. Mark `run` and whatever it calls `#[inline(always)]`, and keep lanes out of
@@ -95,6 +111,20 @@ impl Level {
         Self::supported().next().unwrap_or(Self(Set::Portable))
     }
 
+    /// [`Lanes::WIDTH`] of its registers.
+    pub fn width<R: Real>(self) -> usize {
+        struct Width<'a>(&'a mut usize);
+        impl<R: Real> Kernel<R> for Width<'_> {
+            #[inline(always)]
+            fn run<L: Lanes<R>>(self) {
+                *self.0 = L::WIDTH;
+            }
+        }
+        let mut width = 0;
+        self.run::<R>(Width(&mut width));
+        width
+    }
+
     /// Runs `kernel` with this instruction set.
     #[inline]
     pub fn run<R: Real>(self, kernel: impl Kernel<R>) {
@@ -138,6 +168,14 @@ mod tests {
                 assert_eq!(read(a.reciprocal())[i], x.recip());
                 assert_eq!(read(L::splat(y))[i], y);
                 assert_eq!(read(b.shifted(a))[i], data[w + i - 1]);
+            }
+            for start in 0..3 {
+                for (p, value) in read(L::repeat(&data[w..w + 3], start))
+                    .into_iter()
+                    .enumerate()
+                {
+                    assert_eq!(value, data[w + (start + p) % 3]);
+                }
             }
             let split = L::deinterleave([a, b, c]);
             for (component, lanes) in split.iter().enumerate() {

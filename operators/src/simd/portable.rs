@@ -93,4 +93,13 @@ impl<R: Real> Lanes<R> for Array<R> {
             Self([z[2], x[3], y[3], z[3]]),
         ]
     }
+
+    #[inline(always)]
+    fn repeat(from: &[R], start: usize) -> Self {
+        let mut lanes = [R::zero(); WIDTH];
+        for (p, lane) in lanes.iter_mut().enumerate() {
+            *lane = from[(start + p) % 3];
+        }
+        Self(lanes)
+    }
 }

@@ -1,6 +1,6 @@
 //! What all register types of x86-64 share: arithmetic, loads, stores and the reordering of triples.
 
-/// Implements [`Lanes`](super::Lanes) for a register type that has `blend`, `permuted` and `after`.
+/// Implements [`Lanes`](super::Lanes) for a register type that has `blend`, `permuted`, `after` and `first_three`.
 macro_rules! registers {
     ($name:ident, $scalar:ty, $width:literal, $set1:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident,
      $fma:ident, $div:ident) => {
@@ -82,6 +82,11 @@ macro_rules! registers {
                     Self::blend(triples, |v, p| ($width * v + p) % 3 == 2)
                         .permuted(|k| (3 * k + 2) % $width),
                 ]
+            }
+
+            #[inline(always)]
+            fn repeat(from: &[$scalar], start: usize) -> Self {
+                Self::first_three(&from[..3]).permuted(|p| (start + p) % 3)
             }
 
             // The inverse of k ↦ (3k + c) mod WIDTH is p ↦ (p − c)/3, and 1/3 = INVERSE modulo WIDTH.

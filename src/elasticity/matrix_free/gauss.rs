@@ -90,57 +90,14 @@ pub(super) fn forces<R: Real, L: Lanes<R>>(
         du[c] = derivatives(&weighted);
     }
     let mut df = [[[zero; 4]; 3]; 3];
-    for q in 0..8 {
-        // cof J = det J · J⁻ᵀ, rows: space, columns: reference.
-        let mut cofactor = [[zero; 3]; 3];
-        for i in 0..3 {
-            for j in 0..3 {
-                let (i1, i2, j1, j2) = ((i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3);
-                let (f1, f2) = (face(j1, q), face(j2, q));
-                cofactor[i][j] = x[i1][j1][f1] * x[i2][j2][f2] - x[i1][j2][f2] * x[i2][j1][f1];
-            }
-        }
-        let c = &cofactor[0];
-        let det = x[0][0][face(0, q)].mul_add(
-            c[0],
-            x[0][1][face(1, q)].mul_add(c[1], x[0][2][face(2, q)] * c[2]),
-        );
-        // g = det J · ∇u, so σ(g)/det J is det J · σ / det J … once more cof J gives the force.
-        let mut g = [[zero; 3]; 3];
-        for a in 0..3 {
-            for i in 0..3 {
-                let row = &cofactor[i];
-                g[a][i] = row[0].mul_add(
-                    du[a][0][face(0, q)],
-                    row[1].mul_add(du[a][1][face(1, q)], row[2] * du[a][2][face(2, q)]),
-                );
-            }
-        }
-        let inverse = det.reciprocal();
-        let (lambda, shear) = (lambda * inverse, shear * inverse);
-        let p = lambda * (g[0][0] + g[1][1] + g[2][2]);
-        let twice = shear + shear;
-        let (xy, xz, yz) = (
-            shear * (g[0][1] + g[1][0]),
-            shear * (g[0][2] + g[2][0]),
-            shear * (g[1][2] + g[2][1]),
-        );
-        let stress = [
-            [twice.mul_add(g[0][0], p), xy, xz],
-            [xy, twice.mul_add(g[1][1], p), yz],
-            [xz, yz, twice.mul_add(g[2][2], p)],
-        ];
-        for a in 0..3 {
-            for j in 0..3 {
-                let sum = &mut df[a][j][face(j, q)];
-                *sum = stress[a][0].mul_add(
-                    cofactor[0][j],
-                    stress[a][1]
-                        .mul_add(cofactor[1][j], stress[a][2].mul_add(cofactor[2][j], *sum)),
-                );
-            }
-        }
-    }
+    point::<R, L, 0>(&x, &du, lambda, shear, &mut df);
+    point::<R, L, 1>(&x, &du, lambda, shear, &mut df);
+    point::<R, L, 2>(&x, &du, lambda, shear, &mut df);
+    point::<R, L, 3>(&x, &du, lambda, shear, &mut df);
+    point::<R, L, 4>(&x, &du, lambda, shear, &mut df);
+    point::<R, L, 5>(&x, &du, lambda, shear, &mut df);
+    point::<R, L, 6>(&x, &du, lambda, shear, &mut df);
+    point::<R, L, 7>(&x, &du, lambda, shear, &mut df);
     let mut f = [[zero; 8]; 3];
     for a in 0..3 {
         f[a] = modes_of_derivatives(&df[a]);
@@ -149,4 +106,64 @@ pub(super) fn forces<R: Real, L: Lanes<R>>(
         }
     }
     f
+}
+
+/// Adds the forces of Gauss point Q, dual to the derivatives `du`, to `df`.
+#[inline(always)]
+fn point<R: Real, L: Lanes<R>, const Q: usize>(
+    x: &[Derivatives<L>; 3],
+    du: &[Derivatives<L>; 3],
+    lambda: L,
+    shear: L,
+    df: &mut [Derivatives<L>; 3],
+) {
+    let zero = L::splat(R::zero());
+    // cof J = det J · J⁻ᵀ, rows: space, columns: reference.
+    let mut cofactor = [[zero; 3]; 3];
+    for i in 0..3 {
+        for j in 0..3 {
+            let (i1, i2, j1, j2) = ((i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3);
+            let (f1, f2) = (face(j1, Q), face(j2, Q));
+            cofactor[i][j] = x[i1][j1][f1] * x[i2][j2][f2] - x[i1][j2][f2] * x[i2][j1][f1];
+        }
+    }
+    let c = &cofactor[0];
+    let det = x[0][0][face(0, Q)].mul_add(
+        c[0],
+        x[0][1][face(1, Q)].mul_add(c[1], x[0][2][face(2, Q)] * c[2]),
+    );
+    // g = det J · ∇u; the force dual to ∂u/∂ξ is σ(∇u) cof J = σ(g)/det J · cof J.
+    let mut g = [[zero; 3]; 3];
+    for a in 0..3 {
+        for i in 0..3 {
+            let row = &cofactor[i];
+            g[a][i] = row[0].mul_add(
+                du[a][0][face(0, Q)],
+                row[1].mul_add(du[a][1][face(1, Q)], row[2] * du[a][2][face(2, Q)]),
+            );
+        }
+    }
+    let inverse = det.reciprocal();
+    let (lambda, shear) = (lambda * inverse, shear * inverse);
+    let p = lambda * (g[0][0] + g[1][1] + g[2][2]);
+    let twice = shear + shear;
+    let (xy, xz, yz) = (
+        shear * (g[0][1] + g[1][0]),
+        shear * (g[0][2] + g[2][0]),
+        shear * (g[1][2] + g[2][1]),
+    );
+    let stress = [
+        [twice.mul_add(g[0][0], p), xy, xz],
+        [xy, twice.mul_add(g[1][1], p), yz],
+        [xz, yz, twice.mul_add(g[2][2], p)],
+    ];
+    for a in 0..3 {
+        for j in 0..3 {
+            let sum = &mut df[a][j][face(j, Q)];
+            *sum = stress[a][0].mul_add(
+                cofactor[0][j],
+                stress[a][1].mul_add(cofactor[1][j], stress[a][2].mul_add(cofactor[2][j], *sum)),
+            );
+        }
+    }
 }

@@ -24,19 +24,14 @@ pub struct Hexes<R> {
     nodes: usize,
     /// Nodes per element in lexicographic order.
     elements: Vec<[u32; 8]>,
-    /// Groups of [`MAX_WIDTH`] elements; the last is filled up with copies without stiffness.
-    groups: Vec<Group<R>>,
+    /// [`NUMBERS`] registers per group of as many elements as a register holds lanes: weighted modes 1–7 of the three
+    /// coordinates, λ, G. The last group is filled up with copies without stiffness.
+    groups: Vec<R>,
     tasks: Colours<std::ops::Range<usize>>,
 }
 
-/// Shape and material of [`MAX_WIDTH`] elements.
-#[derive(Clone, Debug)]
-struct Group<R> {
-    /// Weighted modes 1–7 of the three coordinates.
-    shape: [[[R; MAX_WIDTH]; VARYING]; 3],
-    lambda: [R; MAX_WIDTH],
-    shear: [R; MAX_WIDTH],
-}
+/// Numbers per element: weighted modes of the three coordinates, λ, G.
+const NUMBERS: usize = 3 * VARYING + 2;
 
 impl<R: Real> Hexes<R> {
     /// The stiffness of `mesh`, one material per region.
@@ -58,26 +53,20 @@ impl<R: Real> Hexes<R> {
     ) -> Result<Self, ElasticityError> {
         check::elements(mesh, materials.len())?;
         let n = mesh.elements.len();
-        let groups = (0..n)
-            .step_by(MAX_WIDTH)
-            .map(|first| {
-                let mut group = Group {
-                    shape: [[[R::zero(); MAX_WIDTH]; VARYING]; 3],
-                    lambda: [R::zero(); MAX_WIDTH],
-                    shear: [R::zero(); MAX_WIDTH],
-                };
-                for lane in 0..MAX_WIDTH {
-                    let e = (first + lane).min(n - 1);
-                    group.set_shape(lane, &check::corners(mesh, e));
-                    if first + lane < n {
-                        let material = materials[usize::from(mesh.regions[e])];
-                        group.lambda[lane] = R::of(material.lambda());
-                        group.shear[lane] = R::of(material.shear());
-                    }
+        let width = level.width::<R>();
+        let mut groups = vec![R::zero(); NUMBERS * n.next_multiple_of(width)];
+        for (g, group) in groups.chunks_exact_mut(NUMBERS * width).enumerate() {
+            for lane in 0..width {
+                let e = (g * width + lane).min(n - 1);
+                let material = materials[usize::from(mesh.regions[e])];
+                let stiff = if g * width + lane < n { 1.0 } else { 0.0 };
+                let moduli = [stiff * material.lambda(), stiff * material.shear()];
+                let shape = weighted_shape(&check::corners(mesh, e));
+                for (i, number) in shape.into_iter().flatten().chain(moduli).enumerate() {
+                    group[i * width + lane] = R::of(number);
                 }
-                group
-            })
-            .collect();
+            }
+        }
         Ok(Self {
             level,
             nodes: mesh.nodes.len(),
@@ -92,23 +81,20 @@ impl<R: Real> Hexes<R> {
     }
 }
 
-impl<R: Real> Group<R> {
-    fn set_shape(&mut self, lane: usize, corners: &[[f64; 3]; 8]) {
-        for i in 0..3 {
-            for m in 1..8 {
-                // Bit set: difference along that axis; a corner counts negatively per difference at its low end.
-                let mode: f64 = LEXICOGRAPHIC
-                    .iter()
-                    .enumerate()
-                    .map(|(place, a)| {
-                        let odd = (m & !place).count_ones() % 2 == 1;
-                        if odd { -corners[*a][i] } else { corners[*a][i] }
-                    })
-                    .sum();
-                self.shape[i][m - 1][lane] = R::of(weight(m) * mode);
+/// Weighted modes 1–7 of the three coordinates of an element.
+fn weighted_shape(corners: &[[f64; 3]; 8]) -> [[f64; VARYING]; 3] {
+    let mut shape = [[0.0; VARYING]; 3];
+    for i in 0..3 {
+        for m in 1..8 {
+            for (place, a) in LEXICOGRAPHIC.into_iter().enumerate() {
+                // A corner counts negatively for every difference at whose low end it is.
+                let odd = (m & !place).count_ones() % 2 == 1;
+                let value = weight(m) * corners[a][i];
+                shape[i][m - 1] += if odd { -value } else { value };
             }
         }
     }
+    shape
 }
 
 /// Consecutive elements in tasks of [`TASK`], coloured first come first served; the colours depend on the mesh alone.
@@ -213,18 +199,18 @@ impl<R: Real> Product<'_, R> {
     fn registers<L: Lanes<R>>(&self, first: usize, corners: &mut [[[R; MAX_WIDTH]; 8]; 3]) {
         let zero = L::splat(R::zero());
         let (mut u, mut shape) = ([[zero; 8]; 3], [[zero; 8]; 3]);
-        let (group, lane) = (&self.hexes.groups[first / MAX_WIDTH], first % MAX_WIDTH);
+        let group = &self.hexes.groups[NUMBERS * first..][..NUMBERS * L::WIDTH];
         for c in 0..3 {
             for m in 0..8 {
                 u[c][m] = L::load(&corners[c][m]);
             }
             for m in 1..8 {
-                shape[c][m] = L::load(&group.shape[c][m - 1][lane..]);
+                shape[c][m] = L::load(&group[(VARYING * c + m - 1) * L::WIDTH..]);
             }
         }
         let alpha = L::splat(self.alpha);
-        let lambda = alpha * L::load(&group.lambda[lane..]);
-        let shear = alpha * L::load(&group.shear[lane..]);
+        let lambda = alpha * L::load(&group[(NUMBERS - 2) * L::WIDTH..]);
+        let shear = alpha * L::load(&group[(NUMBERS - 1) * L::WIDTH..]);
         let u: Modes<L> = to_modes(u);
         let f = to_corners(forces(&u, &shape, lambda, shear));
         for c in 0..3 {
