@@ -6,7 +6,7 @@ use super::modes::{LEXICOGRAPHIC, Modes, to_corners, to_modes};
 use crate::elasticity::{Elastic, ElasticityError, check};
 use crate::mesh::HexMesh;
 use fracas_operators::operator::assert_product;
-use fracas_operators::simd::{Kernel, Lanes, Level, MAX_WIDTH};
+use fracas_operators::simd::{Kernel, Lanes, Level, MAX_WIDTH, prefetch};
 use fracas_operators::{AdjointOperator, LinearOperator, Real, Shape};
 
 /// Elements of one task: a multiple of [`MAX_WIDTH`].
@@ -168,41 +168,70 @@ struct Product<'a, R> {
 impl<R: Real> Kernel<R> for Product<'_, R> {
     #[inline(always)]
     fn run<L: Lanes<R>>(self) {
-        let mut corners = [[[R::zero(); MAX_WIDTH]; 8]; 3];
-        for first in self.task.clone().step_by(L::WIDTH) {
-            let elements = &self.hexes.elements[first..self.task.end.min(first + L::WIDTH)];
-            for (lane, nodes) in elements.iter().enumerate() {
-                for (m, node) in nodes.iter().enumerate() {
-                    let x = &self.x[3 * *node as usize..][..3];
-                    for c in 0..3 {
-                        corners[c][m][lane] = x[c];
-                    }
-                }
+        // Scalars are written here a group ahead of the registers that read them: by then they have left the store queue.
+        let zero = || Corners([[[R::zero(); MAX_WIDTH]; 8]; 3]);
+        let mut corners = [zero(), zero()];
+        self.gather(self.group::<L>(self.task.start), &mut corners[0]);
+        for (g, first) in self.task.clone().step_by(L::WIDTH).enumerate() {
+            let [even, odd] = &mut corners;
+            let (now, next) = if g % 2 == 0 { (even, odd) } else { (odd, even) };
+            self.gather(self.group::<L>(first + L::WIDTH), next);
+            for number in (0..NUMBERS * L::WIDTH).step_by(64 / std::mem::size_of::<R>()) {
+                prefetch(&self.hexes.groups, NUMBERS * (first + L::WIDTH) + number);
             }
-            self.registers::<L>(first, &mut corners);
-            for (lane, nodes) in elements.iter().enumerate() {
-                for (m, node) in nodes.iter().enumerate() {
-                    // SAFETY: the node belongs to this task.
-                    let y = unsafe { self.y.part(3 * *node as usize, 3) };
-                    for c in 0..3 {
-                        y[c] += corners[c][m][lane];
-                    }
-                }
-            }
+            self.registers::<L>(first, now);
+            self.scatter(self.group::<L>(first), now);
         }
     }
 }
 
+/// Values at the corners of a group: `[component][lexicographic corner][element]`; aligned so that no register
+/// straddles two cache lines.
+#[repr(align(64))]
+struct Corners<R>([[[R; MAX_WIDTH]; 8]; 3]);
+
 impl<R: Real> Product<'_, R> {
+    /// Nodes of up to `WIDTH` elements of this task from `first`; none behind its end.
+    #[inline(always)]
+    fn group<L: Lanes<R>>(&self, first: usize) -> &[[u32; 8]] {
+        let end = self.task.end;
+        &self.hexes.elements[first.min(end)..end.min(first + L::WIDTH)]
+    }
+
+    #[inline(always)]
+    fn gather(&self, elements: &[[u32; 8]], corners: &mut Corners<R>) {
+        for (lane, nodes) in elements.iter().enumerate().take(MAX_WIDTH) {
+            for (m, node) in nodes.iter().enumerate() {
+                let x = &self.x[3 * *node as usize..][..3];
+                for c in 0..3 {
+                    corners.0[c][m][lane] = x[c];
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn scatter(&self, elements: &[[u32; 8]], corners: &Corners<R>) {
+        for (lane, nodes) in elements.iter().enumerate().take(MAX_WIDTH) {
+            for (m, node) in nodes.iter().enumerate() {
+                // SAFETY: the node belongs to this task.
+                let y = unsafe { self.y.part(3 * *node as usize, 3) };
+                for c in 0..3 {
+                    y[c] += corners.0[c][m][lane];
+                }
+            }
+        }
+    }
+
     /// Replaces corner displacements of `WIDTH` elements by α times their corner forces.
     #[inline(always)]
-    fn registers<L: Lanes<R>>(&self, first: usize, corners: &mut [[[R; MAX_WIDTH]; 8]; 3]) {
+    fn registers<L: Lanes<R>>(&self, first: usize, corners: &mut Corners<R>) {
         let zero = L::splat(R::zero());
         let (mut u, mut shape) = ([[zero; 8]; 3], [[zero; 8]; 3]);
         let group = &self.hexes.groups[NUMBERS * first..][..NUMBERS * L::WIDTH];
         for c in 0..3 {
             for m in 0..8 {
-                u[c][m] = L::load(&corners[c][m]);
+                u[c][m] = L::load(&corners.0[c][m]);
             }
             for m in 1..8 {
                 shape[c][m] = L::load(&group[(VARYING * c + m - 1) * L::WIDTH..]);
@@ -215,7 +244,7 @@ impl<R: Real> Product<'_, R> {
         let f = to_corners(forces(&u, &shape, lambda, shear));
         for c in 0..3 {
             for m in 0..8 {
-                f[c][m].store(&mut corners[c][m]);
+                f[c][m].store(&mut corners.0[c][m]);
             }
         }
     }

@@ -9,7 +9,8 @@ pub(super) const TILE: usize = 64;
 /// Entries of one array: the nodes of a tile, the nodes that a last, partly filled register reaches, and one register.
 const LEN: usize = TILE + 2 * MAX_WIDTH;
 
-/// `[sum, difference][component]` of two lines of nodes.
+/// `[sum, difference][component]` of two lines of nodes; aligned so that no register straddles two cache lines.
+#[repr(align(64))]
 pub(super) struct Line<R>([[[R; LEN]; 3]; 2]);
 
 impl<R: Real> Line<R> {
