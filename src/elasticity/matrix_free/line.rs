@@ -6,8 +6,8 @@ use fracas_operators::simd::{Lanes, MAX_WIDTH};
 /// Elements along x that are worked on at a time: four lines of them fit the first-level cache.
 pub(super) const TILE: usize = 64;
 
-/// Entries of one array: the nodes of a tile, the nodes that a last, partly filled register reaches, and one register.
-const LEN: usize = TILE + 2 * MAX_WIDTH;
+/// Entries of one array: the nodes of a tile and the two registers of zeros behind them.
+const LEN: usize = TILE + 3 * MAX_WIDTH;
 
 /// `[sum, difference][component]` of two lines of nodes; aligned so that no register straddles two cache lines.
 #[repr(align(64))]
@@ -38,21 +38,28 @@ impl<R: Real> Line<R> {
         &mut self.0[z][component][i..]
     }
 
-    /// `(low + high, high − low)` of `nodes` nodes, and one register of zeros behind them.
+    /// `(low + high, high − low)` of `nodes` nodes, and at least one register of zeros behind them.
     #[inline(always)]
     pub(super) fn read<L: Lanes<R>>(&mut self, nodes: usize, low: &[R], high: &[R]) {
         let (low, high) = (&low[..3 * nodes], &high[..3 * nodes]);
-        let full = nodes / L::WIDTH * L::WIDTH;
-        for i in (0..full).step_by(L::WIDTH) {
+        for component in self.0.iter_mut().flatten() {
+            for i in [nodes, nodes + L::WIDTH] {
+                L::splat(R::zero()).store(&mut component[i..]);
+            }
+        }
+        if nodes < L::WIDTH {
+            let mut padded = [[R::zero(); 3 * MAX_WIDTH]; 2];
+            padded[0][..low.len()].copy_from_slice(low);
+            padded[1][..high.len()].copy_from_slice(high);
+            self.read_register::<L>(0, &padded[0], &padded[1]);
+            return;
+        }
+        // The last register overlaps the one before it: the same values are written twice.
+        let last = nodes - L::WIDTH;
+        for i in (0..last).step_by(L::WIDTH) {
             self.read_register::<L>(i, &low[3 * i..], &high[3 * i..]);
         }
-        let mut rest = [[R::zero(); 3 * MAX_WIDTH]; 2];
-        rest[0][..3 * (nodes - full)].copy_from_slice(&low[3 * full..]);
-        rest[1][..3 * (nodes - full)].copy_from_slice(&high[3 * full..]);
-        self.read_register::<L>(full, &rest[0], &rest[1]);
-        for component in self.0.iter_mut().flatten() {
-            L::splat(R::zero()).store(&mut component[full + L::WIDTH..]);
-        }
+        self.read_register::<L>(last, &low[3 * last..], &high[3 * last..]);
     }
 
     #[inline(always)]
@@ -75,22 +82,33 @@ impl<R: Real> Line<R> {
         low: &mut [R],
         high: &mut [R],
     ) {
-        let full = nodes / L::WIDTH * L::WIDTH;
-        for i in (0..full).step_by(L::WIDTH) {
-            self.add_register::<L>(i, alpha, &mut low[3 * i..], &mut high[3 * i..]);
+        if nodes < L::WIDTH {
+            let mut padded = [[R::zero(); 3 * MAX_WIDTH]; 2];
+            padded[0][..low.len()].copy_from_slice(low);
+            padded[1][..high.len()].copy_from_slice(high);
+            let (low_sum, high_sum) = self.summed::<L>(0, alpha, &padded[0], &padded[1]);
+            store_triples(low_sum, &mut padded[0]);
+            store_triples(high_sum, &mut padded[1]);
+            low.copy_from_slice(&padded[0][..low.len()]);
+            high.copy_from_slice(&padded[1][..high.len()]);
+            return;
         }
-        let rest = 3 * (nodes - full);
-        let mut buffers = [[R::zero(); 3 * MAX_WIDTH]; 2];
-        buffers[0][..rest].copy_from_slice(&low[3 * full..]);
-        buffers[1][..rest].copy_from_slice(&high[3 * full..]);
-        let [first, second] = &mut buffers;
-        self.add_register::<L>(full, alpha, first, second);
-        low[3 * full..].copy_from_slice(&buffers[0][..rest]);
-        high[3 * full..].copy_from_slice(&buffers[1][..rest]);
+        // The last register overlaps the one before it: computed before that one is written, both write the same values.
+        let last = nodes - L::WIDTH;
+        let (low_last, high_last) =
+            self.summed::<L>(last, alpha, &low[3 * last..], &high[3 * last..]);
+        for i in (0..last).step_by(L::WIDTH) {
+            let (low_sum, high_sum) = self.summed::<L>(i, alpha, &low[3 * i..], &high[3 * i..]);
+            store_triples(low_sum, &mut low[3 * i..]);
+            store_triples(high_sum, &mut high[3 * i..]);
+        }
+        store_triples(low_last, &mut low[3 * last..]);
+        store_triples(high_last, &mut high[3 * last..]);
     }
 
+    /// `(low + α (F_p − F_d), high + α (F_p + F_d))` of one register of nodes.
     #[inline(always)]
-    fn add_register<L: Lanes<R>>(&self, i: usize, alpha: R, low: &mut [R], high: &mut [R]) {
+    fn summed<L: Lanes<R>>(&self, i: usize, alpha: R, low: &[R], high: &[R]) -> ([L; 3], [L; 3]) {
         let alpha = L::splat(alpha);
         let zero = L::splat(R::zero());
         let (mut down, mut up) = ([zero; 3], [zero; 3]);
@@ -98,16 +116,21 @@ impl<R: Real> Line<R> {
             let (sum, difference) = (self.load::<L>(0, c, i), self.load::<L>(1, c, i));
             (down[c], up[c]) = (sum - difference, sum + difference);
         }
-        let (down, up) = (L::interleave(down), L::interleave(up));
+        let (mut down, mut up) = (L::interleave(down), L::interleave(up));
+        let (low, high) = (triples::<R, L>(low), triples::<R, L>(high));
         for v in 0..3 {
-            let at = L::WIDTH * v;
-            alpha
-                .mul_add(down[v], L::load(&low[at..]))
-                .store(&mut low[at..]);
-            alpha
-                .mul_add(up[v], L::load(&high[at..]))
-                .store(&mut high[at..]);
+            down[v] = alpha.mul_add(down[v], low[v]);
+            up[v] = alpha.mul_add(up[v], high[v]);
         }
+        (down, up)
+    }
+}
+
+/// Writes three registers.
+#[inline(always)]
+fn store_triples<R: Real, L: Lanes<R>>(values: [L; 3], to: &mut [R]) {
+    for v in 0..3 {
+        values[v].store(&mut to[L::WIDTH * v..]);
     }
 }
 
