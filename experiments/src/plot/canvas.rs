@@ -1,5 +1,6 @@
 //! A page in points, on plotters' SVG backend (which counts whole pixels, so a point is several of them).
 
+use super::indices;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::FontTransform;
@@ -38,34 +39,7 @@ pub(super) fn draw_page(
     // The view box keeps the fine grid; the nominal size is in points.
     let fine = format!("width=\"{}\" height=\"{}\" viewBox", size.0, size.1);
     let nominal = format!("width=\"{width:.0}\" height=\"{height:.0}\" viewBox");
-    Ok(lower_subscripts(&svg.replacen(&fine, &nominal, 1)))
-}
-
-/// Sets `S_u` as S with a lowered u, wherever text has an underscore between letters.
-fn lower_subscripts(svg: &str) -> String {
-    let mut result = String::with_capacity(svg.len());
-    let mut parts = svg.split('_');
-    result.push_str(parts.next().unwrap_or_default());
-    for part in parts {
-        let end = part
-            .find(|c: char| !c.is_ascii_alphanumeric())
-            .unwrap_or(part.len());
-        let (index, rest) = part.split_at(end);
-        let after_symbol = result
-            .chars()
-            .next_back()
-            .is_some_and(char::is_alphanumeric);
-        if after_symbol && !index.is_empty() {
-            result.push_str("<tspan dy=\"0.28em\" font-size=\"75%\">");
-            result.push_str(index);
-            result.push_str("</tspan><tspan dy=\"-0.21em\">\u{200b}</tspan>");
-        } else {
-            result.push('_');
-            result.push_str(index);
-        }
-        result.push_str(rest);
-    }
-    result
+    Ok(indices::shift(&svg.replacen(&fine, &nominal, 1)))
 }
 
 fn pixel([x, y]: [f64; 2]) -> (i32, i32) {
