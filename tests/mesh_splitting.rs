@@ -1,5 +1,6 @@
 //! Claim: splitting gives every fracture two sides and changes nothing else, for through-going, embedded, T and X
 //! fractures alike.
+#![allow(clippy::unwrap_used)]
 
 use fracas::mesh::{BoxGrid, BuiltMesh, Distort, Incline, PlaneFracture, audit};
 use proptest::prelude::*;

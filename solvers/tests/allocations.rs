@@ -8,7 +8,9 @@ use fracas_operators::{LinearOperator, Preconditioner};
 use fracas_solvers::krylov::{Criteria, KrylovChoice, System};
 use fracas_solvers::smoothers::{Jacobi, JacobiBlock, Ssor};
 use fracas_solvers::{Prepare, Silent};
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::alloc::{GlobalAlloc, Layout, System as Heap};
+use std::sync::Barrier;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The system's allocator, with every allocation of every thread counted.
@@ -62,12 +64,32 @@ fn preconditioners(a: &SparseMatrix<f64>) -> Vec<Box<dyn Preconditioner<f64>>> {
     ]
 }
 
+/// Threads that have all taken a job from another once, so that their queues exist. They live as long as the test: a
+/// thread that ends allocates, too.
+fn threads(number: usize) -> ThreadPool {
+    let pool = ThreadPoolBuilder::new()
+        .num_threads(number)
+        .build()
+        .unwrap();
+    let meeting = Barrier::new(number);
+    for _ in 0..100 {
+        pool.scope(|scope| {
+            for _ in 0..number {
+                scope.spawn(|_| {
+                    meeting.wait();
+                });
+            }
+        });
+    }
+    pool
+}
+
 /// Solves twice in the same memory: (bits of x, allocations of the second solve).
 fn solve_again(
     choice: KrylovChoice,
     operator: &dyn LinearOperator<f64>,
     preconditioner: &dyn Preconditioner<f64>,
-    threads: usize,
+    pool: &ThreadPool,
 ) -> (Vec<u64>, u64) {
     let rhs = probe(N, 1);
     let system = System {
@@ -80,10 +102,6 @@ fn solve_again(
         max_iterations: 60,
     };
     let method = choice.method();
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .unwrap();
     let mut work = vec![0.0; method.work_len(&system, &criteria)];
     let mut x = vec![0.0; N];
     pool.install(|| {
@@ -103,6 +121,7 @@ fn solve_again(
 // one test, because the counter belongs to the whole process
 #[test]
 fn nothing_is_allocated_and_bits_do_not_depend_on_threads() {
+    let (one_thread, two_threads) = (threads(1), threads(2));
     let a = matrix();
     let prepared = preconditioners(&a);
     let operator = Csr::new(a);
@@ -110,9 +129,9 @@ fn nothing_is_allocated_and_bits_do_not_depend_on_threads() {
     choices.push("gmres:4".parse().unwrap());
     for choice in choices {
         for m in &prepared {
-            let (one, quiet) = solve_again(choice, &operator, m, 1);
+            let (one, quiet) = solve_again(choice, &operator, m, &one_thread);
             assert_eq!(quiet, 0, "{choice} allocates on one thread");
-            let (two, quiet) = solve_again(choice, &operator, m, 2);
+            let (two, quiet) = solve_again(choice, &operator, m, &two_threads);
             assert_eq!(quiet, 0, "{choice} allocates on two threads");
             assert!(one == two, "{choice}: bits depend on threads");
         }

@@ -235,7 +235,11 @@ fn grid_elements([nx, ny, nz]: [usize; 3]) -> Vec<[u32; 8]> {
 /// Element faces on one side of the box (x−, x+, y−, y+, z−, z+), in order of their elements.
 fn side_faces(mesh: &HexMesh, cells: [usize; 3], side: usize) -> Vec<FaceSide> {
     let axis = side / 2;
-    let layer = if side % 2 == 0 { 0 } else { cells[axis] - 1 };
+    let layer = if side.is_multiple_of(2) {
+        0
+    } else {
+        cells[axis] - 1
+    };
     mesh.elements
         .iter()
         .enumerate()

@@ -15,7 +15,7 @@ pub(super) fn gram_rank(a: &mut [f64], n: usize, tolerance: f64) -> usize {
                 p = i;
             }
         }
-        if !(a[p * n + p] > tolerance * largest) {
+        if a[p * n + p] <= tolerance * largest || a[p * n + p].is_nan() {
             return k;
         }
         if p != k {

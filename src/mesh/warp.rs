@@ -141,7 +141,7 @@ impl Warp for Incline {
             requirement,
         };
         // 1e-9 rad: tan beyond it is a plane at infinity
-        if !(self.tilt.abs() < std::f64::consts::FRAC_PI_2 - 1e-9) {
+        if self.tilt.is_nan() || self.tilt.abs() >= std::f64::consts::FRAC_PI_2 - 1e-9 {
             return Err(bad(
                 "angle",
                 self.tilt.to_degrees(),

@@ -140,7 +140,7 @@ pub enum SceneError {
     #[error("{place}: {message}\n{}", place.underlined())]
     Syntax {
         /// Where.
-        place: Place,
+        place: Box<Place>,
         /// What the parser or the value's own check says.
         message: String,
     },
@@ -148,7 +148,7 @@ pub enum SceneError {
     #[error("{place}: unknown {what} `{found}`{}; known here: {}\n{}", nearest.as_ref().map_or(String::new(), |n| format!(", did you mean `{n}`?")), known.join(", "), place.underlined())]
     Unknown {
         /// Where.
-        place: Place,
+        place: Box<Place>,
         /// Key or value.
         what: &'static str,
         /// What is written.
@@ -162,9 +162,9 @@ pub enum SceneError {
     #[error("{place}: {problem}\n{}", place.underlined())]
     Section {
         /// Where.
-        place: Place,
+        place: Box<Place>,
         /// What is wrong.
-        problem: Problem,
+        problem: Box<Problem>,
     },
     /// An override without a value.
     #[error("--set {text}: write key=value, e.g. --set mesh.x.cells=8")]

@@ -4,7 +4,10 @@ mod body;
 mod build;
 mod error;
 mod gallery;
+mod geometry;
 mod hold;
+mod mesh_sections;
+mod one_or_many;
 mod overrides;
 mod sections;
 mod source;
@@ -14,10 +17,14 @@ use std::path::Path;
 pub use body::{Body, Friction, InitialStress, SurfaceTraction};
 pub use error::{Place, Problem, SceneError};
 pub use gallery::{GalleryScene, gallery, named};
+pub use mesh_sections::{
+    AxisName, AxisSection, DistortSection, FractureSection, InclineSection, MapSection,
+    MeshSection, RotateSection,
+};
+pub use one_or_many::OneOrMany;
 pub use sections::{
-    AxisName, AxisSection, BoundarySection, BoxSection, ComponentsSection, DistortSection,
-    FractureSection, HoldSection, InclineSection, InitialStressSection, MapSection,
-    MaterialSection, MeshSection, OneOrMany, RotateSection, SceneSections, SideName, TensorSection,
+    BoundarySection, BoxSection, ComponentsSection, HoldSection, InitialStressSection,
+    MaterialSection, SceneSections, SideName, TensorSection,
 };
 
 use source::Source;

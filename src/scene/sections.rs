@@ -1,16 +1,11 @@
-//! The sections of a scene file, as they are written.
-
-use std::fmt;
-use std::marker::PhantomData;
-use std::num::NonZeroU32;
+//! The sections of a scene file, as they are written: materials, boundaries, loads.
 
 use schemars::JsonSchema;
-use serde::de::{self, SeqAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
+use super::mesh_sections::{FractureSection, MeshSection};
 use crate::units::{
-    Acceleration, Angle, Density, FrictionAngle, Kind, Length, Measure, Poisson, Ratio, Stiffness,
-    Strength, Stress, StressGradient,
+    Acceleration, Density, Kind, Length, Measure, Poisson, Stiffness, Stress, StressGradient,
 };
 
 /// A scene file.
@@ -41,113 +36,6 @@ pub struct SceneSections {
     /// Stress before any displacement.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub initial_stress: Option<InitialStressSection>,
-}
-
-/// Box, grid lines and maps.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct MeshSection {
-    /// Lines across x.
-    pub x: AxisSection,
-    /// Lines across y.
-    pub y: AxisSection,
-    /// Lines across z (up).
-    pub z: AxisSection,
-    /// Maps of the finished grid, applied in the order distort, incline, rotate.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub map: Option<MapSection>,
-}
-
-/// Grid lines along one axis: `from`, `to`, `cells`, perhaps graded; or `lines` alone.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct AxisSection {
-    /// Start of the box.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub from: Option<Measure<Length>>,
-    /// End of the box.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub to: Option<Measure<Length>>,
-    /// Number of cells.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub cells: Option<NonZeroU32>,
-    /// Geometric grading: last cell size / first; with `toward`, coarsest / finest.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub ratio: Option<Measure<Ratio>>,
-    /// Where cells are finest; becomes a grid line. Needs `ratio`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub toward: Option<Measure<Length>>,
-    /// Every grid line.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub lines: Option<Vec<Measure<Length>>>,
-}
-
-/// Maps of the finished grid.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct MapSection {
-    /// Perturbation of the nodes; sides stay flat.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub distort: Option<DistortSection>,
-    /// Shear that tilts planes.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub incline: Option<InclineSection>,
-    /// Rigid rotation.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub rotate: Option<RotateSection>,
-}
-
-/// Perturbation of the nodes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct DistortSection {
-    /// Share of the adjacent cell size, less than 0.5.
-    pub amplitude: f64,
-    /// Seed of the pattern.
-    #[serde(default)]
-    pub seed: u32,
-    /// Waves across the box instead of independent numbers.
-    #[serde(default)]
-    pub smooth: bool,
-    /// Let fractures leave their planes.
-    #[serde(default)]
-    pub bend_fractures: bool,
-}
-
-/// Shear that tilts the planes normal to `plane`; give `dip` or `tilt`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct InclineSection {
-    /// Normal of the planes before.
-    pub plane: AxisName,
-    /// Axis along which they climb; z for planes x and y, x for planes z.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub along: Option<AxisName>,
-    /// Angle of the planes to the horizontal, 0 to 180 deg.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub dip: Option<Measure<Angle>>,
-    /// Angle between the planes before and after.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub tilt: Option<Measure<Angle>>,
-    /// A point that stays; the centre of the box if not given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub pivot: Option<[Measure<Length>; 3]>,
-    /// Fade to nothing at the sides; only the plane through `pivot` gets the full angle.
-    #[serde(default)]
-    pub fade: bool,
-}
-
-/// Rigid rotation.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RotateSection {
-    /// Axis of rotation.
-    pub axis: AxisName,
-    /// Angle, right-handed.
-    pub angle: Measure<Angle>,
-    /// A point on the axis; the centre of the box if not given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub center: Option<[Measure<Length>; 3]>,
 }
 
 /// An isotropic elastic material, everywhere or in boxes and layers.
@@ -184,40 +72,6 @@ pub struct BoxSection {
     /// Interval in z.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub z: Option<[Measure<Length>; 2]>,
-}
-
-/// Rectangles of grid faces, before any map; give `at` or `every`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct FractureSection {
-    /// Its name; several planes are numbered from 1.
-    pub name: String,
-    /// Normal axis.
-    pub plane: AxisName,
-    /// Position, or list of positions, along it: grid lines.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub at: Option<OneOrMany<Length>>,
-    /// Every n-th interior grid line.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub every: Option<NonZeroU32>,
-    /// Span in x; the full width if not given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub x: Option<[Measure<Length>; 2]>,
-    /// Span in y.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub y: Option<[Measure<Length>; 2]>,
-    /// Span in z.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub z: Option<[Measure<Length>; 2]>,
-    /// The normal points against the axis.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub flip: bool,
-    /// Friction angle.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub friction_angle: Option<Measure<FrictionAngle>>,
-    /// Cohesion; 0 if only the angle is given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub cohesion: Option<Measure<Strength>>,
 }
 
 /// A condition on one side; give exactly one of `hold`, `displacement`, `traction`, `pressure`.
@@ -326,30 +180,6 @@ pub struct InitialStressSection {
     pub reference: Option<Measure<Length>>,
 }
 
-/// An axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum AxisName {
-    /// x.
-    X,
-    /// y.
-    Y,
-    /// z, up.
-    Z,
-}
-
-impl AxisName {
-    /// 0, 1, 2.
-    pub fn index(self) -> usize {
-        self as usize
-    }
-
-    /// Its letter.
-    pub fn name(self) -> &'static str {
-        ["x", "y", "z"][self.index()]
-    }
-}
-
 /// A side of the box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum SideName {
@@ -382,71 +212,5 @@ impl SideName {
     /// As it is written.
     pub fn name(self) -> &'static str {
         ["x-", "x+", "y-", "y+", "z-", "z+"][self.index()]
-    }
-}
-
-/// One quantity or a list of them.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(untagged, bound = "")]
-pub enum OneOrMany<K> {
-    /// `"1 m"`.
-    One(Measure<K>),
-    /// `["1 m", "2 m"]`.
-    Many(Vec<Measure<K>>),
-}
-
-impl<K: Kind> OneOrMany<K> {
-    /// Values in SI units.
-    pub fn si(&self) -> Vec<f64> {
-        match self {
-            Self::One(one) => vec![one.si()],
-            Self::Many(many) => many.iter().map(Measure::si).collect(),
-        }
-    }
-}
-
-impl<'de, K: Kind> Deserialize<'de> for OneOrMany<K> {
-    /// Not `untagged`, which would hide what is wrong with a value.
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Either<K>(PhantomData<K>);
-        impl<'de, K: Kind> Visitor<'de> for Either<K> {
-            type Value = OneOrMany<K>;
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                write!(f, "{} or a list of them", K::NAME)
-            }
-            fn visit_str<E: de::Error>(self, text: &str) -> Result<Self::Value, E> {
-                text.parse().map(OneOrMany::One).map_err(E::custom)
-            }
-            fn visit_i64<E: de::Error>(self, number: i64) -> Result<Self::Value, E> {
-                self.visit_str(&number.to_string())
-            }
-            fn visit_f64<E: de::Error>(self, number: f64) -> Result<Self::Value, E> {
-                self.visit_str(&number.to_string())
-            }
-            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Self::Value, A::Error> {
-                let mut many = Vec::new();
-                while let Some(one) = list.next_element()? {
-                    many.push(one);
-                }
-                Ok(OneOrMany::Many(many))
-            }
-        }
-        deserializer.deserialize_any(Either(PhantomData))
-    }
-}
-
-impl<K: Kind> JsonSchema for OneOrMany<K> {
-    fn inline_schema() -> bool {
-        true
-    }
-    fn schema_name() -> std::borrow::Cow<'static, str> {
-        format!("{} or a list of them", K::NAME).into()
-    }
-    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
-        schemars::json_schema!({
-            "type": ["string", "number", "array"],
-            "items": { "type": ["string", "number"] },
-            "description": format!("{} or a list of them, in {}", K::NAME, K::EXAMPLES),
-        })
     }
 }

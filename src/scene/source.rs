@@ -84,7 +84,7 @@ impl Source {
 
     /// A parser's error with its place; unknown keys and choices get their nearest match.
     fn explain(&self, error: &toml::de::Error) -> SceneError {
-        let place = self.place(error.span().unwrap_or(0..0));
+        let place = Box::new(self.place(error.span().unwrap_or(0..0)));
         let message = error.message();
         for (prefix, what) in [("unknown field ", "key"), ("unknown variant ", "value")] {
             let Some(rest) = message.strip_prefix(prefix) else {

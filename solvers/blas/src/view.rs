@@ -5,11 +5,8 @@ use faer::traits::ComplexField;
 use faer::{Accum, Conj, MatMut, MatRef, Par};
 
 /// f32, f64 and the complex numbers of both.
-pub(crate) trait Scalar:
-    ComplexField + Copy + Default + std::ops::Mul<Output = Self>
-{
-}
-impl<T: ComplexField + Copy + Default + std::ops::Mul<Output = T>> Scalar for T {}
+pub(crate) trait Scalar: ComplexField + Copy + Default + std::ops::MulAssign {}
+impl<T: ComplexField + Copy + Default + std::ops::MulAssign> Scalar for T {}
 
 /// Multiply-adds below which one thread is faster than handing work over. Unit: multiply-adds; about 20 µs.
 const PARALLEL: usize = 1 << 20;
@@ -88,7 +85,7 @@ pub(crate) fn scaled<T: Scalar>(
         for j in 0..c.ncols() {
             for i in 0..c.nrows() {
                 if keep(i, j) {
-                    c[(i, j)] = c[(i, j)] * *beta;
+                    c[(i, j)] *= *beta;
                 }
             }
         }

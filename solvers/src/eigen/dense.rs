@@ -89,29 +89,6 @@ pub fn symmetric_eigen(a: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), Setup
     Ok((s.column_vector().iter().copied().collect(), u))
 }
 
-/// Eigenvalues (ascending) and eigenvectors of a Hermitian matrix (its lower triangle).
-pub fn hermitian_eigen(a: MatRef<'_, c64>) -> Result<(Vec<f64>, Mat<c64>), SetupError> {
-    let n = a.nrows();
-    let (mut s, mut u) = (Diag::<c64>::zeros(n), Mat::zeros(n, n));
-    let request = evd::self_adjoint_evd_scratch::<c64>(
-        n,
-        ComputeEigenvectors::Yes,
-        Par::Seq,
-        Default::default(),
-    );
-    let mut memory = buffer(request);
-    evd::self_adjoint_evd(
-        a,
-        s.as_mut(),
-        Some(u.as_mut()),
-        Par::Seq,
-        MemStack::new(&mut memory),
-        Default::default(),
-    )
-    .map_err(not_converged)?;
-    Ok((s.column_vector().iter().map(|v| v.re).collect(), u))
-}
-
 /// Eigenvalues of a square matrix, in the order in which the Schur form gives them.
 pub fn general_eigenvalues(a: MatRef<'_, f64>) -> Result<Vec<c64>, SetupError> {
     let n = a.nrows();
@@ -137,6 +114,45 @@ pub fn general_eigenvalues(a: MatRef<'_, f64>) -> Result<Vec<c64>, SetupError> {
     .map_err(not_converged)?;
     let pairs = re.column_vector().iter().zip(im.column_vector().iter());
     Ok(pairs.map(|(re, im)| c64::new(*re, *im)).collect())
+}
+
+/// Eigenvalues and right eigenvectors of a square matrix, columns of Euclidean length 1.
+pub fn general_eigen(a: MatRef<'_, f64>) -> Result<(Vec<c64>, Mat<c64>), SetupError> {
+    let n = a.nrows();
+    let (mut re, mut im) = (Diag::<f64>::zeros(n), Diag::<f64>::zeros(n));
+    let mut packed = Mat::<f64>::zeros(n, n);
+    let (no, yes) = (ComputeEigenvectors::No, ComputeEigenvectors::Yes);
+    let mut memory = buffer(evd::evd_scratch::<f64>(n, no, yes, Par::Seq, Default::default()));
+    evd::evd_real(
+        a,
+        re.as_mut(),
+        im.as_mut(),
+        None,
+        Some(packed.as_mut()),
+        Par::Seq,
+        MemStack::new(&mut memory),
+        Default::default(),
+    )
+    .map_err(not_converged)?;
+    let pairs = re.column_vector().iter().zip(im.column_vector().iter());
+    let values: Vec<c64> = pairs.map(|(re, im)| c64::new(*re, *im)).collect();
+    // A pair of conjugate eigenvalues shares two columns: real and imaginary part of the first one's vector.
+    let mut vectors = Mat::<c64>::zeros(n, n);
+    let mut j = 0;
+    while j < n {
+        let width = if values[j].im == 0.0 { 1 } else { 2 };
+        let part = |i: usize| if width == 2 { packed[(i, j + 1)] } else { 0.0 };
+        let norm = (0..n).map(|i| packed[(i, j)].powi(2) + part(i).powi(2)).sum::<f64>().sqrt();
+        for i in 0..n {
+            let entry = c64::new(packed[(i, j)] / norm, part(i) / norm);
+            vectors[(i, j)] = entry;
+            if width == 2 {
+                vectors[(i, j + 1)] = entry.conj();
+            }
+        }
+        j += width;
+    }
+    Ok((values, vectors))
 }
 
 /// Singular values, descending: min(rows, columns) of them.
@@ -298,6 +314,19 @@ mod tests {
         values.sort_by(|a, b| a.im.total_cmp(&b.im));
         assert!((values[0] - c64::new(0.6, -0.8)).norm() < 1e-15);
         assert!((values[1] - c64::new(0.6, 0.8)).norm() < 1e-15);
+    }
+
+    #[test]
+    fn general_eigenvectors_satisfy_their_equation() {
+        let a = random(40, 40, 5);
+        let (values, v) = general_eigen(a.as_ref()).unwrap();
+        assert!(values.iter().any(|l| l.im != 0.0));
+        for j in 0..40 {
+            for i in 0..40 {
+                let image: c64 = (0..40).map(|k| v[(k, j)] * a[(i, k)]).fold(c64::new(0.0, 0.0), |s, x| s + x);
+                assert!((image - values[j] * v[(i, j)]).norm() < 1e-12);
+            }
+        }
     }
 
     #[test]

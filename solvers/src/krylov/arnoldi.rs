@@ -12,7 +12,7 @@ const ROWS: usize = 1024;
 ///
 /// # Cost
 /// Column k: three sweeps over `k` vectors of length n (classical Gram–Schmidt twice, the second projection fused with
-/// the first subtraction); modified Gram–Schmidt with the same orthogonality would need eight.
+/// the first subtraction), `8 k n` flops.
 ///
 /// # Source
 /// Giraud, Langou, Rozložník & van den Eshof (2005): twice is enough.

@@ -1,5 +1,6 @@
 //! The primal Schur complement `S_u = A + B C⁻¹ Bᵀ` and its exact inverse.
 
+use super::scaling::ScaledInverse;
 use super::{AugmentationMatrix, SaddleBlocks};
 use crate::SetupError;
 use crate::direct::{DirectSolver, Factorization, Kind};
@@ -49,11 +50,8 @@ pub fn exact_inverse(
         }));
     }
     let s_u = primal_schur(&blocks.a, &blocks.b1, c)?;
-    let factors = direct
-        .analyze(&s_u, Kind::Spd)?
-        .factor(&s_u)
-        .map_err(about_s_u)?;
-    Ok(Box::new(factors))
+    let inverse = ScaledInverse::new(&s_u, direct, "S_u").map_err(about_s_u)?;
+    Ok(Box::new(inverse))
 }
 
 /// Names S_u in the failure of a factorization and says what makes it singular.

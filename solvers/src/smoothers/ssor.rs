@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 /// SPD for SPD A. A forward and a backward sweep over the rows, sequential: the same bits for any number of threads.
 ///
 /// # Cost
-/// One solve: `2 nnz + 4 n` flops.
+/// One solve: `2 nnz + 5 n` flops.
 ///
 /// # Errors
 /// [`SetupError::BadDiagonal`] for an entry that is not positive, [`SetupError::NotApplicable`] for ω outside (0, 2).

@@ -1,1 +1,26 @@
-//! spectrum
+//! The spectrum of M⁻¹𝒜 and what is proved about it.
+//!
+//! With `S̃_u⁻¹ = E Eᵀ`, `C⁻¹ = F Fᵀ` and `Z = [I 0; C⁻¹Bᵀ I]·diag(E, F)` the preconditioner is `M⁻¹ = Z J Zᵀ`,
+//! `J = diag(I, −I)`, so M⁻¹𝒜 is similar to
+//! ```text
+//! T = J Zᵀ𝒜Z = [ K₀ + G R    G(I − Ĥ) ]     K₀ = Eᵀ S_u E    G = Eᵀ B1 F
+//!              [   −R            Ĥ     ]     R = Fᵀ B2 E − Ĥ Gᵀ   Ĥ = Fᵀ H F
+//! ```
+//! a matrix without units and without the contrast of the materials.
+
+pub mod bounds;
+mod condition;
+mod coupling;
+pub mod field_of_values;
+mod iterative;
+mod laboratory;
+pub mod modes;
+mod product;
+pub mod report;
+mod similarity;
+
+pub use bounds::{Bounds, Region, Theorem, Verdict};
+pub use field_of_values::FieldOfValues;
+pub use laboratory::{SpectrumRequest, analyse};
+pub use modes::{Mode, ModeTarget};
+pub use report::{Eigenvalues, SpectrumReport};

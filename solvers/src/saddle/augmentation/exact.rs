@@ -4,17 +4,14 @@ use super::super::SaddleBlocks;
 use super::AugmentationMatrix;
 use super::support::Columns;
 use crate::SetupError;
-use crate::direct::{DirectSolver, Kind, reciprocal_condition};
+use crate::direct::DirectSolver;
 use crate::eigen::dense::symmetrize;
-use crate::saddle::scaling::{Scaled, symmetric_scaling};
+use crate::saddle::scaling::ScaledInverse;
 use faer::Mat;
 use rayon::prelude::*;
 
 /// Right-hand sides solved at once: bounds the memory at this many vectors of length n_u.
 const COLUMNS_AT_ONCE: usize = 128;
-
-/// 1/κ₁ of the scaled A below which A counts as singular. Unit: 1.
-const SINGULAR: f64 = 1e-13;
 
 /// `C = Bᵀ A⁻¹ B`; an empty column gets `C_ii = 1`.
 ///
@@ -43,21 +40,15 @@ pub(super) fn schur_complement(
 ) -> Result<Mat<f64>, SetupError> {
     let (n_u, n_t) = (blocks.n_u(), columns.len());
     // A = D Â D with diag Â = 1: S = (D⁻¹B)ᵀ Â⁻¹ (D⁻¹B)
-    let Scaled {
-        matrix,
+    let ScaledInverse {
+        factors,
         inverse_scale,
-    } = symmetric_scaling(&blocks.a).map_err(|_| singular())?;
-    let factors = direct
-        .analyze(&matrix, Kind::Spd)?
-        .factor(&matrix)
-        .map_err(|error| match error {
-            SetupError::NotPositiveDefinite { .. } | SetupError::Singular { .. } => singular(),
-            other => other,
-        })?;
-    // The negation lets NaN count as singular.
-    if !(reciprocal_condition(&matrix, factors.as_ref()) > SINGULAR) {
-        return Err(singular());
-    }
+    } = ScaledInverse::new(&blocks.a, direct, "A").map_err(|error| match error {
+        SetupError::NotPositiveDefinite { .. }
+        | SetupError::Singular { .. }
+        | SetupError::BadDiagonal { .. } => singular(),
+        other => other,
+    })?;
     let mut s = Mat::zeros(n_t, n_t);
     let mut x = vec![0.0; n_u * COLUMNS_AT_ONCE.min(n_t)];
     for first in (0..n_t).step_by(COLUMNS_AT_ONCE) {

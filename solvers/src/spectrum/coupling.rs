@@ -1,0 +1,176 @@
+//! The whole spectrum when S_u is inverted exactly and B2 = B1ᵀ: an n_t × n_t symmetric problem.
+
+use super::bounds::Ingredients;
+use crate::SetupError;
+use crate::eigen::dense;
+use crate::saddle::{AugmentationMatrix, SaddleBlocks, schur};
+use faer::Mat;
+use fracas_operators::Preconditioner;
+use fracas_operators::sparse::SparseMatrix;
+use rayon::prelude::*;
+
+/// `M⁻¹𝒜` with exact S_u, in the eigenbasis of GᵀG.
+///
+/// With K₀ = I, `P = [I 0; −Gᵀ I]` turns T into `P⁻¹TP = [I, G(I−Ĥ); 0, Ĥ + GᵀG(I−Ĥ)]`: the eigenvalue 1 at least n_u
+/// times, and those of `I − W(I−Ĥ)`, `W = I − GᵀG`, which are those of the symmetric `Y = I − W^{1/2}(I−Ĥ)W^{1/2}`.
+/// W is SPSD because `GᵀG ≤ I` when A is SPSD; A may be singular.
+pub(super) struct Coupling {
+    /// Singular values of G squared, ascending: eigenvalues of GᵀG.
+    pub(super) sigma_squared: Vec<f64>,
+    /// Eigenvectors of GᵀG; absent when H = 0 (nothing else needs them).
+    pub(super) basis: Mat<f64>,
+    /// VᵀĤV, absent when H = 0.
+    h_hat: Option<Mat<f64>>,
+    n_u: usize,
+}
+
+impl Coupling {
+    /// From a dense Cholesky factorization of S_u: small singular values of G keep their digits.
+    pub(super) fn dense(
+        blocks: &SaddleBlocks,
+        c: &AugmentationMatrix,
+        h: Option<&SparseMatrix<f64>>,
+    ) -> Result<Self, SetupError> {
+        let root = c.inverse_root()?;
+        let s_u = schur::primal_schur(&blocks.a, &blocks.b1, c)?;
+        let l = dense::cholesky(dense::to_dense(&s_u)).map_err(|row| SetupError::NotPositiveDefinite {
+            block: "S_u",
+            row: row + 1,
+            advice: "a block of rock is held neither by boundary conditions nor by a fracture".to_owned(),
+        })?;
+        let mut g = dense::to_dense(&(&blocks.b1 * &root));
+        dense::solve_lower(l.as_ref(), &mut g);
+        let gram = dense::multiply(g.transpose(), g.as_ref());
+        let mut singular: Vec<f64> = dense::singular_values(g.as_ref())?.iter().map(|s| s * s).collect();
+        singular.resize(blocks.n_t(), 0.0);
+        singular.reverse();
+        Self::new(gram, Some(singular), h, &root, blocks.n_u())
+    }
+
+    /// From solves with sparse factors: `GᵀG = Fᵀ Bᵀ S_u⁻¹ B F`, any n_u.
+    pub(super) fn sparse(
+        blocks: &SaddleBlocks,
+        c: &AugmentationMatrix,
+        h: Option<&SparseMatrix<f64>>,
+        inverse: &dyn Preconditioner<f64>,
+    ) -> Result<Self, SetupError> {
+        let root = c.inverse_root()?;
+        let scaled = (&blocks.b1 * &root).to_csc();
+        let n_t = blocks.n_t();
+        let columns: Vec<Vec<f64>> = (0..n_t)
+            .into_par_iter()
+            .map_init(
+                || (vec![0.0; blocks.n_u()], vec![0.0; blocks.n_u()], vec![0.0; inverse.work_len()]),
+                |(b, x, work), j| {
+                    b.fill(0.0);
+                    scaled.outer_view(j).iter().for_each(|column| column.iter().for_each(|(i, v)| b[i] = *v));
+                    inverse.solve(b, x, work);
+                    scaled
+                        .outer_iterator()
+                        .map(|column| column.iter().map(|(i, v)| v * x[i]).sum())
+                        .collect()
+                },
+            )
+            .collect();
+        let gram = Mat::from_fn(n_t, n_t, |i, j| columns[j][i]);
+        Self::new(gram, None, h, &root, blocks.n_u())
+    }
+
+    fn new(
+        mut gram: Mat<f64>,
+        singular: Option<Vec<f64>>,
+        h: Option<&SparseMatrix<f64>>,
+        root: &SparseMatrix<f64>,
+        n_u: usize,
+    ) -> Result<Self, SetupError> {
+        dense::symmetrize(&mut gram);
+        let (values, basis) = dense::symmetric_eigen(gram.as_ref())?;
+        let sigma_squared = singular.unwrap_or_else(|| values.iter().map(|v| v.max(0.0)).collect());
+        let h_hat = h.map(|h| {
+            let image = dense::sparse_multiply(root, basis.as_ref());
+            let mut h_hat = dense::multiply(image.transpose(), dense::sparse_multiply(h, image.as_ref()).as_ref());
+            dense::symmetrize(&mut h_hat);
+            h_hat
+        });
+        Ok(Self {
+            sigma_squared,
+            basis,
+            h_hat,
+            n_u,
+        })
+    }
+
+    /// The n_t eigenvalues besides 1, ascending.
+    pub(super) fn eigenvalues(&self) -> Result<Vec<f64>, SetupError> {
+        match self.symmetric_form() {
+            // H = 0: Y = I − W = GᵀG
+            None => Ok(self.sigma_squared.clone()),
+            Some(y) => dense::symmetric_eigenvalues(y.as_ref()),
+        }
+    }
+
+    /// Eigenvalues with eigenvectors t' of `I − W(I−Ĥ)` in the original scaled traction basis, one a column.
+    pub(super) fn eigenvectors(&self) -> Result<(Vec<f64>, Mat<f64>), SetupError> {
+        let Some(y) = self.symmetric_form() else {
+            return Ok((self.sigma_squared.clone(), self.basis.clone()));
+        };
+        let (values, mut vectors) = dense::symmetric_eigen(y.as_ref())?;
+        // t' = V W^{1/2} y
+        for j in 0..vectors.ncols() {
+            for i in 0..vectors.nrows() {
+                vectors[(i, j)] *= self.root_w(i);
+            }
+        }
+        Ok((values, dense::multiply(self.basis.as_ref(), vectors.as_ref())))
+    }
+
+    fn root_w(&self, i: usize) -> f64 {
+        (1.0 - self.sigma_squared[i]).max(0.0).sqrt()
+    }
+
+    /// `Y = I − W^{1/2}(I−Ĥ)W^{1/2}` in the eigenbasis of GᵀG.
+    fn symmetric_form(&self) -> Option<Mat<f64>> {
+        self.h_hat.as_ref().map(|h_hat| {
+            Mat::from_fn(h_hat.nrows(), h_hat.nrows(), |i, j| {
+                let diagonal = if i == j { self.sigma_squared[i] } else { 0.0 };
+                diagonal + self.root_w(i) * h_hat[(i, j)] * self.root_w(j)
+            })
+        })
+    }
+
+    /// Extreme values for the bounds: K = I + GGᵀ and `K_H − I = G(I−Ĥ)Gᵀ`, whose non-zero eigenvalues are those of
+    /// `Σ(I−Ĥ)Σ`.
+    pub(super) fn ingredients(&self) -> Result<Ingredients, SetupError> {
+        let n_t = self.sigma_squared.len();
+        let s = |i: usize| self.sigma_squared[i].max(0.0).sqrt();
+        let (low, high) = if n_t == 0 { (0.0, 0.0) } else { (self.sigma_squared[0], self.sigma_squared[n_t - 1]) };
+        // Of n_t ≥ n_u squares, the n_u largest are eigenvalues of GGᵀ.
+        let k_low = if self.n_u > n_t { 0.0 } else { self.sigma_squared[n_t - self.n_u] };
+        let k = (1.0 + k_low, 1.0 + high);
+        let g = (low.max(0.0).sqrt(), high.max(0.0).sqrt());
+        let Some(h_hat) = &self.h_hat else {
+            return Ok(Ingredients {
+                k,
+                g,
+                h_hat: (0.0, 0.0),
+                k_h: k,
+                coupling: g.1,
+            });
+        };
+        let ends = |m: Mat<f64>| -> Result<(f64, f64), SetupError> {
+            let values = dense::symmetric_eigenvalues(m.as_ref())?;
+            Ok((values[0], values[n_t - 1]))
+        };
+        let rest = |i: usize, j: usize| if i == j { 1.0 - h_hat[(i, j)] } else { -h_hat[(i, j)] };
+        let inner = ends(Mat::from_fn(n_t, n_t, |i, j| s(i) * rest(i, j) * s(j)))?;
+        // ‖G(I−Ĥ)‖ = ‖Σ(I−Ĥ)‖
+        let product = Mat::from_fn(n_t, n_t, |i, j| s(i) * rest(i, j));
+        Ok(Ingredients {
+            k,
+            g,
+            h_hat: ends(h_hat.clone())?,
+            k_h: (1.0 + inner.0.min(0.0), 1.0 + inner.1.max(0.0)),
+            coupling: dense::singular_values(product.as_ref())?[0],
+        })
+    }
+}

@@ -1,0 +1,333 @@
+//! One call: C, S_u, conditions, eigenvalues, bounds, verdicts.
+
+use super::bounds::{Bounds, Ingredients};
+use super::coupling::Coupling;
+use super::modes::{self, Judge, ModeTarget};
+use super::product::{Preconditioned, energy_scales};
+use super::report::{Eigenvalues, Method, SpectrumReport};
+use super::similarity::Similarity;
+use super::{condition, field_of_values, iterative};
+use crate::direct::{DirectChoice, DirectSolver};
+use crate::eigen::{dense, kernel_of};
+use crate::saddle::scaling::ScaledInverse;
+use crate::saddle::{AugmentationChoice, AugmentationMatrix, InnerChoice, RacpInverse, SaddleBlocks, schur};
+use crate::{Observer, SetupError, Step};
+use faer::{Mat, c64};
+use fracas_operators::sparse::{Csr, SparseMatrix};
+use fracas_operators::{AdjointOperator, Dense, LinearOperator, Preconditioner};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Relative difference of two entries that counts as equal when symmetry is asked for.
+const SYMMETRY: f64 = 1e-12;
+
+/// What to analyse.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct SpectrumRequest {
+    /// C.
+    pub augmentation: AugmentationChoice,
+    /// S̃_u⁻¹.
+    pub inner: InnerChoice,
+    /// Largest dense eigenvalue problem; above it only outer eigenvalues are found.
+    pub dense_limit: usize,
+    /// Eigenvectors wanted.
+    pub modes: Vec<ModeTarget>,
+}
+
+impl Default for SpectrumRequest {
+    fn default() -> Self {
+        Self {
+            augmentation: AugmentationChoice::default(),
+            inner: InnerChoice::default(),
+            dense_limit: 5000,
+            modes: Vec::new(),
+        }
+    }
+}
+
+/// Which statements may be made of the blocks.
+struct Structure {
+    /// B2 = B1ᵀ, A and H symmetric.
+    symmetric: bool,
+    h_is_zero: bool,
+}
+
+/// Analyses M⁻¹𝒜: whatever can still be done is done, with notes.
+///
+/// With exact S_u and B2 = B1ᵀ the spectrum is 1 (n_u times) and that of a symmetric n_t × n_t matrix, so n_u does not
+/// limit it. Everything else takes an unsymmetric eigenvalue problem of size n_u + n_t.
+///
+/// # Errors
+/// Those of the augmentation and of the factorizations: C = exact with singular A, singular S_u, NaN, shapes.
+pub fn analyse(
+    blocks: &SaddleBlocks,
+    request: &SpectrumRequest,
+    observer: &mut dyn Observer,
+) -> Result<SpectrumReport, SetupError> {
+    let direct = match request.inner {
+        InnerChoice::Exact { backend } => backend,
+        _ => DirectChoice::default(),
+    }
+    .solver()?;
+    let mut stages = Stages { observer, done: 0 };
+    let augmentation = request.augmentation.compute(blocks, direct.as_ref())?;
+    stages.next("augmentation");
+    let (blocks, structure, mut notes) = simplified(blocks);
+    if !augmentation.empty_columns.is_empty() {
+        notes.push(format!(
+            "{} columns of B have no entries (first: column {}); C is 1 there",
+            augmentation.empty_columns.len(),
+            augmentation.empty_columns[0] + 1
+        ));
+    }
+    let c = augmentation.matrix;
+    let inner = request.inner.prepare(&blocks, &c)?;
+    stages.next("inner solver");
+    let mut report = empty_report(&blocks, request, &c, notes)?;
+    conditions(&mut report, &blocks, &c, inner.as_ref(), request.inner, direct.as_ref())?;
+    stages.next("condition numbers");
+
+    let n = blocks.n_u() + blocks.n_t();
+    let exact = matches!(request.inner, InnerChoice::Exact { .. });
+    let racp = RacpInverse::new(blocks.b1.clone(), c.clone(), inner.as_ref());
+    let operator = Preconditioned::new(&blocks, &racp);
+    let scales = energy_scales(&blocks, &c.diagonal_entries());
+    let judge = Judge { operator: &operator, scales: &scales };
+    let eigenvalues = if exact && structure.symmetric && blocks.n_t() <= request.dense_limit {
+        let h = blocks.h.as_ref();
+        let coupling = if blocks.n_u() <= request.dense_limit {
+            Coupling::dense(&blocks, &c, h)?
+        } else {
+            Coupling::sparse(&blocks, &c, h, inner.as_ref())?
+        };
+        report.modes = modes::of_coupling(&request.modes, &coupling, &blocks, &c, inner.as_ref(), &judge)?;
+        report.ingredients = Some(coupling.ingredients()?);
+        let ones = vec![c64::new(1.0, 0.0); blocks.n_u()];
+        let others = coupling.eigenvalues()?.into_iter().map(|v| c64::new(v, 0.0));
+        ones.into_iter().chain(others).collect()
+    } else if n <= request.dense_limit {
+        dense_eigenvalues(&mut report, &blocks, &c, request, inner.as_ref(), &structure, &judge)?
+    } else {
+        report.method = Method::Iterative;
+        report.notes.push(format!(
+            "n_u + n_t = {n} is above the dense limit {}: only outer eigenvalues, without multiplicities",
+            request.dense_limit
+        ));
+        if structure.symmetric {
+            let (ingredients, error) = iterative::ingredients(&blocks, &c, inner.as_ref())?;
+            report.ingredients = Some(ingredients);
+            report.error_bar = Some(error);
+        }
+        let (values, residual) = iterative::outer_eigenvalues(&operator, &scales)?;
+        report.notes.push(format!("{} Ritz values with residuals below {residual:.1e}", values.len()));
+        values
+    };
+    stages.next("eigenvalues");
+    state_bounds(&mut report, &structure, exact);
+    let disc = structure.symmetric && structure.h_is_zero && report.ingredients.is_some();
+    report.judge(Eigenvalues::sorted(eigenvalues), disc);
+    Ok(report)
+}
+
+/// Tells the observer what is done.
+struct Stages<'a> {
+    observer: &'a mut dyn Observer,
+    done: usize,
+}
+
+impl Stages<'_> {
+    /// Stopping between stages would leave nothing to report, so a wish to stop is not heard here.
+    fn next(&mut self, stage: &'static str) {
+        self.done += 1;
+        let _ = self.observer.observe(&Step::Progress {
+            stage,
+            done: self.done,
+            total: 4,
+        });
+    }
+}
+
+/// The blocks without a B2 that equals B1ᵀ and without an H of zeros, and what holds for them.
+fn simplified(blocks: &SaddleBlocks) -> (SaddleBlocks, Structure, Vec<String>) {
+    let mut blocks = blocks.clone();
+    let mut notes = Vec::new();
+    let transpose: SparseMatrix<f64> = blocks.b1.transpose_view().to_csr();
+    if blocks.b2.as_ref().is_some_and(|b2| agree(b2, &transpose)) {
+        blocks.b2 = None;
+    }
+    if blocks.h.as_ref().is_some_and(|h| h.data().iter().all(|v| *v == 0.0)) {
+        blocks.h = None;
+    }
+    let is_symmetric = |m: &SparseMatrix<f64>| agree(m, &m.transpose_view().to_csr());
+    let conditions = [
+        (blocks.b2.is_none(), "B2 differs from B1ᵀ"),
+        (is_symmetric(&blocks.a), "A is not symmetric"),
+        (blocks.h.as_ref().is_none_or(is_symmetric), "H is not symmetric"),
+    ];
+    for (_, reason) in conditions.iter().filter(|(holds, _)| !holds) {
+        notes.push(format!("{reason}: no bound is proved; see the field of values"));
+    }
+    let structure = Structure {
+        symmetric: conditions.iter().all(|(holds, _)| *holds),
+        h_is_zero: blocks.h.is_none(),
+    };
+    (blocks, structure, notes)
+}
+
+/// Equal up to rounding, relative to the largest entry of the row.
+fn agree(a: &SparseMatrix<f64>, b: &SparseMatrix<f64>) -> bool {
+    let largest = |v: &mut dyn Iterator<Item = &f64>| v.fold(0.0f64, |m, x| m.max(x.abs()));
+    let difference = a - b;
+    difference.outer_iterator().zip(a.outer_iterator()).all(|(d, row)| {
+        largest(&mut d.data().iter()) <= SYMMETRY * largest(&mut row.data().iter())
+    })
+}
+
+fn empty_report(
+    blocks: &SaddleBlocks,
+    request: &SpectrumRequest,
+    c: &AugmentationMatrix,
+    notes: Vec<String>,
+) -> Result<SpectrumReport, SetupError> {
+    let (c_min, c_max) = c.extremes()?;
+    Ok(SpectrumReport {
+        n_u: blocks.n_u(),
+        n_t: blocks.n_t(),
+        augmentation: request.augmentation.to_string(),
+        inner: request.inner.to_string(),
+        c_min,
+        c_max,
+        cond_A: None,
+        cond_S_u: None,
+        eigenvalues: Eigenvalues::default(),
+        real_min: None,
+        real_max: None,
+        re_min: None,
+        re_max: None,
+        im_max: None,
+        n_complex: 0,
+        n_at_one: 0,
+        n_at_half: 0,
+        bounds: Bounds::none(None),
+        contained: None,
+        method: Method::Dense,
+        outside: Vec::new(),
+        printed: None,
+        exact_S_u_interval: None,
+        ingredients: None,
+        error_bar: None,
+        cond_A_error: None,
+        cond_S_u_error: None,
+        kernel_A: None,
+        smallest_nonzero_A: None,
+        field_of_values: None,
+        modes: Vec::new(),
+        notes,
+    })
+}
+
+/// κ₂(A), κ₂(S_u), and the kernel of a singular A. What fails becomes a note.
+fn conditions(
+    report: &mut SpectrumReport,
+    blocks: &SaddleBlocks,
+    c: &AugmentationMatrix,
+    inner: &dyn Preconditioner<f64>,
+    choice: InnerChoice,
+    direct: &dyn DirectSolver,
+) -> Result<(), SetupError> {
+    let a = Csr::new(blocks.a.clone());
+    match ScaledInverse::new(&blocks.a, direct, "A") {
+        Ok(inverse) => {
+            let ends = condition::ends(&mut |x, y| a.apply(x, y, &mut []), &inverse)?;
+            report.cond_A = Some(ends.condition());
+            report.cond_A_error = Some(ends.error());
+        }
+        Err(_) => match kernel_of(&blocks.a, direct) {
+            Ok(kernel) if kernel.dimension() > 0 => {
+                report.notes.push(format!(
+                    "A is singular: its kernel has dimension {} (rigid-body modes of blocks held by fractures only)",
+                    kernel.dimension()
+                ));
+                report.kernel_A = Some(kernel.dimension());
+                report.smallest_nonzero_A = kernel.smallest_nonzero.map(|e| e.value);
+            }
+            Ok(_) => report.notes.push("A is singular to working precision, with no clear kernel".to_owned()),
+            Err(error) => report.notes.push(format!("A is not positive semi-definite: {error}")),
+        },
+    }
+    let factorized;
+    let inverse = if let InnerChoice::Exact { .. } = choice {
+        inner
+    } else {
+        factorized = match schur::exact_inverse(blocks, c, direct) {
+            Ok(inverse) => inverse,
+            Err(error) => {
+                report.notes.push(format!("cond_S_u is not known: {error}"));
+                return Ok(());
+            }
+        };
+        factorized.as_ref()
+    };
+    let b = Csr::with_transpose(blocks.b1.clone());
+    let (mut p, mut q) = (vec![0.0; blocks.n_t()], vec![0.0; blocks.n_t()]);
+    let mut s_u = |x: &[f64], y: &mut [f64]| {
+        // y = A x + B C⁻¹ Bᵀ x
+        a.apply(x, y, &mut []);
+        p.fill(0.0);
+        b.apply_adjoint_add(1.0, x, &mut p, &mut []);
+        c.solve(&p, &mut q, &mut []);
+        b.apply_add(1.0, &q, y, &mut []);
+    };
+    let ends = condition::ends(&mut s_u, inverse)?;
+    report.cond_S_u = Some(ends.condition());
+    report.cond_S_u_error = Some(ends.error());
+    Ok(())
+}
+
+/// All eigenvalues of T, or of M⁻¹𝒜 in energy scales when S̃_u is not SPD.
+fn dense_eigenvalues(
+    report: &mut SpectrumReport,
+    blocks: &SaddleBlocks,
+    c: &AugmentationMatrix,
+    request: &SpectrumRequest,
+    inner: &dyn Preconditioner<f64>,
+    structure: &Structure,
+    judge: &Judge<'_>,
+) -> Result<Vec<c64>, SetupError> {
+    let matrix = match Similarity::new(blocks, c, request.inner, inner) {
+        Ok(similarity) => {
+            report.ingredients = Some(similarity.ingredients()?);
+            let matrix = similarity.matrix();
+            report.modes = modes::of_similarity(&request.modes, &similarity, &matrix, judge)?;
+            if !structure.symmetric {
+                report.field_of_values = Some(field_of_values::of_matrix(matrix.as_ref())?);
+            }
+            matrix
+        }
+        Err(SetupError::NotApplicable { reason, .. }) if inner.is_linear() => {
+            report.notes.push(format!("{reason}: eigenvalues of M⁻¹𝒜 itself, no bounds, no modes"));
+            let product = Dense::of_operator(judge.operator);
+            let (n, d) = (judge.scales.len(), judge.scales);
+            Mat::from_fn(n, n, |i, j| d[i] * product.entry(i, j) / d[j])
+        }
+        Err(error) => return Err(error),
+    };
+    dense::general_eigenvalues(matrix.as_ref())
+}
+
+/// Chooses the statement that holds.
+fn state_bounds(report: &mut SpectrumReport, structure: &Structure, exact: bool) {
+    report.bounds = match &report.ingredients {
+        Some(i) if structure.symmetric && structure.h_is_zero => Bounds::printed(i),
+        Some(i) if structure.symmetric => Bounds::with_h(i),
+        other => Bounds::none(other.as_ref()),
+    };
+    let semi_definite = |i: &Ingredients| i.h_hat.0 >= -1e-12 * i.h_hat.1.abs().max(1.0);
+    if let Some(i) = report.ingredients.as_ref().filter(|i| exact && structure.symmetric && semi_definite(i)) {
+        report.exact_S_u_interval = Some(Bounds::exact_s_u(i));
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,169 @@
+//! Eigenvectors of chosen eigenvalues, to be shown on the mesh.
+
+use super::coupling::Coupling;
+use super::product::Preconditioned;
+use super::similarity::Similarity;
+use crate::SetupError;
+use crate::eigen::dense;
+use crate::saddle::{AugmentationMatrix, SaddleBlocks};
+use faer::{Mat, c64};
+use fracas_operators::{LinearOperator, Preconditioner};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Which eigenvalue.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ModeTarget {
+    /// The one with the smallest real part.
+    Smallest,
+    /// The one with the largest real part.
+    Largest,
+    /// The one closest to a real number.
+    Closest(f64),
+}
+
+impl ModeTarget {
+    /// Distance to be minimised.
+    fn distance(self, re: f64, im: f64) -> f64 {
+        match self {
+            Self::Smallest => re,
+            Self::Largest => -re,
+            Self::Closest(target) => (re - target).hypot(im),
+        }
+    }
+
+    fn choose(self, values: impl Iterator<Item = (f64, f64)>) -> Option<usize> {
+        values
+            .enumerate()
+            .min_by(|(_, a), (_, b)| self.distance(a.0, a.1).total_cmp(&self.distance(b.0, b.1)))
+            .map(|(index, _)| index)
+    }
+}
+
+/// An eigenvector `M⁻¹𝒜 (u, t) = λ (u, t)`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Mode {
+    /// (Re λ, Im λ).
+    pub eigenvalue: (f64, f64),
+    /// Displacements, largest entry ±1; the real part for a non-real λ.
+    pub u: Vec<f64>,
+    /// Tractions in the same scale.
+    pub t: Vec<f64>,
+    /// `‖M⁻¹𝒜v − λv‖ / ‖v‖` in the energy scales √diag(S_u), √diag(C).
+    pub residual: f64,
+}
+
+/// Modes among the n_t eigenvalues that exact S_u leaves besides 1:
+/// `u = S_u⁻¹ B F (I−Ĥ) t' / (λ−1)`, `t = F t'`. Targets whose eigenvalue is 1 are left out (its eigenspace has at
+/// least n_u dimensions: every displacement belongs to one).
+pub(super) fn of_coupling(
+    targets: &[ModeTarget],
+    coupling: &Coupling,
+    blocks: &SaddleBlocks,
+    c: &AugmentationMatrix,
+    inner: &dyn Preconditioner<f64>,
+    judge: &Judge<'_>,
+) -> Result<Vec<Mode>, SetupError> {
+    if targets.is_empty() {
+        return Ok(Vec::new());
+    }
+    let (values, vectors) = coupling.eigenvectors()?;
+    let root = c.inverse_root()?;
+    let others: Vec<usize> = (0..values.len()).filter(|&j| (values[j] - 1.0).abs() > 1e-9).collect();
+    let mut modes = Vec::new();
+    for target in targets {
+        let Some(choice) = target.choose(others.iter().map(|&j| (values[j], 0.0))) else {
+            continue;
+        };
+        let j = others[choice];
+        let lambda = values[j];
+        // t = F t', and F (I−Ĥ) t' = t − C⁻¹H t
+        let t = product(&root, &Mat::from_fn(values.len(), 1, |i, _| vectors[(i, j)]));
+        let mut w = t.clone();
+        if let Some(h) = &blocks.h {
+            let image = product(h, &column(&t));
+            let mut scaled = vec![0.0; t.len()];
+            c.solve(&image, &mut scaled, &mut []);
+            w.iter_mut().zip(&scaled).for_each(|(w, s)| *w -= s);
+        }
+        let force = product(&blocks.b1, &column(&w));
+        let mut u = vec![0.0; force.len()];
+        inner.solve(&force, &mut u, &mut vec![0.0; inner.work_len()]);
+        u.iter_mut().for_each(|u| *u /= lambda - 1.0);
+        modes.push(judge.mode(c64::new(lambda, 0.0), (u, t), None));
+    }
+    Ok(modes)
+}
+
+/// Modes of the dense T.
+pub(super) fn of_similarity(
+    targets: &[ModeTarget],
+    similarity: &Similarity,
+    matrix: &Mat<f64>,
+    judge: &Judge<'_>,
+) -> Result<Vec<Mode>, SetupError> {
+    if targets.is_empty() {
+        return Ok(Vec::new());
+    }
+    let (values, vectors) = dense::general_eigen(matrix.as_ref())?;
+    let chosen = targets.iter().filter_map(|t| t.choose(values.iter().map(|v| (v.re, v.im))));
+    Ok(chosen
+        .map(|j| {
+            let part = |f: fn(&c64) -> f64| -> Vec<f64> { vectors.col(j).iter().map(f).collect() };
+            let re = similarity.back(&part(|v| v.re));
+            let im = (values[j].im != 0.0).then(|| similarity.back(&part(|v| v.im)));
+            judge.mode(values[j], re, im)
+        })
+        .collect())
+}
+
+fn column(v: &[f64]) -> Mat<f64> {
+    Mat::from_fn(v.len(), 1, |i, _| v[i])
+}
+
+fn product(s: &fracas_operators::sparse::SparseMatrix<f64>, v: &Mat<f64>) -> Vec<f64> {
+    dense::sparse_multiply(s, v.as_ref()).col(0).iter().copied().collect()
+}
+
+/// Measures residuals with M⁻¹𝒜 itself.
+pub(super) struct Judge<'a> {
+    pub(super) operator: &'a Preconditioned<'a>,
+    pub(super) scales: &'a [f64],
+}
+
+impl Judge<'_> {
+    /// Scales a vector and measures its residual.
+    fn mode(
+        &self,
+        lambda: c64,
+        re: (Vec<f64>, Vec<f64>),
+        im: Option<(Vec<f64>, Vec<f64>)>,
+    ) -> Mode {
+        let n_u = re.0.len();
+        let x: Vec<f64> = re.0.into_iter().chain(re.1).collect();
+        let y: Vec<f64> = im.map_or_else(|| vec![0.0; x.len()], |(u, t)| u.into_iter().chain(t).collect());
+        let image = |v: &[f64]| {
+            let mut out = vec![0.0; v.len()];
+            self.operator.apply(v, &mut out, &mut vec![0.0; self.operator.work_len()]);
+            out
+        };
+        let (image_x, image_y) = (image(&x), image(&y));
+        let (mut residual, mut norm) = (0.0, 0.0);
+        for i in 0..x.len() {
+            let d = self.scales[i];
+            let r_x = image_x[i] - lambda.re * x[i] + lambda.im * y[i];
+            let r_y = image_y[i] - lambda.re * y[i] - lambda.im * x[i];
+            residual += (d * r_x).powi(2) + (d * r_y).powi(2);
+            norm += (d * x[i]).powi(2) + (d * y[i]).powi(2);
+        }
+        let largest = x[..n_u].iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        let scale = if largest > 0.0 { 1.0 / largest } else { 1.0 };
+        Mode {
+            eigenvalue: (lambda.re, lambda.im),
+            u: x[..n_u].iter().map(|v| scale * v).collect(),
+            t: x[n_u..].iter().map(|v| scale * v).collect(),
+            residual: (residual / norm).sqrt(),
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! What `analyse` says, as the JSON that other tools read.
+
+use super::bounds::{Bounds, Ingredients, Theorem, Verdict, is_non_real};
+use super::{FieldOfValues, Mode};
+use faer::c64;
+use serde::Serialize;
+
+/// An eigenvalue counts as 1 (or ½) when it is this close.
+pub const AT_TOLERANCE: f64 = 1e-9;
+
+/// Tolerance of the verdicts, relative to max(1, |λ|): rounding of the eigenvalue solver.
+pub const CONTAINED_TOLERANCE: f64 = 1e-8;
+
+/// Eigenvalues as two lists.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Eigenvalues {
+    /// Real parts.
+    pub re: Vec<f64>,
+    /// Imaginary parts.
+    pub im: Vec<f64>,
+}
+
+impl Eigenvalues {
+    /// Sorted by real, then imaginary part.
+    pub(super) fn sorted(mut values: Vec<c64>) -> Self {
+        values.sort_by(|a, b| a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im)));
+        Self {
+            re: values.iter().map(|v| v.re).collect(),
+            im: values.iter().map(|v| v.im).collect(),
+        }
+    }
+
+    /// Pairs (Re λ, Im λ).
+    pub fn iter(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        self.re.iter().copied().zip(self.im.iter().copied())
+    }
+}
+
+/// An eigenvalue outside what is claimed of it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Outside {
+    /// Re λ.
+    pub re: f64,
+    /// Im λ.
+    pub im: f64,
+    /// Which limit it breaks.
+    pub verdict: Verdict,
+}
+
+/// Theorem 2 as printed, judged also where it does not apply.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Printed {
+    /// The printed limits.
+    pub bounds: Bounds,
+    /// True when its hypotheses hold.
+    pub applies: bool,
+    /// Eigenvalues outside.
+    pub outside: Vec<Outside>,
+}
+
+/// How the eigenvalues were found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    /// All of them.
+    Dense,
+    /// The outer ones by Arnoldi, the bounds by Lanczos.
+    Iterative,
+}
+
+/// The spectrum of M⁻¹𝒜, its bounds and what else is known. Infinite or undefined numbers are `None` (JSON null).
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[allow(non_snake_case, reason = "the symbols of the method are the keys of the JSON")]
+pub struct SpectrumReport {
+    /// Displacement unknowns.
+    pub n_u: usize,
+    /// Traction unknowns.
+    pub n_t: usize,
+    /// Name of C.
+    pub augmentation: String,
+    /// Name of S̃_u⁻¹.
+    pub inner: String,
+    /// λ_min(C).
+    pub c_min: f64,
+    /// λ_max(C).
+    pub c_max: f64,
+    /// κ₂(A); null when A is singular.
+    pub cond_A: Option<f64>,
+    /// κ₂(S_u).
+    pub cond_S_u: Option<f64>,
+    /// All eigenvalues (dense), or the outer ones (iterative).
+    pub eigenvalues: Eigenvalues,
+    /// Smallest real eigenvalue.
+    pub real_min: Option<f64>,
+    /// Largest real eigenvalue.
+    pub real_max: Option<f64>,
+    /// Smallest real part of all.
+    pub re_min: Option<f64>,
+    /// Largest real part of all.
+    pub re_max: Option<f64>,
+    /// Largest |Im λ|.
+    pub im_max: Option<f64>,
+    /// Non-real eigenvalues: |Im λ| > 1e-7 max(1, |λ|).
+    pub n_complex: usize,
+    /// Eigenvalues with |λ − 1| ≤ 1e-9.
+    pub n_at_one: usize,
+    /// Eigenvalues with |λ − ½| ≤ 1e-9.
+    pub n_at_half: usize,
+    /// What is proved.
+    pub bounds: Bounds,
+    /// All eigenvalues lie inside; null when nothing is proved.
+    pub contained: Option<bool>,
+    /// How.
+    pub method: Method,
+    /// Eigenvalues outside the bounds or the disc |λ − ½| ≤ ½.
+    pub outside: Vec<Outside>,
+    /// Theorem 2 as printed; null where its extreme values are not defined.
+    pub printed: Option<Printed>,
+    /// Interval of the whole spectrum when S_u is exact, B2 = B1ᵀ and H is SPSD.
+    pub exact_S_u_interval: Option<(f64, f64)>,
+    /// Extreme values behind the bounds.
+    pub ingredients: Option<Ingredients>,
+    /// Largest relative error bar of the extreme values found iteratively; null when all are dense.
+    pub error_bar: Option<f64>,
+    /// Relative error bar of cond_A.
+    pub cond_A_error: Option<f64>,
+    /// Relative error bar of cond_S_u.
+    pub cond_S_u_error: Option<f64>,
+    /// dim ker A, when A is singular.
+    pub kernel_A: Option<usize>,
+    /// Smallest non-zero eigenvalue of A, when A is singular.
+    pub smallest_nonzero_A: Option<f64>,
+    /// Field of values, where no theorem speaks.
+    pub field_of_values: Option<FieldOfValues>,
+    /// Eigenvectors asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub modes: Vec<Mode>,
+    /// What a reader must know.
+    pub notes: Vec<String>,
+}
+
+impl SpectrumReport {
+    /// Fills in the statistics and verdicts of the eigenvalues.
+    pub(super) fn judge(&mut self, eigenvalues: Eigenvalues, disc: bool) {
+        let extreme = |values: &mut dyn Iterator<Item = f64>, larger: bool| {
+            values.reduce(|a, b| if larger { a.max(b) } else { a.min(b) })
+        };
+        let real = || eigenvalues.iter().filter(|(re, im)| !is_non_real(*re, *im)).map(|(re, _)| re);
+        self.real_min = extreme(&mut real(), false);
+        self.real_max = extreme(&mut real(), true);
+        self.re_min = extreme(&mut eigenvalues.re.iter().copied(), false);
+        self.re_max = extreme(&mut eigenvalues.re.iter().copied(), true);
+        self.im_max = extreme(&mut eigenvalues.im.iter().map(|v| v.abs()), true);
+        self.n_complex = eigenvalues.iter().filter(|(re, im)| is_non_real(*re, *im)).count();
+        let near = |target: f64| eigenvalues.iter().filter(|(re, im)| (re - target).hypot(*im) <= AT_TOLERANCE).count();
+        self.n_at_one = near(1.0);
+        self.n_at_half = near(0.5);
+        let proved = self.bounds.theorem != Theorem::None;
+        let region = if disc { self.bounds.region().with_disc() } else { self.bounds.region() };
+        self.outside = outside(&eigenvalues, &region);
+        self.contained = proved.then(|| self.outside.is_empty());
+        self.printed = self.ingredients.as_ref().map(|ingredients| {
+            let bounds = Bounds::printed(ingredients);
+            Printed {
+                applies: self.bounds.theorem == Theorem::WithoutH,
+                outside: outside(&eigenvalues, &bounds.region()),
+                bounds,
+            }
+        });
+        self.eigenvalues = eigenvalues;
+    }
+}
+
+fn outside(eigenvalues: &Eigenvalues, region: &super::Region) -> Vec<Outside> {
+    eigenvalues
+        .iter()
+        .filter_map(|(re, im)| {
+            let verdict = region.verdict(re, im, CONTAINED_TOLERANCE);
+            (verdict != Verdict::Inside).then_some(Outside { re, im, verdict })
+        })
+        .collect()
+}

@@ -1,0 +1,174 @@
+//! The sections of a scene file, as they are written: grid, maps, fractures.
+
+use std::num::NonZeroU32;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::one_or_many::OneOrMany;
+use crate::units::{Angle, FrictionAngle, Length, Measure, Ratio, Strength};
+
+/// Box, grid lines and maps.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MeshSection {
+    /// Lines across x.
+    pub x: AxisSection,
+    /// Lines across y.
+    pub y: AxisSection,
+    /// Lines across z (up).
+    pub z: AxisSection,
+    /// Maps of the finished grid, applied in the order distort, incline, rotate.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub map: Option<MapSection>,
+}
+
+/// Grid lines along one axis: `from`, `to`, `cells`, perhaps graded; or `lines` alone.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AxisSection {
+    /// Start of the box.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from: Option<Measure<Length>>,
+    /// End of the box.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub to: Option<Measure<Length>>,
+    /// Number of cells.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cells: Option<NonZeroU32>,
+    /// Geometric grading: last cell size / first; with `toward`, coarsest / finest.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ratio: Option<Measure<Ratio>>,
+    /// Where cells are finest; becomes a grid line. Needs `ratio`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub toward: Option<Measure<Length>>,
+    /// Every grid line.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lines: Option<Vec<Measure<Length>>>,
+}
+
+/// Maps of the finished grid.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MapSection {
+    /// Perturbation of the nodes; sides stay flat.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub distort: Option<DistortSection>,
+    /// Shear that tilts planes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub incline: Option<InclineSection>,
+    /// Rigid rotation.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rotate: Option<RotateSection>,
+}
+
+/// Perturbation of the nodes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DistortSection {
+    /// Share of the adjacent cell size, less than 0.5.
+    pub amplitude: f64,
+    /// Seed of the pattern.
+    #[serde(default)]
+    pub seed: u32,
+    /// Waves across the box instead of independent numbers.
+    #[serde(default)]
+    pub smooth: bool,
+    /// Let fractures leave their planes.
+    #[serde(default)]
+    pub bend_fractures: bool,
+}
+
+/// Shear that tilts the planes normal to `plane`; give `dip` or `tilt`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InclineSection {
+    /// Normal of the planes before.
+    pub plane: AxisName,
+    /// Axis along which they climb; z for planes x and y, x for planes z.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub along: Option<AxisName>,
+    /// Angle of the planes to the horizontal, 0 to 180 deg.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dip: Option<Measure<Angle>>,
+    /// Angle between the planes before and after.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tilt: Option<Measure<Angle>>,
+    /// A point that stays; the centre of the box if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pivot: Option<[Measure<Length>; 3]>,
+    /// Fade to nothing at the sides; only the plane through `pivot` gets the full angle.
+    #[serde(default)]
+    pub fade: bool,
+}
+
+/// Rigid rotation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RotateSection {
+    /// Axis of rotation.
+    pub axis: AxisName,
+    /// Angle, right-handed.
+    pub angle: Measure<Angle>,
+    /// A point on the axis; the centre of the box if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub center: Option<[Measure<Length>; 3]>,
+}
+
+/// Rectangles of grid faces, before any map; give `at` or `every`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FractureSection {
+    /// Its name; several planes are numbered from 1.
+    pub name: String,
+    /// Normal axis.
+    pub plane: AxisName,
+    /// Position, or list of positions, along it: grid lines.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at: Option<OneOrMany<Length>>,
+    /// Every n-th interior grid line.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub every: Option<NonZeroU32>,
+    /// Span in x; the full width if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub x: Option<[Measure<Length>; 2]>,
+    /// Span in y.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub y: Option<[Measure<Length>; 2]>,
+    /// Span in z.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub z: Option<[Measure<Length>; 2]>,
+    /// The normal points against the axis.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub flip: bool,
+    /// Friction angle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction_angle: Option<Measure<FrictionAngle>>,
+    /// Cohesion; 0 if only the angle is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cohesion: Option<Measure<Strength>>,
+}
+
+/// An axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum AxisName {
+    /// x.
+    X,
+    /// y.
+    Y,
+    /// z, up.
+    Z,
+}
+
+impl AxisName {
+    /// 0, 1, 2.
+    pub fn index(self) -> usize {
+        self as usize
+    }
+
+    /// Its letter.
+    pub fn name(self) -> &'static str {
+        ["x", "y", "z"][self.index()]
+    }
+}
