@@ -59,7 +59,11 @@ fn solves_do_not_allocate() {
             let after = ALLOCATIONS.with(Cell::get);
             assert_eq!(after, before, "{choice:?} {kind:?}");
             factors.solve_adjoint(&r, &mut z, &mut work);
-            assert_eq!(ALLOCATIONS.with(Cell::get), before, "{choice:?} {kind:?} adjoint");
+            assert_eq!(
+                ALLOCATIONS.with(Cell::get),
+                before,
+                "{choice:?} {kind:?} adjoint"
+            );
         }
     }
 }

@@ -34,7 +34,7 @@ pub(crate) unsafe fn gemm<T: Scalar>(
     };
     let accum = scaled(c.rb_mut(), beta, |_, _| true);
     let ((a, conj_a), (b, conj_b)) = (op(a, trans_a), op(b, trans_b));
-    matmul_with_conj(c, accum, a, conj_a, b, conj_b, *alpha, par(m * n * k));
+    matmul_with_conj(c, accum, a, conj_a, b, conj_b, *alpha, par(m, n, m * n * k));
 }
 
 /// `C ← α A op'(A) + β C` (`trans = N`) or `α op'(A) A + β C`, one triangle of the n × n matrix C;
@@ -81,7 +81,7 @@ pub(crate) unsafe fn rank_k<T: Scalar>(
         triangular::BlockStructure::Rectangular,
         conj_right,
         *alpha,
-        par(n * n * k / 2),
+        par(n, n, n * n * k / 2),
     );
 }
 
@@ -98,7 +98,7 @@ pub(crate) struct Triangle {
 
 /// `B ← op(A)⁻¹ B` on views.
 pub(crate) fn solve_left<T: Scalar>(triangle: Triangle, a: MatRef<'_, T>, b: MatMut<'_, T>) {
-    let par = par(a.nrows() * a.nrows() / 2 * b.ncols());
+    let par = par(a.nrows(), b.ncols(), a.nrows() * a.nrows() / 2 * b.ncols());
     let (a, conj) = op(a, triangle.trans);
     let lower = (triangle.uplo == Uplo::Lower) == (triangle.trans == Trans::No);
     match (lower, triangle.unit) {
@@ -147,7 +147,7 @@ pub(crate) unsafe fn trsm<T: Scalar>(
         // X Aᴴ = B  ⇔  conj(A) Xᵀ = Bᵀ
         Trans::Adjoint => {
             let (lower, b) = (triangle.uplo == Uplo::Lower, b.transpose_mut());
-            let par = par(order * order / 2 * m);
+            let par = par(order, m, order * order / 2 * m);
             match (lower, triangle.unit) {
                 (true, false) => {
                     solve::solve_lower_triangular_in_place_with_conj(a, Conj::Yes, b, par)

@@ -21,7 +21,7 @@ pub(crate) unsafe fn potrf<T: Scalar>(uplo: Uplo, n: usize, (a, lda): (*mut T, i
         Uplo::Lower => a,
         Uplo::Upper => a.transpose_mut(),
     };
-    let par = par(n * n * n / 6);
+    let par = par(n, n, n * n * n / 6);
     let mut memory = MemBuffer::new(cholesky_in_place_scratch::<T>(n, par, Default::default()));
     match cholesky_in_place(
         a,

@@ -11,9 +11,13 @@ impl<T: ComplexField + Copy + Default + std::ops::MulAssign> Scalar for T {}
 /// Multiply-adds below which one thread is faster than handing work over. Unit: multiply-adds; about 20 µs.
 const PARALLEL: usize = 1 << 20;
 
-/// All threads of the current pool for large products.
-pub(crate) fn par(multiply_adds: usize) -> Par {
-    if multiply_adds < PARALLEL {
+/// Narrowest result that threads share. Unit: rows or columns; faer splits the sum itself over threads when the result
+/// is a vector, and then the bits depend on their number.
+const NARROW: usize = 16;
+
+/// All threads of the current pool for large products with an m × n result.
+pub(crate) fn par(m: usize, n: usize, multiply_adds: usize) -> Par {
+    if multiply_adds < PARALLEL || m.min(n) < NARROW {
         Par::Seq
     } else {
         Par::rayon(0)

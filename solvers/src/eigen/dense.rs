@@ -122,7 +122,13 @@ pub fn general_eigen(a: MatRef<'_, f64>) -> Result<(Vec<c64>, Mat<c64>), SetupEr
     let (mut re, mut im) = (Diag::<f64>::zeros(n), Diag::<f64>::zeros(n));
     let mut packed = Mat::<f64>::zeros(n, n);
     let (no, yes) = (ComputeEigenvectors::No, ComputeEigenvectors::Yes);
-    let mut memory = buffer(evd::evd_scratch::<f64>(n, no, yes, Par::Seq, Default::default()));
+    let mut memory = buffer(evd::evd_scratch::<f64>(
+        n,
+        no,
+        yes,
+        Par::Seq,
+        Default::default(),
+    ));
     evd::evd_real(
         a,
         re.as_mut(),
@@ -142,7 +148,10 @@ pub fn general_eigen(a: MatRef<'_, f64>) -> Result<(Vec<c64>, Mat<c64>), SetupEr
     while j < n {
         let width = if values[j].im == 0.0 { 1 } else { 2 };
         let part = |i: usize| if width == 2 { packed[(i, j + 1)] } else { 0.0 };
-        let norm = (0..n).map(|i| packed[(i, j)].powi(2) + part(i).powi(2)).sum::<f64>().sqrt();
+        let norm = (0..n)
+            .map(|i| packed[(i, j)].powi(2) + part(i).powi(2))
+            .sum::<f64>()
+            .sqrt();
         for i in 0..n {
             let entry = c64::new(packed[(i, j)] / norm, part(i) / norm);
             vectors[(i, j)] = entry;
@@ -323,7 +332,9 @@ mod tests {
         assert!(values.iter().any(|l| l.im != 0.0));
         for j in 0..40 {
             for i in 0..40 {
-                let image: c64 = (0..40).map(|k| v[(k, j)] * a[(i, k)]).fold(c64::new(0.0, 0.0), |s, x| s + x);
+                let image: c64 = (0..40)
+                    .map(|k| v[(k, j)] * a[(i, k)])
+                    .fold(c64::new(0.0, 0.0), |s, x| s + x);
                 assert!((image - values[j] * v[(i, j)]).norm() < 1e-12);
             }
         }

@@ -7,7 +7,7 @@ use crate::direct::{DirectSolver, Factorization, Kind};
 use faer::Mat;
 use fracas_operators::LinearOperator;
 use fracas_operators::laws::probe;
-use fracas_operators::sparse::{Csr, SparseMatrix};
+use fracas_operators::sparse::{Csr, SparseMatrix, Triplets};
 use fracas_operators::vector::{axpy, dot};
 
 /// Shift of `D^{-1/2} A D^{-1/2}` (diagonal 1) that makes a singular matrix factorizable. Unit: 1.
@@ -44,7 +44,7 @@ impl Kernel {
 /// One sparse Cholesky factorization and 4 p solves with a block of p ≥ 12 vectors, p > dim ker A.
 pub fn kernel_of(a: &SparseMatrix<f64>, solver: &dyn DirectSolver) -> Result<Kernel, SetupError> {
     let n = a.rows();
-    let d = positive_diagonal(a)?;
+    let d = scale_of(a)?;
     let shifted = shifted(a, &d, SHIFT);
     let factors = solver.analyze(&shifted, Kind::Spd)?.factor(&shifted)?;
     let a = Csr::new(a.clone());
@@ -68,30 +68,34 @@ pub fn kernel_of(a: &SparseMatrix<f64>, solver: &dyn DirectSolver) -> Result<Ker
     })
 }
 
-/// diag(A), all entries positive.
-fn positive_diagonal(a: &SparseMatrix<f64>) -> Result<Vec<f64>, SetupError> {
-    (0..a.rows())
-        .map(|i| match a.get(i, i) {
-            Some(&value) if value > 0.0 => Ok(value),
-            other => Err(SetupError::BadDiagonal {
+/// diag(A), with the largest entry in place of zeros: an unknown without stiffness belongs to the kernel.
+fn scale_of(a: &SparseMatrix<f64>) -> Result<Vec<f64>, SetupError> {
+    let mut d: Vec<f64> = (0..a.rows())
+        .map(|i| a.get(i, i).copied().unwrap_or(0.0))
+        .collect();
+    let largest = d.iter().copied().fold(0.0, f64::max);
+    for (i, value) in d.iter_mut().enumerate() {
+        if *value == 0.0 && largest > 0.0 {
+            *value = largest;
+        } else if value.is_nan() || *value <= 0.0 {
+            return Err(SetupError::BadDiagonal {
                 block: "A",
                 row: i + 1,
-                value: other.copied().unwrap_or(0.0),
+                value: *value,
                 method: "the search for rigid-body modes",
-            }),
-        })
-        .collect()
-}
-
-/// `A + σD`; the diagonal is stored.
-fn shifted(a: &SparseMatrix<f64>, d: &[f64], sigma: f64) -> SparseMatrix<f64> {
-    let mut shifted = a.clone();
-    for (i, d_i) in d.iter().enumerate() {
-        if let Some(value) = shifted.get_mut(i, i) {
-            *value += sigma * d_i;
+            });
         }
     }
-    shifted
+    Ok(d)
+}
+
+/// `A + σD`.
+fn shifted(a: &SparseMatrix<f64>, d: &[f64], sigma: f64) -> SparseMatrix<f64> {
+    let mut diagonal = Triplets::new((d.len(), d.len()));
+    d.iter()
+        .enumerate()
+        .for_each(|(i, d_i)| diagonal.add_triplet(i, i, sigma * d_i));
+    a + &diagonal.to_csr()
 }
 
 /// Ritz values (ascending) and vectors of the pencil (A, D) after a few steps of `(A + σD)⁻¹ D`.
@@ -197,4 +201,55 @@ fn smallest_outside(
         error: high.error / (high.value * high.value),
         steps: high.steps,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::direct::DirectChoice;
+    use crate::saddle::samples::{sparse, two_chains};
+
+    #[test]
+    fn floating_chains_are_counted_and_the_next_eigenvalue_is_found() {
+        let n = 30;
+        for contrast in [1.0, 1e-6, 1e6] {
+            let blocks = two_chains(n, 3, contrast, true);
+            let kernel =
+                kernel_of(&blocks.a, DirectChoice::Faer.solver().unwrap().as_ref()).unwrap();
+            assert_eq!(kernel.dimension(), 1);
+            let mode = &kernel.basis[0];
+            assert!(mode[..n].iter().all(|v| v.abs() < 1e-6));
+            assert!(
+                mode[n..]
+                    .iter()
+                    .all(|v| (v.abs() - (n as f64).powf(-0.5)).abs() < 1e-9)
+            );
+            // Held: 2 − 2cos(π/(2n+1)); floating: contrast·(2 − 2cos(π/n)).
+            let pi = std::f64::consts::PI;
+            let held = 2.0 - 2.0 * (pi / (2 * n + 1) as f64).cos();
+            let floating = contrast * (2.0 - 2.0 * (pi / n as f64).cos());
+            let found = kernel.smallest_nonzero.unwrap().value;
+            assert!(
+                (found / held.min(floating) - 1.0).abs() < 1e-8,
+                "{contrast}: {found}"
+            );
+        }
+    }
+
+    #[test]
+    fn many_floating_pieces_need_a_larger_block() {
+        // Twenty pairs of nodes, each joined by a spring: twenty kernel vectors, then the eigenvalue 2.
+        let a = sparse(40, 40, |i, j| {
+            if i == j {
+                1.0
+            } else if i / 2 == j / 2 {
+                -1.0
+            } else {
+                0.0
+            }
+        });
+        let kernel = kernel_of(&a, DirectChoice::Faer.solver().unwrap().as_ref()).unwrap();
+        assert_eq!(kernel.dimension(), 20);
+        assert!((kernel.smallest_nonzero.unwrap().value - 2.0).abs() < 1e-10);
+    }
 }

@@ -85,3 +85,60 @@ pub(crate) fn two_chains(n: usize, m: usize, contrast: f64, floating: bool) -> S
         flow: None,
     }
 }
+
+/// Two cubes of m×m×m nodes one above the other, trusses along edges and diagonals, three tractions at every pair of
+/// facing nodes: contact between elastic blocks. The lower one is held at its bottom, the upper one (of `contrast`
+/// times the stiffness) at its top unless `floating`.
+pub(crate) fn trusses(m: usize, contrast: f64, floating: bool) -> SaddleBlocks {
+    let node = |block: usize, p: [usize; 3]| block * m.pow(3) + (p[2] * m + p[1]) * m + p[0];
+    let points = || (0..m.pow(3)).map(|k| [k % m, k / m % m, k / (m * m)]);
+    let n_u = 6 * m.pow(3);
+    let mut a = Triplets::new((n_u, n_u));
+    for (block, stiffness) in [(0, 1.0), (1, contrast)] {
+        for p in points() {
+            for k in 14..27 {
+                // Half of the 26 neighbours: d after (0, 0, 0) in the order of k.
+                let d = [k % 3, k / 3 % 3, k / 9];
+                let q = [p[0] + d[0], p[1] + d[1], p[2] + d[2]];
+                if q.iter().any(|&c| c == 0 || c > m) {
+                    continue;
+                }
+                let (i, j) = (node(block, p), node(block, q.map(|c| c - 1)));
+                let e = d.map(|c| c as f64 - 1.0);
+                let length_squared: f64 = e.iter().map(|c| c * c).sum();
+                for r in 0..3 {
+                    for c in 0..3 {
+                        let value = stiffness * e[r] * e[c] / length_squared;
+                        a.add_triplet(3 * i + r, 3 * i + c, value);
+                        a.add_triplet(3 * j + r, 3 * j + c, value);
+                        a.add_triplet(3 * i + r, 3 * j + c, -value);
+                        a.add_triplet(3 * j + r, 3 * i + c, -value);
+                    }
+                }
+            }
+            let held = (block == 0 && p[2] == 0) || (block == 1 && p[2] == m - 1 && !floating);
+            if held {
+                let i = node(block, p);
+                (0..3).for_each(|r| a.add_triplet(3 * i + r, 3 * i + r, stiffness));
+            }
+        }
+    }
+    let mut b = Triplets::new((n_u, 3 * m * m));
+    for f in 0..m * m {
+        let (x, y) = (f % m, f / m);
+        for r in 0..3 {
+            b.add_triplet(3 * node(0, [x, y, m - 1]) + r, 3 * f + r, -0.5);
+            b.add_triplet(3 * node(1, [x, y, 0]) + r, 3 * f + r, 0.5);
+        }
+    }
+    SaddleBlocks {
+        a: a.to_csr(),
+        b1: b.to_csr(),
+        b2: None,
+        h: None,
+        rhs_u: vec![0.0; n_u],
+        rhs_t: vec![0.0; 3 * m * m],
+        coordinates: None,
+        flow: None,
+    }
+}

@@ -97,7 +97,11 @@ impl Preconditioner<f64> for ScaledInverse {
     fn solve(&self, r: &[f64], z: &mut [f64], work: &mut [f64]) {
         let (scaled, work) = work.split_at_mut(r.len());
         let d = &self.inverse_scale;
-        scaled.iter_mut().zip(r).zip(d).for_each(|((s, r), d)| *s = r * d);
+        scaled
+            .iter_mut()
+            .zip(r)
+            .zip(d)
+            .for_each(|((s, r), d)| *s = r * d);
         self.factors.solve(scaled, z, work);
         z.iter_mut().zip(d).for_each(|(z, d)| *z *= d);
     }

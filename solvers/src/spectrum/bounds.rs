@@ -191,7 +191,11 @@ impl Region {
             interval.is_none_or(|(low, high)| value >= low - slack && value <= high + slack)
         };
         if !is_non_real(re, im) {
-            return if within(self.real, re) { Verdict::Inside } else { Verdict::Real };
+            return if within(self.real, re) {
+                Verdict::Inside
+            } else {
+                Verdict::Real
+            };
         }
         if !within(self.re, re) {
             Verdict::RealPart

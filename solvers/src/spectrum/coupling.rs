@@ -33,15 +33,21 @@ impl Coupling {
     ) -> Result<Self, SetupError> {
         let root = c.inverse_root()?;
         let s_u = schur::primal_schur(&blocks.a, &blocks.b1, c)?;
-        let l = dense::cholesky(dense::to_dense(&s_u)).map_err(|row| SetupError::NotPositiveDefinite {
-            block: "S_u",
-            row: row + 1,
-            advice: "a block of rock is held neither by boundary conditions nor by a fracture".to_owned(),
+        let l = dense::cholesky(dense::to_dense(&s_u)).map_err(|row| {
+            SetupError::NotPositiveDefinite {
+                block: "S_u",
+                row: row + 1,
+                advice: "a block of rock is held neither by boundary conditions nor by a fracture"
+                    .to_owned(),
+            }
         })?;
         let mut g = dense::to_dense(&(&blocks.b1 * &root));
         dense::solve_lower(l.as_ref(), &mut g);
         let gram = dense::multiply(g.transpose(), g.as_ref());
-        let mut singular: Vec<f64> = dense::singular_values(g.as_ref())?.iter().map(|s| s * s).collect();
+        let mut singular: Vec<f64> = dense::singular_values(g.as_ref())?
+            .iter()
+            .map(|s| s * s)
+            .collect();
         singular.resize(blocks.n_t(), 0.0);
         singular.reverse();
         Self::new(gram, Some(singular), h, &root, blocks.n_u())
@@ -60,10 +66,19 @@ impl Coupling {
         let columns: Vec<Vec<f64>> = (0..n_t)
             .into_par_iter()
             .map_init(
-                || (vec![0.0; blocks.n_u()], vec![0.0; blocks.n_u()], vec![0.0; inverse.work_len()]),
+                || {
+                    (
+                        vec![0.0; blocks.n_u()],
+                        vec![0.0; blocks.n_u()],
+                        vec![0.0; inverse.work_len()],
+                    )
+                },
                 |(b, x, work), j| {
                     b.fill(0.0);
-                    scaled.outer_view(j).iter().for_each(|column| column.iter().for_each(|(i, v)| b[i] = *v));
+                    scaled
+                        .outer_view(j)
+                        .iter()
+                        .for_each(|column| column.iter().for_each(|(i, v)| b[i] = *v));
                     inverse.solve(b, x, work);
                     scaled
                         .outer_iterator()
@@ -88,7 +103,10 @@ impl Coupling {
         let sigma_squared = singular.unwrap_or_else(|| values.iter().map(|v| v.max(0.0)).collect());
         let h_hat = h.map(|h| {
             let image = dense::sparse_multiply(root, basis.as_ref());
-            let mut h_hat = dense::multiply(image.transpose(), dense::sparse_multiply(h, image.as_ref()).as_ref());
+            let mut h_hat = dense::multiply(
+                image.transpose(),
+                dense::sparse_multiply(h, image.as_ref()).as_ref(),
+            );
             dense::symmetrize(&mut h_hat);
             h_hat
         });
@@ -121,7 +139,10 @@ impl Coupling {
                 vectors[(i, j)] *= self.root_w(i);
             }
         }
-        Ok((values, dense::multiply(self.basis.as_ref(), vectors.as_ref())))
+        Ok((
+            values,
+            dense::multiply(self.basis.as_ref(), vectors.as_ref()),
+        ))
     }
 
     fn root_w(&self, i: usize) -> f64 {
@@ -143,9 +164,17 @@ impl Coupling {
     pub(super) fn ingredients(&self) -> Result<Ingredients, SetupError> {
         let n_t = self.sigma_squared.len();
         let s = |i: usize| self.sigma_squared[i].max(0.0).sqrt();
-        let (low, high) = if n_t == 0 { (0.0, 0.0) } else { (self.sigma_squared[0], self.sigma_squared[n_t - 1]) };
+        let (low, high) = if n_t == 0 {
+            (0.0, 0.0)
+        } else {
+            (self.sigma_squared[0], self.sigma_squared[n_t - 1])
+        };
         // Of n_t ≥ n_u squares, the n_u largest are eigenvalues of GGᵀ.
-        let k_low = if self.n_u > n_t { 0.0 } else { self.sigma_squared[n_t - self.n_u] };
+        let k_low = if self.n_u > n_t {
+            0.0
+        } else {
+            self.sigma_squared[n_t - self.n_u]
+        };
         let k = (1.0 + k_low, 1.0 + high);
         let g = (low.max(0.0).sqrt(), high.max(0.0).sqrt());
         let Some(h_hat) = &self.h_hat else {
@@ -161,7 +190,13 @@ impl Coupling {
             let values = dense::symmetric_eigenvalues(m.as_ref())?;
             Ok((values[0], values[n_t - 1]))
         };
-        let rest = |i: usize, j: usize| if i == j { 1.0 - h_hat[(i, j)] } else { -h_hat[(i, j)] };
+        let rest = |i: usize, j: usize| {
+            if i == j {
+                1.0 - h_hat[(i, j)]
+            } else {
+                -h_hat[(i, j)]
+            }
+        };
         let inner = ends(Mat::from_fn(n_t, n_t, |i, j| s(i) * rest(i, j) * s(j)))?;
         // ‖G(I−Ĥ)‖ = ‖Σ(I−Ĥ)‖
         let product = Mat::from_fn(n_t, n_t, |i, j| s(i) * rest(i, j));

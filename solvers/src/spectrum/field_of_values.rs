@@ -2,7 +2,7 @@
 
 use crate::SetupError;
 use crate::eigen::{LanczosSettings, extreme_eigenvalues};
-use faer::{Mat, MatRef};
+use faer::MatRef;
 use fracas_operators::{AdjointOperator, Dense, LinearOperator, Shape};
 use serde::Serialize;
 
@@ -43,7 +43,12 @@ pub(super) fn of_matrix(t: MatRef<'_, f64>) -> Result<FieldOfValues, SetupError>
         let theta = angle(k);
         let (low, high) = support_pair(&t, theta)?;
         // h(−θ) = h(θ) for a real T, and h(θ + π) = −λ_min
-        for (index, value) in [(k, high), (ANGLES - k, high), (ANGLES / 2 + k, -low), (ANGLES / 2 - k, -low)] {
+        for (index, value) in [
+            (k, high),
+            (ANGLES - k, high),
+            (ANGLES / 2 + k, -low),
+            (ANGLES / 2 - k, -low),
+        ] {
             support[index % ANGLES] = value;
         }
     }
@@ -100,6 +105,7 @@ fn support_pair(t: &Dense<f64>, theta: f64) -> Result<(f64, f64), SetupError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use faer::Mat;
 
     #[test]
     fn a_jordan_block_has_a_disc_and_a_normal_matrix_the_hull_of_its_eigenvalues() {
@@ -111,7 +117,15 @@ mod tests {
         }
         assert!(w.excludes_zero);
         // Rotation by 90° plus 0: the segment from −i to i.
-        let rotation = Mat::from_fn(2, 2, |i, j| if i == j { 0.0 } else if j > i { -1.0 } else { 1.0 });
+        let rotation = Mat::from_fn(2, 2, |i, j| {
+            if i == j {
+                0.0
+            } else if j > i {
+                -1.0
+            } else {
+                1.0
+            }
+        });
         let w = of_matrix(rotation.as_ref()).unwrap();
         for (theta, h) in w.angles.iter().zip(&w.support) {
             assert!((h - theta.sin().abs()).abs() < 1e-8);

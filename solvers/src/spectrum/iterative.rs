@@ -24,7 +24,11 @@ pub(super) fn ingredients(
     let a = Csr::new(blocks.a.clone());
     let b = Csr::with_transpose(blocks.b1.clone());
     let h = blocks.h.clone().map(Csr::new);
-    let settings = LanczosSettings { tolerance: 1e-10, max_steps: 600, ends: Ends::Both };
+    let settings = LanczosSettings {
+        tolerance: 1e-10,
+        max_steps: 600,
+        ends: Ends::Both,
+    };
     let mut worst = 0.0f64;
     let mut record = |(low, high): (Extreme, Extreme)| {
         let scale = high.value.abs().max(low.value.abs());
@@ -54,7 +58,12 @@ pub(super) fn ingredients(
         settings,
     )?);
     let k_h = match &h {
-        Some(_) => record(extreme_eigenvalues(n_u, &mut |x, y| stiffness(true, x, y), Some(&mut solve), settings)?),
+        Some(_) => record(extreme_eigenvalues(
+            n_u,
+            &mut |x, y| stiffness(true, x, y),
+            Some(&mut solve),
+            settings,
+        )?),
         None => k,
     };
 
@@ -66,7 +75,12 @@ pub(super) fn ingredients(
         b.apply_adjoint_add(1.0, &w, y, &mut []);
     };
     let mut solve_c = |x: &[f64], y: &mut [f64]| c.solve(x, y, &mut []);
-    let squared = record(extreme_eigenvalues(n_t, &mut gram, Some(&mut solve_c), settings)?);
+    let squared = record(extreme_eigenvalues(
+        n_t,
+        &mut gram,
+        Some(&mut solve_c),
+        settings,
+    )?);
     let g = (squared.0.max(0.0).sqrt(), squared.1.max(0.0).sqrt());
     let Some(h) = &h else {
         return Ok((
@@ -81,7 +95,12 @@ pub(super) fn ingredients(
         ));
     };
     let mut apply_h = |x: &[f64], y: &mut [f64]| h.apply(x, y, &mut []);
-    let h_hat = record(extreme_eigenvalues(n_t, &mut apply_h, Some(&mut solve_c), settings)?);
+    let h_hat = record(extreme_eigenvalues(
+        n_t,
+        &mut apply_h,
+        Some(&mut solve_c),
+        settings,
+    )?);
     let (mut r, mut s) = (vec![0.0; n_t], vec![0.0; n_t]);
     let mut both = |x: &[f64], y: &mut [f64]| {
         // r = C⁻¹(C−H) x = x − C⁻¹Hx
@@ -94,7 +113,10 @@ pub(super) fn ingredients(
         y.copy_from_slice(&s);
         h.apply_add(-1.0, &r, y, &mut []);
     };
-    let one_sided = LanczosSettings { ends: Ends::Largest, ..settings };
+    let one_sided = LanczosSettings {
+        ends: Ends::Largest,
+        ..settings
+    };
     let (_, norm) = extreme_eigenvalues(n_t, &mut both, Some(&mut solve_c), one_sided)?;
     Ok((
         Ingredients {
@@ -132,7 +154,10 @@ pub(super) fn outer_eigenvalues(
     let mut m = steps;
     for k in 0..steps {
         let mut w = vec![0.0; n];
-        x.iter_mut().zip(&basis[k]).zip(scales).for_each(|((x, v), d)| *x = v / d);
+        x.iter_mut()
+            .zip(&basis[k])
+            .zip(scales)
+            .for_each(|((x, v), d)| *x = v / d);
         operator.apply(&x, &mut w, &mut work);
         w.iter_mut().zip(scales).for_each(|(w, d)| *w *= d);
         let size = dot(&w, &w).sqrt();
@@ -156,7 +181,9 @@ pub(super) fn outer_eigenvalues(
     let (values, vectors) = dense::general_eigen(h.submatrix(0, 0, m, m))?;
     let size = values.iter().fold(0.0f64, |s, v| s.max(v.norm()));
     let residual = |j: usize| last * vectors[(m - 1, j)].norm();
-    let converged: Vec<usize> = (0..m).filter(|&j| residual(j) <= CONVERGED * size).collect();
+    let converged: Vec<usize> = (0..m)
+        .filter(|&j| residual(j) <= CONVERGED * size)
+        .collect();
     let worst = converged.iter().map(|&j| residual(j)).fold(0.0, f64::max);
     Ok((converged.iter().map(|&j| values[j]).collect(), worst))
 }

@@ -10,7 +10,9 @@ use super::{condition, field_of_values, iterative};
 use crate::direct::{DirectChoice, DirectSolver};
 use crate::eigen::{dense, kernel_of};
 use crate::saddle::scaling::ScaledInverse;
-use crate::saddle::{AugmentationChoice, AugmentationMatrix, InnerChoice, RacpInverse, SaddleBlocks, schur};
+use crate::saddle::{
+    AugmentationChoice, AugmentationMatrix, InnerChoice, RacpInverse, SaddleBlocks, schur,
+};
 use crate::{Observer, SetupError, Step};
 use faer::{Mat, c64};
 use fracas_operators::sparse::{Csr, SparseMatrix};
@@ -85,7 +87,14 @@ pub fn analyse(
     let inner = request.inner.prepare(&blocks, &c)?;
     stages.next("inner solver");
     let mut report = empty_report(&blocks, request, &c, notes)?;
-    conditions(&mut report, &blocks, &c, inner.as_ref(), request.inner, direct.as_ref())?;
+    conditions(
+        &mut report,
+        &blocks,
+        &c,
+        inner.as_ref(),
+        request.inner,
+        direct.as_ref(),
+    )?;
     stages.next("condition numbers");
 
     let n = blocks.n_u() + blocks.n_t();
@@ -93,7 +102,10 @@ pub fn analyse(
     let racp = RacpInverse::new(blocks.b1.clone(), c.clone(), inner.as_ref());
     let operator = Preconditioned::new(&blocks, &racp);
     let scales = energy_scales(&blocks, &c.diagonal_entries());
-    let judge = Judge { operator: &operator, scales: &scales };
+    let judge = Judge {
+        operator: &operator,
+        scales: &scales,
+    };
     let eigenvalues = if exact && structure.symmetric && blocks.n_t() <= request.dense_limit {
         let h = blocks.h.as_ref();
         let coupling = if blocks.n_u() <= request.dense_limit {
@@ -101,13 +113,31 @@ pub fn analyse(
         } else {
             Coupling::sparse(&blocks, &c, h, inner.as_ref())?
         };
-        report.modes = modes::of_coupling(&request.modes, &coupling, &blocks, &c, inner.as_ref(), &judge)?;
+        report.modes = modes::of_coupling(
+            &request.modes,
+            &coupling,
+            &blocks,
+            &c,
+            inner.as_ref(),
+            &judge,
+        )?;
         report.ingredients = Some(coupling.ingredients()?);
         let ones = vec![c64::new(1.0, 0.0); blocks.n_u()];
-        let others = coupling.eigenvalues()?.into_iter().map(|v| c64::new(v, 0.0));
+        let others = coupling
+            .eigenvalues()?
+            .into_iter()
+            .map(|v| c64::new(v, 0.0));
         ones.into_iter().chain(others).collect()
     } else if n <= request.dense_limit {
-        dense_eigenvalues(&mut report, &blocks, &c, request, inner.as_ref(), &structure, &judge)?
+        dense_eigenvalues(
+            &mut report,
+            &blocks,
+            &c,
+            request,
+            inner.as_ref(),
+            &structure,
+            &judge,
+        )?
     } else {
         report.method = Method::Iterative;
         report.notes.push(format!(
@@ -120,7 +150,10 @@ pub fn analyse(
             report.error_bar = Some(error);
         }
         let (values, residual) = iterative::outer_eigenvalues(&operator, &scales)?;
-        report.notes.push(format!("{} Ritz values with residuals below {residual:.1e}", values.len()));
+        report.notes.push(format!(
+            "{} Ritz values with residuals below {residual:.1e}",
+            values.len()
+        ));
         values
     };
     stages.next("eigenvalues");
@@ -156,17 +189,26 @@ fn simplified(blocks: &SaddleBlocks) -> (SaddleBlocks, Structure, Vec<String>) {
     if blocks.b2.as_ref().is_some_and(|b2| agree(b2, &transpose)) {
         blocks.b2 = None;
     }
-    if blocks.h.as_ref().is_some_and(|h| h.data().iter().all(|v| *v == 0.0)) {
+    if blocks
+        .h
+        .as_ref()
+        .is_some_and(|h| h.data().iter().all(|v| *v == 0.0))
+    {
         blocks.h = None;
     }
     let is_symmetric = |m: &SparseMatrix<f64>| agree(m, &m.transpose_view().to_csr());
     let conditions = [
         (blocks.b2.is_none(), "B2 differs from B1ᵀ"),
         (is_symmetric(&blocks.a), "A is not symmetric"),
-        (blocks.h.as_ref().is_none_or(is_symmetric), "H is not symmetric"),
+        (
+            blocks.h.as_ref().is_none_or(is_symmetric),
+            "H is not symmetric",
+        ),
     ];
     for (_, reason) in conditions.iter().filter(|(holds, _)| !holds) {
-        notes.push(format!("{reason}: no bound is proved; see the field of values"));
+        notes.push(format!(
+            "{reason}: no bound is proved; see the field of values"
+        ));
     }
     let structure = Structure {
         symmetric: conditions.iter().all(|(holds, _)| *holds),
@@ -179,9 +221,10 @@ fn simplified(blocks: &SaddleBlocks) -> (SaddleBlocks, Structure, Vec<String>) {
 fn agree(a: &SparseMatrix<f64>, b: &SparseMatrix<f64>) -> bool {
     let largest = |v: &mut dyn Iterator<Item = &f64>| v.fold(0.0f64, |m, x| m.max(x.abs()));
     let difference = a - b;
-    difference.outer_iterator().zip(a.outer_iterator()).all(|(d, row)| {
-        largest(&mut d.data().iter()) <= SYMMETRY * largest(&mut row.data().iter())
-    })
+    difference
+        .outer_iterator()
+        .zip(a.outer_iterator())
+        .all(|(d, row)| largest(&mut d.data().iter()) <= SYMMETRY * largest(&mut row.data().iter()))
 }
 
 fn empty_report(
@@ -252,8 +295,12 @@ fn conditions(
                 report.kernel_A = Some(kernel.dimension());
                 report.smallest_nonzero_A = kernel.smallest_nonzero.map(|e| e.value);
             }
-            Ok(_) => report.notes.push("A is singular to working precision, with no clear kernel".to_owned()),
-            Err(error) => report.notes.push(format!("A is not positive semi-definite: {error}")),
+            Ok(_) => report
+                .notes
+                .push("A is singular to working precision, with no clear kernel".to_owned()),
+            Err(error) => report
+                .notes
+                .push(format!("A is not positive semi-definite: {error}")),
         },
     }
     let factorized;
@@ -306,7 +353,9 @@ fn dense_eigenvalues(
             matrix
         }
         Err(SetupError::NotApplicable { reason, .. }) if inner.is_linear() => {
-            report.notes.push(format!("{reason}: eigenvalues of M⁻¹𝒜 itself, no bounds, no modes"));
+            report.notes.push(format!(
+                "{reason}: eigenvalues of M⁻¹𝒜 itself, no bounds, no modes"
+            ));
             let product = Dense::of_operator(judge.operator);
             let (n, d) = (judge.scales.len(), judge.scales);
             Mat::from_fn(n, n, |i, j| d[i] * product.entry(i, j) / d[j])
@@ -324,7 +373,11 @@ fn state_bounds(report: &mut SpectrumReport, structure: &Structure, exact: bool)
         other => Bounds::none(other.as_ref()),
     };
     let semi_definite = |i: &Ingredients| i.h_hat.0 >= -1e-12 * i.h_hat.1.abs().max(1.0);
-    if let Some(i) = report.ingredients.as_ref().filter(|i| exact && structure.symmetric && semi_definite(i)) {
+    if let Some(i) = report
+        .ingredients
+        .as_ref()
+        .filter(|i| exact && structure.symmetric && semi_definite(i))
+    {
         report.exact_S_u_interval = Some(Bounds::exact_s_u(i));
     }
 }

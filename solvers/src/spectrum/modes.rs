@@ -70,7 +70,9 @@ pub(super) fn of_coupling(
     }
     let (values, vectors) = coupling.eigenvectors()?;
     let root = c.inverse_root()?;
-    let others: Vec<usize> = (0..values.len()).filter(|&j| (values[j] - 1.0).abs() > 1e-9).collect();
+    let others: Vec<usize> = (0..values.len())
+        .filter(|&j| (values[j] - 1.0).abs() > 1e-9)
+        .collect();
     let mut modes = Vec::new();
     for target in targets {
         let Some(choice) = target.choose(others.iter().map(|&j| (values[j], 0.0))) else {
@@ -79,7 +81,10 @@ pub(super) fn of_coupling(
         let j = others[choice];
         let lambda = values[j];
         // t = F t', and F (I−Ĥ) t' = t − C⁻¹H t
-        let t = product(&root, &Mat::from_fn(values.len(), 1, |i, _| vectors[(i, j)]));
+        let t = product(
+            &root,
+            &Mat::from_fn(values.len(), 1, |i, _| vectors[(i, j)]),
+        );
         let mut w = t.clone();
         if let Some(h) = &blocks.h {
             let image = product(h, &column(&t));
@@ -107,7 +112,9 @@ pub(super) fn of_similarity(
         return Ok(Vec::new());
     }
     let (values, vectors) = dense::general_eigen(matrix.as_ref())?;
-    let chosen = targets.iter().filter_map(|t| t.choose(values.iter().map(|v| (v.re, v.im))));
+    let chosen = targets
+        .iter()
+        .filter_map(|t| t.choose(values.iter().map(|v| (v.re, v.im))));
     Ok(chosen
         .map(|j| {
             let part = |f: fn(&c64) -> f64| -> Vec<f64> { vectors.col(j).iter().map(f).collect() };
@@ -123,7 +130,11 @@ fn column(v: &[f64]) -> Mat<f64> {
 }
 
 fn product(s: &fracas_operators::sparse::SparseMatrix<f64>, v: &Mat<f64>) -> Vec<f64> {
-    dense::sparse_multiply(s, v.as_ref()).col(0).iter().copied().collect()
+    dense::sparse_multiply(s, v.as_ref())
+        .col(0)
+        .iter()
+        .copied()
+        .collect()
 }
 
 /// Measures residuals with M⁻¹𝒜 itself.
@@ -142,10 +153,14 @@ impl Judge<'_> {
     ) -> Mode {
         let n_u = re.0.len();
         let x: Vec<f64> = re.0.into_iter().chain(re.1).collect();
-        let y: Vec<f64> = im.map_or_else(|| vec![0.0; x.len()], |(u, t)| u.into_iter().chain(t).collect());
+        let y: Vec<f64> = im.map_or_else(
+            || vec![0.0; x.len()],
+            |(u, t)| u.into_iter().chain(t).collect(),
+        );
         let image = |v: &[f64]| {
             let mut out = vec![0.0; v.len()];
-            self.operator.apply(v, &mut out, &mut vec![0.0; self.operator.work_len()]);
+            self.operator
+                .apply(v, &mut out, &mut vec![0.0; self.operator.work_len()]);
             out
         };
         let (image_x, image_y) = (image(&x), image(&y));

@@ -62,7 +62,12 @@ impl LinearOperator<f64> for Preconditioned<'_> {
 
     fn flops(&self) -> u64 {
         let h = self.h.as_ref().map_or(0, |h| h.flops());
-        self.a.flops() + self.b1.flops() + self.b2.flops() + h + self.m.flops() + 2 * self.layout.len() as u64
+        self.a.flops()
+            + self.b1.flops()
+            + self.b2.flops()
+            + h
+            + self.m.flops()
+            + 2 * self.layout.len() as u64
     }
 }
 
@@ -70,10 +75,13 @@ impl LinearOperator<f64> for Preconditioned<'_> {
 pub(super) fn energy_scales(blocks: &SaddleBlocks, c_diagonal: &[f64]) -> Vec<f64> {
     let stiffness = (0..blocks.n_u()).map(|i| {
         let a_ii = blocks.a.get(i, i).copied().unwrap_or(0.0);
-        let augmentation: f64 =
-            blocks.b1.outer_view(i).map_or(0.0, |row| row.iter().map(|(k, b)| b * b / c_diagonal[k]).sum());
+        let augmentation: f64 = blocks.b1.outer_view(i).map_or(0.0, |row| {
+            row.iter().map(|(k, b)| b * b / c_diagonal[k]).sum()
+        });
         let sum = a_ii + augmentation;
         if sum > 0.0 { sum.sqrt() } else { 1.0 }
     });
-    stiffness.chain(c_diagonal.iter().map(|c| c.sqrt())).collect()
+    stiffness
+        .chain(c_diagonal.iter().map(|c| c.sqrt()))
+        .collect()
 }

@@ -70,7 +70,10 @@ pub enum Method {
 
 /// The spectrum of M⁻¹𝒜, its bounds and what else is known. Infinite or undefined numbers are `None` (JSON null).
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[allow(non_snake_case, reason = "the symbols of the method are the keys of the JSON")]
+#[allow(
+    non_snake_case,
+    reason = "the symbols of the method are the keys of the JSON"
+)]
 pub struct SpectrumReport {
     /// Displacement unknowns.
     pub n_u: usize,
@@ -145,18 +148,35 @@ impl SpectrumReport {
         let extreme = |values: &mut dyn Iterator<Item = f64>, larger: bool| {
             values.reduce(|a, b| if larger { a.max(b) } else { a.min(b) })
         };
-        let real = || eigenvalues.iter().filter(|(re, im)| !is_non_real(*re, *im)).map(|(re, _)| re);
+        let real = || {
+            eigenvalues
+                .iter()
+                .filter(|(re, im)| !is_non_real(*re, *im))
+                .map(|(re, _)| re)
+        };
         self.real_min = extreme(&mut real(), false);
         self.real_max = extreme(&mut real(), true);
         self.re_min = extreme(&mut eigenvalues.re.iter().copied(), false);
         self.re_max = extreme(&mut eigenvalues.re.iter().copied(), true);
         self.im_max = extreme(&mut eigenvalues.im.iter().map(|v| v.abs()), true);
-        self.n_complex = eigenvalues.iter().filter(|(re, im)| is_non_real(*re, *im)).count();
-        let near = |target: f64| eigenvalues.iter().filter(|(re, im)| (re - target).hypot(*im) <= AT_TOLERANCE).count();
+        self.n_complex = eigenvalues
+            .iter()
+            .filter(|(re, im)| is_non_real(*re, *im))
+            .count();
+        let near = |target: f64| {
+            eigenvalues
+                .iter()
+                .filter(|(re, im)| (re - target).hypot(*im) <= AT_TOLERANCE)
+                .count()
+        };
         self.n_at_one = near(1.0);
         self.n_at_half = near(0.5);
         let proved = self.bounds.theorem != Theorem::None;
-        let region = if disc { self.bounds.region().with_disc() } else { self.bounds.region() };
+        let region = if disc {
+            self.bounds.region().with_disc()
+        } else {
+            self.bounds.region()
+        };
         self.outside = outside(&eigenvalues, &region);
         self.contained = proved.then(|| self.outside.is_empty());
         self.printed = self.ingredients.as_ref().map(|ingredients| {

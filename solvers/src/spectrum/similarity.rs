@@ -40,7 +40,10 @@ impl Similarity {
             _ => factor_of(inner)?,
         };
         let f = c.inverse_root()?;
-        let k_0 = dense::multiply(e.transpose(), dense::sparse_multiply(&s_u, e.as_ref()).as_ref());
+        let k_0 = dense::multiply(
+            e.transpose(),
+            dense::sparse_multiply(&s_u, e.as_ref()).as_ref(),
+        );
         let f_transposed = f.transpose_view().to_csr();
         // G = Eᵀ B1 F
         let b_f = dense::to_dense(&(&blocks.b1 * &f));
@@ -84,12 +87,19 @@ impl Similarity {
         let ends = |mut m: Mat<f64>| -> Result<(f64, f64), SetupError> {
             dense::symmetrize(&mut m);
             let values = dense::symmetric_eigenvalues(m.as_ref())?;
-            Ok((values.first().copied().unwrap_or(0.0), values.last().copied().unwrap_or(0.0)))
+            Ok((
+                values.first().copied().unwrap_or(0.0),
+                values.last().copied().unwrap_or(0.0),
+            ))
         };
         let (n_u, n_t) = (self.g.nrows(), self.g.ncols());
         let singular = dense::singular_values(self.g.as_ref())?;
         let largest = singular.first().copied().unwrap_or(0.0);
-        let smallest = if n_t > n_u { 0.0 } else { singular.last().copied().unwrap_or(0.0) };
+        let smallest = if n_t > n_u {
+            0.0
+        } else {
+            singular.last().copied().unwrap_or(0.0)
+        };
         // K = K₀ + GGᵀ
         let k = &self.k_0 + dense::multiply(self.g.as_ref(), self.g.transpose());
         let k_ends = ends(k.clone())?;
@@ -110,7 +120,10 @@ impl Similarity {
             g: (smallest, largest),
             h_hat: ends(self.h_hat.clone())?,
             k_h: ends(k_h)?,
-            coupling: dense::singular_values(right.as_ref())?.first().copied().unwrap_or(0.0),
+            coupling: dense::singular_values(right.as_ref())?
+                .first()
+                .copied()
+                .unwrap_or(0.0),
         })
     }
 
@@ -121,7 +134,10 @@ impl Similarity {
         let v_t = Mat::from_fn(self.g.ncols(), 1, |i, _| v[n_u + i]);
         let u = &self.e * &v_u;
         let t = &self.f * (self.g.transpose() * &v_u + v_t);
-        (u.col(0).iter().copied().collect(), t.col(0).iter().copied().collect())
+        (
+            u.col(0).iter().copied().collect(),
+            t.col(0).iter().copied().collect(),
+        )
     }
 }
 
@@ -131,7 +147,8 @@ fn exact_factor(s_u: Mat<f64>) -> Result<Mat<f64>, SetupError> {
     let l = dense::cholesky(s_u).map_err(|row| SetupError::NotPositiveDefinite {
         block: "S_u",
         row: row + 1,
-        advice: "a block of rock is held neither by boundary conditions nor by a fracture".to_owned(),
+        advice: "a block of rock is held neither by boundary conditions nor by a fracture"
+            .to_owned(),
     })?;
     let mut e = Mat::identity(n, n);
     dense::solve_lower_adjoint(l.as_ref(), &mut e);
@@ -153,9 +170,8 @@ fn factor_of(inner: &dyn Preconditioner<f64>) -> Result<Mat<f64>, SetupError> {
     let n = inner.size();
     let mut p = Mat::from_fn(n, n, |i, j| columns.entry(i, j));
     let scale: Vec<f64> = (0..n).map(|i| p[(i, i)].abs().sqrt()).collect();
-    let asymmetric = (0..n).any(|j| {
-        (0..j).any(|i| (p[(i, j)] - p[(j, i)]).abs() > ASYMMETRY * scale[i] * scale[j])
-    });
+    let asymmetric = (0..n)
+        .any(|j| (0..j).any(|i| (p[(i, j)] - p[(j, i)]).abs() > ASYMMETRY * scale[i] * scale[j]));
     if asymmetric {
         return Err(not_spd("symmetric"));
     }
