@@ -32,7 +32,7 @@ pub(super) struct Solve {
     #[arg(long, value_name = "METHOD", default_value_t)]
     krylov: KrylovChoice,
     /// Relative to the norm of the right-hand side.
-    #[arg(long, value_name = "TOL", default_value = "1e-8", value_parser = tolerance)]
+    #[arg(long, value_name = "TOL", default_value = "1e-8", allow_negative_numbers = true, value_parser = tolerance)]
     tolerance: f64,
     /// Iterations over all restarts.
     #[arg(long, value_name = "N", default_value_t = 1000)]

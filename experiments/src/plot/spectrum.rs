@@ -98,13 +98,21 @@ const WINDOW: f64 = 0.6;
 impl Figure {
     /// A spectrum over what is proved about it: the complex plane, or for a real spectrum the sorted eigenvalues.
     pub fn of_spectrum(id: &str, report: &SpectrumReport) -> Self {
+        // Names of methods are words here, not symbols with an index.
+        let c = report.augmentation.replace("_h", " + H").replace('_', " ");
         let title = format!(
-            "C {}, inner {}: n_u = {}, n_t = {}",
-            report.augmentation, report.inner, report.n_u, report.n_t
+            "C {c}, inner {}: n_u = {}, n_t = {}",
+            report.inner, report.n_u, report.n_t
         );
         let region = report.bounds.region();
+        // Rounding around zero is not worth a power of ten.
+        let round = |v: f64, scale: f64| if v.abs() < 1e-12 * scale { 0.0 } else { v };
         let name = |what: &str, (low, high): (f64, f64)| {
-            format!("{what} [{}, {}]", format_real(low), format_real(high))
+            format!(
+                "{what} [{}, {}]",
+                format_real(round(low, high)),
+                format_real(high)
+            )
         };
         let points = |real: bool| -> Vec<[f64; 2]> {
             report
@@ -197,14 +205,24 @@ impl Figure {
         figure
     }
 
-    /// Shows all eigenvalues with room around them, however far the bounds lie.
+    /// Shows all eigenvalues, and bounds as far as they lie within a window around them.
     fn window(&mut self, report: &SpectrumReport) {
         let (Some(low), Some(high), Some(im)) = (report.re_min, report.re_max, report.im_max)
         else {
             return;
         };
         let room = WINDOW * (high - low).max(im);
-        self.x = self.x.clone().range(low - room, high + room);
-        self.y = self.y.clone().range(-im - room, im + room);
+        let bounds = &report.bounds;
+        let least =
+            |a: Option<f64>, b: Option<f64>| a.unwrap_or(low).min(b.unwrap_or(low)).max(low - room);
+        let most = |a: Option<f64>, b: Option<f64>| {
+            a.unwrap_or(high).max(b.unwrap_or(high)).min(high + room)
+        };
+        let left = low.min(least(bounds.real_low, bounds.re_low));
+        let right = high.max(most(bounds.real_high, bounds.re_high));
+        let top = im.max(bounds.im_max.unwrap_or(im).min(im + room));
+        let margin = 0.05 * (right - left);
+        self.x = self.x.clone().range(left - margin, right + margin);
+        self.y = self.y.clone().range(-top - margin, top + margin);
     }
 }
