@@ -3,6 +3,8 @@
 
 pub mod command;
 pub mod e01_checkerboard;
+pub mod e02_spectra;
+pub mod e03_conditioning;
 pub mod list;
 pub mod plot;
 pub mod report;

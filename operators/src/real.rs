@@ -5,8 +5,14 @@ use std::fmt::{Debug, Display, LowerExp};
 use std::iter::Sum;
 
 mod sealed {
+    #[cfg(target_arch = "x86_64")]
+    pub(crate) use crate::simd::Dispatch as Sealed;
+
+    #[cfg(not(target_arch = "x86_64"))]
     pub trait Sealed {}
+    #[cfg(not(target_arch = "x86_64"))]
     impl Sealed for f64 {}
+    #[cfg(not(target_arch = "x86_64"))]
     impl Sealed for f32 {}
 }
 

@@ -129,6 +129,19 @@ pub fn for_row_ranges<R: Real>(
     );
 }
 
+/// Runs `task(i)` for every i of a range, in parallel, without allocating.
+pub fn for_each_task(range: std::ops::Range<usize>, task: &(impl Fn(usize) + Sync)) {
+    if range.len() <= 1 {
+        range.for_each(task);
+        return;
+    }
+    let middle = range.start + range.len() / 2;
+    rayon::join(
+        || for_each_task(range.start..middle, task),
+        || for_each_task(middle..range.end, task),
+    );
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -98,8 +98,7 @@ impl GaussPoints {
                 weights[q] += jacobian[0][i][q] * cofactor[0][i][q];
             }
         }
-        // A comparison that NaN fails as well.
-        if let Some(point) = weights.iter().position(|w| !(*w > 0.0)) {
+        if let Some(point) = weights.iter().position(|w| *w <= 0.0 || w.is_nan()) {
             let jacobian = weights[point];
             return Err(Inverted { jacobian, point });
         }

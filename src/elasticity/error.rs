@@ -25,4 +25,10 @@ pub enum ElasticityError {
         /// Materials given.
         materials: usize,
     },
+    /// An element that is not where the structured numbering of an axis-aligned grid puts it.
+    #[error("element {element} is not a brick of an axis-aligned grid")]
+    NotBricks {
+        /// The first such element.
+        element: usize,
+    },
 }

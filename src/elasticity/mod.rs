@@ -8,6 +8,7 @@ pub mod element;
 mod error;
 pub mod loads;
 mod material;
+mod matrix_free;
 #[cfg(test)]
 mod sample;
 
@@ -16,3 +17,4 @@ pub use bricks::Bricks;
 pub use constraints::Constraints;
 pub use error::ElasticityError;
 pub use material::Elastic;
+pub use matrix_free::{Bricks, Hexes, Restricted, matrix_free};

@@ -50,6 +50,23 @@ impl<R: Real> Csr<R> {
     }
 }
 
+/// `Σ_j a_ij x_j` in four independent sums, which hide the latency of an addition.
+#[inline(always)]
+fn row_product<R: Real>(columns: &[u32], values: &[R], x: &[R]) -> R {
+    let (columns4, columns) = columns.as_chunks::<4>();
+    let (values4, values) = values.as_chunks::<4>();
+    let mut sums = [R::zero(); 4];
+    for (j, a) in columns4.iter().zip(values4) {
+        for lane in 0..4 {
+            sums[lane] += a[lane] * x[j[lane] as usize];
+        }
+    }
+    for (lane, (j, a)) in columns.iter().zip(values).enumerate() {
+        sums[lane] += *a * x[*j as usize];
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3])
+}
+
 /// `y ← y + α A x` by rows.
 fn rows_add<R: Real>(a: &SparseMatrix<R>, alpha: R, x: &[R], y: &mut [R]) {
     let offsets = a.indptr();
@@ -58,11 +75,7 @@ fn rows_add<R: Real>(a: &SparseMatrix<R>, alpha: R, x: &[R], y: &mut [R]) {
     for_row_ranges(0, ROWS_PER_TASK, y, &|start, part| {
         for (i, y_i) in part.iter_mut().enumerate() {
             let (first, last) = (offsets[start + i], offsets[start + i + 1]);
-            let mut sum = R::zero();
-            for (j, a_ij) in columns[first..last].iter().zip(&values[first..last]) {
-                sum += *a_ij * x[*j as usize];
-            }
-            *y_i += alpha * sum;
+            *y_i += alpha * row_product(&columns[first..last], &values[first..last], x);
         }
     });
 }
@@ -99,5 +112,34 @@ impl<R: Real> AdjointOperator<R> for Csr<R> {
             Some(transpose) => rows_add(transpose, alpha, x, y),
             None => columns_add(&self.matrix, alpha, x, y),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Dense;
+    use crate::laws::{check_adjoint, probe};
+    use crate::sparse::Triplets;
+
+    #[test]
+    fn products_agree_with_the_dense_oracle_with_and_without_a_transpose() {
+        let mut triplets = Triplets::<f64>::new((13, 9));
+        let mut dense = Dense::zeros(Shape::new(13, 9));
+        for (k, value) in probe::<f64>(13 * 9, 3).into_iter().enumerate() {
+            // Rows of every length from 0 to 9.
+            if k % 9 < (k / 9) % 10 {
+                triplets.add_triplet(k / 9, k % 9, value);
+                *dense.entry_mut(k / 9, k % 9) = value;
+            }
+        }
+        let matrix: SparseMatrix<f64> = triplets.to_csc();
+        check_adjoint("Csr", &Csr::new(matrix.clone()), Some(&dense)).unwrap();
+        check_adjoint(
+            "Csr with transpose",
+            &Csr::with_transpose(matrix),
+            Some(&dense),
+        )
+        .unwrap();
     }
 }

@@ -1,31 +1,37 @@
 //! Condition numbers in the 2-norm from both ends of the spectrum.
 
 use crate::SetupError;
-use crate::eigen::{Extreme, LanczosSettings, extreme_eigenvalues};
-use fracas_operators::Preconditioner;
+use crate::direct::DirectSolver;
+use crate::eigen::{Extreme, LanczosSettings, extreme_eigenvalues, kernel_of};
+use crate::saddle::scaling::ScaledInverse;
+use crate::saddle::{AugmentationMatrix, SaddleBlocks, schur};
+use fracas_operators::sparse::Csr;
+use fracas_operators::{AdjointOperator, LinearOperator, Preconditioner};
 
 /// Both ends of the spectrum of an SPD matrix.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Ends {
-    pub(super) low: Extreme,
-    pub(super) high: Extreme,
+pub struct Ends {
+    /// λ_min; of a singular matrix the smallest non-zero eigenvalue.
+    pub low: Extreme,
+    /// λ_max.
+    pub high: Extreme,
 }
 
 impl Ends {
     /// κ₂ = λ_max / λ_min.
-    pub(super) fn condition(&self) -> f64 {
+    pub fn condition(&self) -> f64 {
         self.high.value / self.low.value
     }
 
     /// Relative error bar of κ₂.
-    pub(super) fn error(&self) -> f64 {
+    pub fn error(&self) -> f64 {
         self.high.error / self.high.value + self.low.error / self.low.value
     }
 }
 
 /// λ_max by Lanczos on the matrix, λ_min by Lanczos on its inverse: as accurate as the factorization, which material
 /// contrast does not disturb, where an eigenvalue solver on the matrix would lose ε·κ₂.
-pub(super) fn ends(
+fn ends(
     apply: &mut dyn FnMut(&[f64], &mut [f64]),
     inverse: &dyn Preconditioner<f64>,
 ) -> Result<Ends, SetupError> {
@@ -41,4 +47,88 @@ pub(super) fn ends(
         steps: reciprocal.steps,
     };
     Ok(Ends { low, high })
+}
+
+/// λ_max(A).
+fn largest(a: &Csr<f64>) -> Result<Extreme, SetupError> {
+    let n = a.matrix().rows();
+    let mut product = |x: &[f64], y: &mut [f64]| a.apply(x, y, &mut []);
+    Ok(extreme_eigenvalues(n, &mut product, None, LanczosSettings::one_sided())?.1)
+}
+
+/// The spectrum of A from end to end, and its kernel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StiffnessEnds {
+    /// dim ker A: six for every block that only fractures hold.
+    pub kernel: usize,
+    /// Ends of the spectrum on the complement of the kernel; `None` where A is singular to working precision without a
+    /// clear kernel.
+    pub ends: Option<Ends>,
+}
+
+/// Both ends of the spectrum of A.
+///
+/// # Cost
+/// One sparse factorization (two where A is singular) and Lanczos.
+///
+/// # Errors
+/// [`SetupError`] where A is not positive semi-definite.
+pub fn stiffness_ends(
+    blocks: &SaddleBlocks,
+    direct: &dyn DirectSolver,
+) -> Result<StiffnessEnds, SetupError> {
+    let a = Csr::new(blocks.a.clone());
+    if let Ok(inverse) = ScaledInverse::new(&blocks.a, direct, "A") {
+        let ends = ends(&mut |x, y| a.apply(x, y, &mut []), &inverse)?;
+        return Ok(StiffnessEnds {
+            kernel: 0,
+            ends: Some(ends),
+        });
+    }
+    let kernel = kernel_of(&blocks.a, direct)?;
+    let dimension = kernel.dimension();
+    let low = kernel.smallest_nonzero.filter(|_| dimension > 0);
+    let ends = match low {
+        Some(low) => Some(Ends {
+            low,
+            high: largest(&a)?,
+        }),
+        None => None,
+    };
+    Ok(StiffnessEnds {
+        kernel: dimension,
+        ends,
+    })
+}
+
+/// Both ends of the spectrum of `S_u = A + B C⁻¹Bᵀ`, given its exact inverse or factorizing it.
+///
+/// # Errors
+/// [`SetupError`] where S_u is singular.
+pub fn schur_ends(
+    blocks: &SaddleBlocks,
+    c: &AugmentationMatrix,
+    inverse: Option<&dyn Preconditioner<f64>>,
+    direct: &dyn DirectSolver,
+) -> Result<Ends, SetupError> {
+    let factorized;
+    let inverse = match inverse {
+        Some(inverse) => inverse,
+        None => {
+            factorized = schur::exact_inverse(blocks, c, direct)?;
+            factorized.as_ref()
+        }
+    };
+    let a = Csr::new(blocks.a.clone());
+    let b = Csr::with_transpose(blocks.b1.clone());
+    let (mut p, mut q) = (vec![0.0; blocks.n_t()], vec![0.0; blocks.n_t()]);
+    let mut s_u = |x: &[f64], y: &mut [f64]| {
+        // y = A x + B C⁻¹ Bᵀ x
+        a.apply(x, y, &mut []);
+        p.fill(0.0);
+        b.apply_adjoint_add(1.0, x, &mut p, &mut []);
+        c.solve(&p, &mut q, &mut []);
+        b.apply_add(1.0, &q, y, &mut []);
+    };
+    ends(&mut s_u, inverse)
 }

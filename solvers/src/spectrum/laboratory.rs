@@ -1,6 +1,7 @@
 //! One call: C, S_u, conditions, eigenvalues, bounds, verdicts.
 
 use super::bounds::{Bounds, Ingredients};
+use super::condition::StiffnessEnds;
 use super::coupling::Coupling;
 use super::modes::{self, Judge, ModeTarget};
 use super::product::{Preconditioned, energy_scales};
@@ -8,15 +9,14 @@ use super::report::{Eigenvalues, Method, SpectrumReport};
 use super::similarity::Similarity;
 use super::{condition, field_of_values, iterative};
 use crate::direct::{DirectChoice, DirectSolver};
-use crate::eigen::{dense, kernel_of};
-use crate::saddle::scaling::ScaledInverse;
+use crate::eigen::dense;
 use crate::saddle::{
-    AugmentationChoice, AugmentationMatrix, InnerChoice, RacpInverse, SaddleBlocks, schur,
+    AugmentationChoice, AugmentationMatrix, InnerChoice, RacpInverse, SaddleBlocks,
 };
 use crate::{Observer, SetupError, Step};
 use faer::{Mat, c64};
-use fracas_operators::sparse::{Csr, SparseMatrix};
-use fracas_operators::{AdjointOperator, Dense, LinearOperator, Preconditioner};
+use fracas_operators::sparse::SparseMatrix;
+use fracas_operators::{Dense, Preconditioner};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -279,56 +279,41 @@ fn conditions(
     choice: InnerChoice,
     direct: &dyn DirectSolver,
 ) -> Result<(), SetupError> {
-    let a = Csr::new(blocks.a.clone());
-    match ScaledInverse::new(&blocks.a, direct, "A") {
-        Ok(inverse) => {
-            let ends = condition::ends(&mut |x, y| a.apply(x, y, &mut []), &inverse)?;
+    match condition::stiffness_ends(blocks, direct) {
+        Ok(StiffnessEnds {
+            kernel: 0,
+            ends: Some(ends),
+        }) => {
             report.cond_A = Some(ends.condition());
             report.cond_A_error = Some(ends.error());
         }
-        Err(_) => match kernel_of(&blocks.a, direct) {
-            Ok(kernel) if kernel.dimension() > 0 => {
-                report.notes.push(format!(
-                    "A is singular: its kernel has dimension {} (rigid-body modes of blocks held by fractures only)",
-                    kernel.dimension()
-                ));
-                report.kernel_A = Some(kernel.dimension());
-                report.smallest_nonzero_A = kernel.smallest_nonzero.map(|e| e.value);
-            }
-            Ok(_) => report
+        Ok(StiffnessEnds {
+            kernel: 0,
+            ends: None,
+        }) => {
+            report
                 .notes
-                .push("A is singular to working precision, with no clear kernel".to_owned()),
-            Err(error) => report
-                .notes
-                .push(format!("A is not positive semi-definite: {error}")),
-        },
+                .push("A is singular to working precision, with no clear kernel".to_owned());
+        }
+        Ok(StiffnessEnds { kernel, ends }) => {
+            report.notes.push(format!(
+                "A is singular: its kernel has dimension {kernel} (rigid-body modes of blocks held by fractures only)"
+            ));
+            report.kernel_A = Some(kernel);
+            report.smallest_nonzero_A = ends.map(|e| e.low.value);
+        }
+        Err(error) => report
+            .notes
+            .push(format!("A is not positive semi-definite: {error}")),
     }
-    let factorized;
-    let inverse = if let InnerChoice::Exact { .. } = choice {
-        inner
-    } else {
-        factorized = match schur::exact_inverse(blocks, c, direct) {
-            Ok(inverse) => inverse,
-            Err(error) => {
-                report.notes.push(format!("cond_S_u is not known: {error}"));
-                return Ok(());
-            }
-        };
-        factorized.as_ref()
-    };
-    let b = Csr::with_transpose(blocks.b1.clone());
-    let (mut p, mut q) = (vec![0.0; blocks.n_t()], vec![0.0; blocks.n_t()]);
-    let mut s_u = |x: &[f64], y: &mut [f64]| {
-        // y = A x + B C⁻¹ Bᵀ x
-        a.apply(x, y, &mut []);
-        p.fill(0.0);
-        b.apply_adjoint_add(1.0, x, &mut p, &mut []);
-        c.solve(&p, &mut q, &mut []);
-        b.apply_add(1.0, &q, y, &mut []);
-    };
-    let ends = condition::ends(&mut s_u, inverse)?;
-    report.cond_S_u = Some(ends.condition());
-    report.cond_S_u_error = Some(ends.error());
+    let exact = matches!(choice, InnerChoice::Exact { .. }).then_some(inner);
+    match condition::schur_ends(blocks, c, exact, direct) {
+        Ok(ends) => {
+            report.cond_S_u = Some(ends.condition());
+            report.cond_S_u_error = Some(ends.error());
+        }
+        Err(error) => report.notes.push(format!("cond_S_u is not known: {error}")),
+    }
     Ok(())
 }
 

@@ -9,7 +9,7 @@
 //! a matrix without units and without the contrast of the materials.
 
 pub mod bounds;
-mod condition;
+pub mod condition;
 mod coupling;
 pub mod field_of_values;
 mod iterative;

@@ -1,0 +1,86 @@
+//! An operator in full numbering, seen by the free unknowns.
+
+use crate::elasticity::Constraints;
+use fracas_operators::operator::assert_product;
+use fracas_operators::{AdjointOperator, LinearOperator, Real, Shape};
+
+/// `A_ff = P A Pᵀ`: spread the free values over zeros, multiply, gather.
+#[derive(Clone, Debug)]
+pub struct Restricted<A> {
+    full: A,
+    constraints: Constraints,
+}
+
+impl<A> Restricted<A> {
+    /// The free rows and columns of `full`.
+    pub fn new<R: Real>(full: A, constraints: Constraints) -> Self
+    where
+        A: LinearOperator<R>,
+    {
+        let n = constraints.full_len();
+        assert_eq!(
+            full.shape(),
+            Shape::square(n),
+            "constraints of another mesh"
+        );
+        Self { full, constraints }
+    }
+
+    /// The operator in full numbering.
+    pub fn full(&self) -> &A {
+        &self.full
+    }
+
+    /// Runs `product(x_full, y_full, work)` between spreading and gathering.
+    fn between<R: Real>(
+        &self,
+        alpha: R,
+        x: &[R],
+        y: &mut [R],
+        work: &mut [R],
+        product: impl FnOnce(&[R], &mut [R], &mut [R]),
+    ) {
+        let n = self.constraints.full_len();
+        let (x_full, rest) = work.split_at_mut(n);
+        let (y_full, rest) = rest.split_at_mut(n);
+        x_full.fill(R::zero());
+        y_full.fill(R::zero());
+        for (dof, x) in self.constraints.free().iter().zip(x) {
+            x_full[*dof as usize] = *x;
+        }
+        product(x_full, y_full, rest);
+        for (dof, y) in self.constraints.free().iter().zip(y) {
+            *y += alpha * y_full[*dof as usize];
+        }
+    }
+}
+
+impl<R: Real, A: LinearOperator<R>> LinearOperator<R> for Restricted<A> {
+    fn shape(&self) -> Shape {
+        Shape::square(self.constraints.free_len())
+    }
+
+    fn apply_add(&self, alpha: R, x: &[R], y: &mut [R], work: &mut [R]) {
+        assert_product(Restricted::<A>::shape(self), x, y);
+        self.between(alpha, x, y, work, |x, y, work| {
+            self.full.apply_add(R::one(), x, y, work)
+        });
+    }
+
+    fn work_len(&self) -> usize {
+        2 * self.constraints.full_len() + self.full.work_len()
+    }
+
+    fn flops(&self) -> u64 {
+        self.full.flops() + 2 * self.constraints.free_len() as u64
+    }
+}
+
+impl<R: Real, A: AdjointOperator<R>> AdjointOperator<R> for Restricted<A> {
+    fn apply_adjoint_add(&self, alpha: R, x: &[R], y: &mut [R], work: &mut [R]) {
+        assert_product(Restricted::<A>::shape(self), x, y);
+        self.between(alpha, x, y, work, |x, y, work| {
+            self.full.apply_adjoint_add(R::one(), x, y, work);
+        });
+    }
+}
