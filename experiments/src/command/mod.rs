@@ -15,6 +15,7 @@ mod schema;
 mod sentence;
 mod solve;
 mod source;
+mod spectrum;
 
 use clap::{Parser, Subcommand};
 use std::io::{self, Write};
@@ -40,6 +41,8 @@ enum Command {
     Check(check::Check),
     /// Assembles a scene and writes it as a system folder.
     Export(export::Export),
+    /// Eigenvalues of the preconditioned system and the bounds that hold for them.
+    Spectrum(spectrum::Spectrum),
     /// Solves one linear system and reports its cost and true residual.
     Solve(solve::Solve),
     /// Experiments and scenes, a line each: id, question, expected answer.
@@ -93,6 +96,7 @@ impl Command {
     fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
         match self {
             Self::Reproduce(command) => command.run(out),
+            Self::Spectrum(command) => command.run(out),
             Self::Solve(command) => command.run(out),
             Self::Check(command) => command.run(out),
             Self::Export(command) => command.run(out),

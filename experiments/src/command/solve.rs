@@ -32,7 +32,7 @@ pub(super) struct Solve {
     #[arg(long, value_name = "METHOD", default_value_t)]
     krylov: KrylovChoice,
     /// Relative to the norm of the right-hand side.
-    #[arg(long, value_name = "TOL", default_value = "1e-8", value_parser = tolerance)]
+    #[arg(long, value_name = "TOL", default_value = "1e-8", allow_negative_numbers = true, value_parser = tolerance)]
     tolerance: f64,
     /// Iterations over all restarts.
     #[arg(long, value_name = "N", default_value_t = 1000)]
@@ -84,6 +84,8 @@ struct SolveReport {
     outcome: &'static str,
     iterations: usize,
     relative_residual: Option<f64>,
+    /// `‖b − 𝒜x‖_∞ / (‖𝒜‖_∞ ‖x‖_∞ + ‖b‖_∞)`: 1e-16 means that f64 cannot do better.
+    backward_error: Option<f64>,
     method: Method,
     augmentation: Option<String>,
     inner: Option<String>,
@@ -143,10 +145,12 @@ impl Solve {
         let solve_s = start.elapsed().as_secs_f64();
         drop(progress);
 
+        let residual = Residual::new(&operator, blocks, &x, &b);
         let mut report = SolveReport {
             outcome: "breakdown",
             iterations: 0,
-            relative_residual: true_residual(&operator, &x, &b),
+            relative_residual: residual.relative,
+            backward_error: residual.backward,
             method: self.method,
             augmentation: (self.method == Method::Racp).then(|| self.augmentation.to_string()),
             inner: (self.method == Method::Racp).then(|| self.inner.to_string()),
@@ -219,18 +223,35 @@ impl Solve {
     }
 }
 
-/// `‖b − 𝒜x‖₂ / ‖b‖₂`; 0 for b = 0, `None` when it is not a number.
-fn true_residual(operator: &dyn LinearOperator<f64>, x: &[f64], b: &[f64]) -> Option<f64> {
-    let mut r = b.to_vec();
-    operator.apply_add(-1.0, x, &mut r, &mut vec![0.0; operator.work_len()]);
-    let norm = vector::norm2(b);
-    let relative = if norm == 0.0 {
-        0.0
-    } else {
-        vector::norm2(&r) / norm
-    };
-    relative.is_finite().then_some(relative)
+/// The true residual, recomputed; `None` where it is not a number.
+struct Residual {
+    /// `‖b − 𝒜x‖₂ / ‖b‖₂`; 0 for b = 0.
+    relative: Option<f64>,
+    /// `‖b − 𝒜x‖_∞ / (‖𝒜‖_∞ ‖x‖_∞ + ‖b‖_∞)`.
+    backward: Option<f64>,
 }
+
+impl Residual {
+    fn new(
+        operator: &dyn LinearOperator<f64>,
+        blocks: &SaddleBlocks,
+        x: &[f64],
+        b: &[f64],
+    ) -> Self {
+        let mut r = b.to_vec();
+        operator.apply_add(-1.0, x, &mut r, &mut vec![0.0; operator.work_len()]);
+        let over = |r: f64, scale: f64| if r == 0.0 { 0.0 } else { r / scale };
+        let number = |v: f64| v.is_finite().then_some(v);
+        let scale = blocks.norm_inf() * vector::norm_inf(x) + vector::norm_inf(b);
+        Self {
+            relative: number(over(vector::norm2(&r), vector::norm2(b))),
+            backward: number(over(vector::norm_inf(&r), scale)),
+        }
+    }
+}
+
+/// A backward error below this is rounding: a few hundred units in the last place.
+const ROUNDING: f64 = 1e-13;
 
 impl SolveReport {
     fn record(&mut self, result: &Result<Report, Breakdown>, krylov: &KrylovChoice) {
@@ -253,7 +274,14 @@ impl SolveReport {
             }
             Err(breakdown) => {
                 self.iterations = breakdown.iteration();
-                self.reason = Some(breakdown.to_string());
+                let rounding = self.backward_error.is_some_and(|e| e < ROUNDING);
+                self.reason = Some(match breakdown {
+                    Breakdown::Stagnation { .. } if rounding => format!(
+                        "{breakdown}. The backward error is at rounding: b asks for more digits than f64 holds in these units; \
+                         scale the system or raise the tolerance"
+                    ),
+                    _ => breakdown.to_string(),
+                });
             }
         }
     }
@@ -267,6 +295,11 @@ impl SolveReport {
             (
                 "relative residual",
                 self.relative_residual
+                    .map_or_else(|| "–".to_owned(), |r| format!("{r:.3e}")),
+            ),
+            (
+                "backward error",
+                self.backward_error
                     .map_or_else(|| "–".to_owned(), |r| format!("{r:.3e}")),
             ),
             ("c_app", format!("{:.2}", self.c_app)),

@@ -35,7 +35,7 @@ pub(super) struct Assembly {
     #[command(flatten)]
     overrides: Overrides,
     /// Factor of the jump stabilization H of a scene; 0 leaves it out.
-    #[arg(long, value_name = "S", default_value = "1", value_parser = factor)]
+    #[arg(long, value_name = "S", default_value = "1", allow_negative_numbers = true, value_parser = factor)]
     stabilization: f64,
 }
 

@@ -1,5 +1,6 @@
 //! A page in points, on plotters' SVG backend (which counts whole pixels, so a point is several of them).
 
+use super::indices;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::FontTransform;
@@ -8,7 +9,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 /// Pixels per point.
 const FINE: f64 = 8.0;
 /// Fonts that look alike on every system; the page does not embed one.
-const FONT: &str = "Helvetica, Arial, DejaVu Sans, sans-serif";
+const FONT: &str = "DejaVu Sans, Verdana, Helvetica, Arial, sans-serif";
 
 /// What drawing can fail with: plotters' error on a backend that writes into memory.
 pub(super) type DrawError = plotters::drawing::DrawingAreaErrorKind<std::io::Error>;
@@ -38,34 +39,7 @@ pub(super) fn draw_page(
     // The view box keeps the fine grid; the nominal size is in points.
     let fine = format!("width=\"{}\" height=\"{}\" viewBox", size.0, size.1);
     let nominal = format!("width=\"{width:.0}\" height=\"{height:.0}\" viewBox");
-    Ok(lower_subscripts(&svg.replacen(&fine, &nominal, 1)))
-}
-
-/// Sets `S_u` as S with a lowered u, wherever text has an underscore between letters.
-fn lower_subscripts(svg: &str) -> String {
-    let mut result = String::with_capacity(svg.len());
-    let mut parts = svg.split('_');
-    result.push_str(parts.next().unwrap_or_default());
-    for part in parts {
-        let end = part
-            .find(|c: char| !c.is_ascii_alphanumeric())
-            .unwrap_or(part.len());
-        let (index, rest) = part.split_at(end);
-        let after_symbol = result
-            .chars()
-            .next_back()
-            .is_some_and(char::is_alphanumeric);
-        if after_symbol && !index.is_empty() {
-            result.push_str("<tspan dy=\"0.28em\" font-size=\"75%\">");
-            result.push_str(index);
-            result.push_str("</tspan><tspan dy=\"-0.21em\">\u{200b}</tspan>");
-        } else {
-            result.push('_');
-            result.push_str(index);
-        }
-        result.push_str(rest);
-    }
-    result
+    Ok(indices::lower(&svg.replacen(&fine, &nominal, 1)))
 }
 
 fn pixel([x, y]: [f64; 2]) -> (i32, i32) {
@@ -88,6 +62,8 @@ pub(super) enum Anchor {
     Right,
     /// Centred, reading upwards.
     Upwards,
+    /// From the point upwards.
+    UpwardsFrom,
 }
 
 impl Canvas<'_> {
@@ -177,11 +153,20 @@ impl Canvas<'_> {
         anchor: Anchor,
         color: RGBColor,
     ) -> Result<(), DrawError> {
+        // Not every viewer centres a text of several spans: such a text starts where its estimated width says.
+        let half = 0.5 * text_width(text, size);
+        let (at, anchor) = match (indices::has_index(text), anchor) {
+            (true, Anchor::Center) => ([at[0] - half, at[1]], Anchor::Left),
+            (true, Anchor::Right) => ([at[0] - 2.0 * half, at[1]], Anchor::Left),
+            (true, Anchor::Upwards) => ([at[0], at[1] + half], Anchor::UpwardsFrom),
+            (_, anchor) => (at, anchor),
+        };
         let (h, v, turn) = match anchor {
             Anchor::Left => (HPos::Left, VPos::Center, FontTransform::None),
             Anchor::Center => (HPos::Center, VPos::Center, FontTransform::None),
             Anchor::Right => (HPos::Right, VPos::Center, FontTransform::None),
             Anchor::Upwards => (HPos::Center, VPos::Center, FontTransform::Rotate270),
+            Anchor::UpwardsFrom => (HPos::Left, VPos::Center, FontTransform::Rotate270),
         };
         // plotters divides sizes by 1.24 for SVG.
         let font = (FONT, size * FINE * 1.24).into_font().transform(turn);
@@ -191,7 +176,7 @@ impl Canvas<'_> {
     }
 }
 
-/// Width of a text in points, within about a tenth for Helvetica.
+/// Width of a text in points, within about a tenth.
 pub(super) fn text_width(text: &str, size: f64) -> f64 {
     let em = |c: char| match c {
         'i' | 'l' | 'j' | '.' | ',' | ':' | ';' | '|' | '\'' | 'I' => 0.25,
@@ -199,7 +184,9 @@ pub(super) fn text_width(text: &str, size: f64) -> f64 {
         '⁰' | '¹' | '²' | '³' | '⁴' | '⁵' | '⁶' | '⁷' | '⁸' | '⁹' | '⁻' => 0.36,
         'm' | 'w' | 'M' | 'W' | '—' => 0.87,
         c if c.is_uppercase() => 0.70,
-        _ => 0.56,
+        '_' => 0.0,
+        '=' | '+' | '≤' | '≥' | '×' | '−' | '±' => 0.84,
+        _ => 0.63,
     };
     text.chars().map(em).sum::<f64>() * size
 }

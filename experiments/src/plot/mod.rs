@@ -5,6 +5,7 @@ mod axis;
 mod canvas;
 mod draw;
 mod figure;
+mod indices;
 mod legend;
 mod marks;
 mod palette;

@@ -14,4 +14,4 @@ pub use check::Check;
 pub use experiment::{Experiment, Findings, Level};
 pub use folder::{Chapter, Outcome, run_chapter, write_report};
 pub use table::{Cell, Column, Table};
-pub(crate) use table::{quote, superscript};
+pub(crate) use table::{format_real, quote, superscript};

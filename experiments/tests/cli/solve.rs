@@ -11,7 +11,7 @@ use serde_json::Value;
 fn the_solution_solves_the_system_and_the_report_has_its_keys() {
     let folder = system_folder("solution");
     let (system, file) = (folder.to_str().unwrap(), folder.join("x.mtx"));
-    for method in ["direct"] {
+    for method in ["racp", "direct"] {
         let ran = fracas(&[
             "solve",
             "--system",

@@ -115,6 +115,31 @@ impl SaddleBlocks {
         [&self.rhs_u, &self.rhs_t, rhs_p].concat()
     }
 
+    /// `‖𝒜‖_∞`, the largest row sum of absolute values.
+    pub fn norm_inf(&self) -> f64 {
+        let (n_u, n_t) = (self.n_u(), self.n_t());
+        let mut sums = vec![0.0; self.size()];
+        add_row_sums(&self.a, &mut sums);
+        add_row_sums(&self.b1, &mut sums);
+        match &self.b2 {
+            Some(b2) => add_row_sums(b2, &mut sums[n_u..]),
+            None => {
+                for (value, (_, j)) in &self.b1 {
+                    sums[n_u + j as usize] += value.abs();
+                }
+            }
+        }
+        if let Some(h) = &self.h {
+            add_row_sums(h, &mut sums[n_u..]);
+        }
+        if let Some(flow) = &self.flow {
+            add_row_sums(&flow.q1, &mut sums);
+            add_row_sums(&flow.q2, &mut sums[n_u + n_t..]);
+            add_row_sums(&flow.t, &mut sums[n_u + n_t..]);
+        }
+        sums.into_iter().fold(0.0, f64::max)
+    }
+
     /// 𝒜 as one matrix by rows, for direct solvers and dense analysis.
     pub fn assembled(&self) -> SparseMatrix<f64> {
         let transposed;
@@ -136,6 +161,13 @@ impl SaddleBlocks {
             rows.push(vec![(1.0, u, &flow.q2), (1.0, p, &flow.t)]);
         }
         stack(self.size(), &rows)
+    }
+}
+
+/// `sums_i += Σ_j |m_ij|`.
+fn add_row_sums(m: &SparseMatrix<f64>, sums: &mut [f64]) {
+    for (row, sum) in m.outer_iterator().zip(sums) {
+        *sum += row.data().iter().map(|v| v.abs()).sum::<f64>();
     }
 }
 
@@ -227,6 +259,13 @@ mod tests {
             let dense = Dense::of_operator(&operator);
             let (n_u, n_t) = (blocks.n_u(), blocks.n_t());
             assert_eq!(blocks.rhs().len(), blocks.size());
+            let row_sum = |i: usize| {
+                (0..blocks.size())
+                    .map(|j| dense.entry(i, j).abs())
+                    .sum::<f64>()
+            };
+            let largest = (0..blocks.size()).map(row_sum).fold(0.0, f64::max);
+            assert!((blocks.norm_inf() - largest).abs() < 1e-13 * largest);
             for i in 0..blocks.size() {
                 for j in 0..blocks.size() {
                     assert_eq!(dense.entry(i, j), *assembled.get(i, j).unwrap_or(&0.0));

@@ -67,10 +67,19 @@ pub fn write_folder(
         ..manifest.clone()
     };
     let file = at("manifest.json");
-    let mut text = match serde_json::to_string_pretty(&manifest) {
+    let text = match one_key_a_line(&manifest) {
         Ok(text) => text,
         Err(source) => return Err(FolderError::Manifest { file, source }),
     };
-    text.push('\n');
     std::fs::write(&file, text).map_err(|source| FolderError::Io { file, source })
+}
+
+/// JSON with a line per key: lists of states stay on one line.
+fn one_key_a_line(manifest: &Manifest) -> Result<String, serde_json::Error> {
+    let value = serde_json::to_value(manifest)?;
+    let keys = value.as_object().into_iter().flatten();
+    let lines: Vec<String> = keys
+        .map(|(key, value)| format!("  {key:?}: {value}"))
+        .collect();
+    Ok(format!("{{\n{}\n}}\n", lines.join(",\n")))
 }

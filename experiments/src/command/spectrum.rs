@@ -1,0 +1,122 @@
+//! `fracas spectrum`: eigenvalues of M⁻¹𝒜, what is proved about them, and whether it holds.
+
+use super::progress::Progress;
+use super::source::Source;
+use super::{Status, output};
+use crate::plot::Figure;
+use clap::Args;
+use fracas_solvers::saddle::{AugmentationChoice, InnerChoice};
+use fracas_solvers::spectrum::{SpectrumReport, SpectrumRequest, Theorem, analyse};
+use std::io::Write;
+use std::path::PathBuf;
+
+#[derive(Args, Debug)]
+pub(super) struct Spectrum {
+    #[command(flatten)]
+    source: Source,
+    /// C of RACP: local, global, exact, local_h, exact_h, face_block.
+    #[arg(long, value_name = "C", default_value_t)]
+    augmentation: AugmentationChoice,
+    /// Solver of S_u inside RACP: exact, jacobi, ssor, …
+    #[arg(long, value_name = "M", default_value_t)]
+    inner: InnerChoice,
+    /// Largest dense eigenvalue problem; above it only outer eigenvalues are found.
+    #[arg(long, value_name = "N", default_value_t = SpectrumRequest::default().dense_limit)]
+    dense_limit: usize,
+    /// Report as JSON; `-` writes it to standard output.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Figure of the eigenvalues; its numbers go into a CSV file beside it.
+    #[arg(long, value_name = "FILE.svg")]
+    plot: Option<PathBuf>,
+}
+
+impl Spectrum {
+    pub(super) fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
+        let mut progress = Progress::new();
+        let system = self.source.load(&mut progress)?;
+        if system.blocks.flow.is_some() {
+            progress.say("note: flow blocks are left out; this is the spectrum of the (u, t) part");
+        }
+        let request = SpectrumRequest {
+            augmentation: self.augmentation,
+            inner: self.inner,
+            dense_limit: self.dense_limit,
+            ..SpectrumRequest::default()
+        };
+        let report = analyse(&system.blocks, &request, &mut progress)?;
+        for note in &report.notes {
+            progress.say(&format!("note: {note}"));
+        }
+        drop(progress);
+        if let Some(path) = &self.plot {
+            let figure = Figure::of_spectrum("spectrum", &report);
+            output::text(path, &figure.to_svg()?)?;
+            output::text(&path.with_extension("csv"), &figure.to_csv())?;
+        }
+        match &self.json {
+            Some(path) => output::json(path, &report, out)?,
+            None => print(&report, out)?,
+        }
+        Ok(if report.contained == Some(false) {
+            Status::CheckFailed
+        } else {
+            Status::Done
+        })
+    }
+}
+
+fn print(report: &SpectrumReport, out: &mut dyn Write) -> anyhow::Result<()> {
+    let number = |v: Option<f64>| v.map_or_else(|| "–".to_owned(), |v| format!("{v:.6e}"));
+    let range =
+        |low: Option<f64>, high: Option<f64>| format!("[{}, {}]", number(low), number(high));
+    let b = &report.bounds;
+    let theorem = match b.theorem {
+        Theorem::None => "none applies".to_owned(),
+        _ => format!(
+            "real {}, complex {} ± {} i",
+            range(b.real_low, b.real_high),
+            range(b.re_low, b.re_high),
+            number(b.im_max)
+        ),
+    };
+    let verdict = match report.contained {
+        Some(true) => "every eigenvalue lies inside".to_owned(),
+        Some(false) => format!("{} eigenvalues lie OUTSIDE", report.outside.len()),
+        None => "nothing to hold against".to_owned(),
+    };
+    output::pairs(
+        out,
+        &[
+            (
+                "C",
+                format!(
+                    "{}, eigenvalues {}",
+                    report.augmentation,
+                    range(Some(report.c_min), Some(report.c_max))
+                ),
+            ),
+            ("inner", report.inner.clone()),
+            (
+                "cond A",
+                report.kernel_A.map_or_else(
+                    || number(report.cond_A),
+                    |k| format!("singular, kernel of dimension {k}"),
+                ),
+            ),
+            ("cond S_u", number(report.cond_S_u)),
+            ("real eigenvalues", range(report.real_min, report.real_max)),
+            ("Re λ", range(report.re_min, report.re_max)),
+            (
+                "|Im λ|",
+                format!("≤ {}, {} non-real", number(report.im_max), report.n_complex),
+            ),
+            (
+                "at 1, at ½",
+                format!("{}, {}", report.n_at_one, report.n_at_half),
+            ),
+            ("bounds", theorem),
+            ("verdict", verdict),
+        ],
+    )
+}

@@ -1,0 +1,88 @@
+//! Lowered indices in SVG text: `S_u` is shown as S with a small u below the line.
+
+use std::fmt::Write as _;
+
+/// True when `text` holds a symbol with an index.
+pub(super) fn has_index(text: &str) -> bool {
+    text.char_indices().any(|(at, _)| opens(text, at))
+}
+
+/// True when an index begins behind byte `at`: `_` between a letter and a letter or digit.
+fn opens(text: &str, at: usize) -> bool {
+    text[at..].strip_prefix('_').is_some_and(|rest| {
+        let before = text[..at].chars().next_back();
+        before.is_some_and(char::is_alphanumeric)
+            && rest.starts_with(|c: char| c.is_ascii_alphanumeric())
+    })
+}
+
+/// Lowers the indices in every text of a page.
+pub(super) fn lower(svg: &str) -> String {
+    let mut result = String::with_capacity(svg.len());
+    let mut size = 0.0;
+    let mut tags = svg.split('<');
+    result.push_str(tags.next().unwrap_or_default());
+    for part in tags {
+        let (tag, text) = part.split_once('>').unwrap_or((part, ""));
+        size = font_size(tag).unwrap_or(size);
+        let _ = write!(result, "<{tag}>");
+        set(&mut result, text, size);
+    }
+    result
+}
+
+fn font_size(tag: &str) -> Option<f64> {
+    let (_, rest) = tag.split_once("font-size=\"")?;
+    rest.split('"').next()?.parse().ok()
+}
+
+/// Copies `text`; an index becomes a smaller span below the line, what follows it a span back on the line.
+fn set(result: &mut String, text: &str, size: f64) {
+    let (drop, small) = (0.22 * size, 0.75 * size);
+    let mut rest = text;
+    let mut back = false;
+    while let Some(at) = rest
+        .char_indices()
+        .map(|(at, _)| at)
+        .find(|at| opens(rest, *at))
+    {
+        let (head, index) = (&rest[..at], &rest[at + 1..]);
+        let end = index
+            .find(|c: char| !c.is_ascii_alphanumeric())
+            .unwrap_or(index.len());
+        line(result, head, back.then_some(drop));
+        let _ = write!(
+            result,
+            "<tspan dy=\"{drop:.1}\" font-size=\"{small:.1}\">{}</tspan>",
+            &index[..end]
+        );
+        (rest, back) = (&index[end..], true);
+    }
+    line(result, rest, back.then_some(drop));
+}
+
+/// Text on the line, lifted by `drop` behind an index.
+fn line(result: &mut String, text: &str, drop: Option<f64>) {
+    match drop {
+        Some(drop) if !text.trim().is_empty() => {
+            let _ = write!(result, "<tspan dy=\"-{drop:.1}\">{text}</tspan>");
+        }
+        _ => result.push_str(text),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{has_index, lower};
+
+    #[test]
+    fn indices_are_spans_that_return_to_the_line() {
+        let set = lower("<text font-size=\"10\">n_it and C_s [1]</text>\n");
+        let expected = "<text font-size=\"10\">n<tspan dy=\"2.2\" font-size=\"7.5\">it</tspan><tspan dy=\"-2.2\"> and C</tspan>\
+                        <tspan dy=\"2.2\" font-size=\"7.5\">s</tspan><tspan dy=\"-2.2\"> [1]</tspan></text>\n";
+        assert_eq!(set, expected);
+        let plain = "<text font-size=\"10\">file_ name _x</text>";
+        assert_eq!(lower(plain), plain);
+        assert!(has_index("λ of S_u") && !has_index("a _b c_"));
+    }
+}
