@@ -1,7 +1,7 @@
 //! Condition numbers in the 2-norm from both ends of the spectrum.
 
 use crate::SetupError;
-use crate::eigen::{Extreme, LanczosSettings, extreme_eigenvalues};
+use crate::eigen::{Extreme, LanczosSettings, Map, extreme_eigenvalues};
 use fracas_operators::Preconditioner;
 
 /// Both ends of the spectrum of an SPD matrix.
@@ -26,7 +26,7 @@ impl Ends {
 /// λ_max by Lanczos on the matrix, λ_min by Lanczos on its inverse: as accurate as the factorization, which material
 /// contrast does not disturb, where an eigenvalue solver on the matrix would lose ε·κ₂.
 pub(super) fn ends(
-    apply: &mut dyn FnMut(&[f64], &mut [f64]),
+    apply: &mut Map<'_>,
     inverse: &dyn Preconditioner<f64>,
 ) -> Result<Ends, SetupError> {
     let n = inverse.size();
