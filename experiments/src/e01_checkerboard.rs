@@ -311,7 +311,10 @@ impl Experiment for Checkerboard {
                     0.7,
                     ratio(&bare),
                 ));
-                figure = figure.with(Series::new("through-going, H = 0", Mark::LinePoints, bare));
+                if let Some(coarsest) = bare.first() {
+                figure = figure.slope(2.0, [coarsest[0], 0.6 * coarsest[1]]);
+            }
+            figure = figure.with(Series::new("through-going, H = 0", Mark::LinePoints, bare));
             }
             let name = format!("{}, with H", border.word());
             figure = figure.with(Series::new(&name, Mark::LinePoints, stabilized));
