@@ -34,12 +34,6 @@ pub trait Real:
     /// Name used in reports: `"f64"` or `"f32"`.
     const NAME: &'static str;
 
-    /// 512 bits of this scalar.
-    type Wide512: crate::simd::Simd<Self>;
-
-    /// 256 bits of this scalar.
-    type Wide256: crate::simd::Simd<Self>;
-
     /// Nearest value of this precision to `value`.
     fn of(value: f64) -> Self;
 
@@ -49,8 +43,6 @@ pub trait Real:
 
 impl Real for f64 {
     const NAME: &'static str = "f64";
-    type Wide512 = crate::simd::F64x8;
-    type Wide256 = crate::simd::F64x4;
     #[inline(always)]
     fn of(value: f64) -> Self {
         value
@@ -63,8 +55,6 @@ impl Real for f64 {
 
 impl Real for f32 {
     const NAME: &'static str = "f32";
-    type Wide512 = crate::simd::F32x16;
-    type Wide256 = crate::simd::F32x8;
     #[inline(always)]
     fn of(value: f64) -> Self {
         value as f32

@@ -1,7 +1,6 @@
 //! Small-strain isotropic elasticity on Q1 hexahedra.
 
 mod assembled;
-mod bricks;
 mod check;
 mod constraints;
 pub mod element;
@@ -13,7 +12,6 @@ mod matrix_free;
 mod sample;
 
 pub use assembled::{lift, reduced, stiffness};
-pub use bricks::Bricks;
 pub use constraints::Constraints;
 pub use error::ElasticityError;
 pub use material::Elastic;
