@@ -58,6 +58,9 @@ pub struct Extreme {
     pub steps: usize,
 }
 
+/// `y ← f(x)` with scratch memory of its own.
+pub type Map<'a> = dyn FnMut(&[f64], &mut [f64]) + 'a;
+
 /// Smallest and largest eigenvalue of `K v = λ M v` for symmetric K and SPD M.
 ///
 /// `apply` is y ← K x; `solve` is y ← M⁻¹ x, `None` for M = I. With z = M⁻¹ r:
@@ -73,8 +76,8 @@ pub struct Extreme {
 /// C. C. Paige, Linear Algebra Appl. 34 (1980) 235–258, for the error bounds without reorthogonalization.
 pub fn extreme_eigenvalues(
     n: usize,
-    apply: &mut dyn FnMut(&[f64], &mut [f64]),
-    mut solve: Option<&mut dyn FnMut(&[f64], &mut [f64])>,
+    apply: &mut Map<'_>,
+    mut solve: Option<&mut Map<'_>>,
     settings: LanczosSettings,
 ) -> Result<(Extreme, Extreme), SetupError> {
     if n == 0 {
@@ -187,12 +190,6 @@ fn ritz(alphas: &[f64], betas: &[f64], next: f64) -> Result<(Extreme, Extreme), 
         }
     };
     Ok((bar(0), bar(k - 1)))
-}
-
-/// `y ← A x` of a sparse matrix, as [`extreme_eigenvalues`] takes it.
-pub fn product(a: &fracas_operators::sparse::Csr<f64>) -> impl FnMut(&[f64], &mut [f64]) + '_ {
-    use fracas_operators::LinearOperator;
-    move |x, y| a.apply(x, y, &mut [])
 }
 
 #[cfg(test)]

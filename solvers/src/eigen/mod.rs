@@ -9,4 +9,4 @@ pub mod kernel;
 pub mod lanczos;
 
 pub use kernel::{Kernel, kernel_of};
-pub use lanczos::{Ends, Extreme, LanczosSettings, extreme_eigenvalues};
+pub use lanczos::{Ends, Extreme, LanczosSettings, Map, extreme_eigenvalues};

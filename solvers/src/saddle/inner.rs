@@ -93,3 +93,23 @@ impl FromStr for InnerChoice {
         }
     }
 }
+
+/// `"ssor"` or `{ ssor = { omega = 1.2 } }`.
+#[derive(Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(crate) enum NameOrSettings {
+    /// Plain name, default settings.
+    Name(String),
+    /// Name with settings.
+    Settings(InnerChoice),
+}
+
+/// Reads both spellings of an inner solver.
+pub(crate) fn name_or_settings<'de, D: serde::Deserializer<'de>>(
+    deserializer: D,
+) -> Result<InnerChoice, D::Error> {
+    match NameOrSettings::deserialize(deserializer)? {
+        NameOrSettings::Name(name) => name.parse().map_err(serde::de::Error::custom),
+        NameOrSettings::Settings(settings) => Ok(settings),
+    }
+}

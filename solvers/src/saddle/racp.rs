@@ -92,6 +92,8 @@ pub struct Racp {
     /// C.
     pub augmentation: AugmentationChoice,
     /// S̃_u⁻¹.
+    #[serde(deserialize_with = "crate::saddle::inner::name_or_settings")]
+    #[schemars(with = "crate::saddle::inner::NameOrSettings")]
     pub inner: InnerChoice,
 }
 

@@ -2,7 +2,7 @@
 
 use crate::SetupError;
 use crate::direct::DirectSolver;
-use crate::eigen::{Extreme, LanczosSettings, extreme_eigenvalues, kernel_of};
+use crate::eigen::{Extreme, LanczosSettings, Map, extreme_eigenvalues, kernel_of};
 use crate::saddle::scaling::ScaledInverse;
 use crate::saddle::{AugmentationMatrix, SaddleBlocks, schur};
 use fracas_operators::sparse::Csr;
@@ -31,10 +31,7 @@ impl Ends {
 
 /// λ_max by Lanczos on the matrix, λ_min by Lanczos on its inverse: as accurate as the factorization, which material
 /// contrast does not disturb, where an eigenvalue solver on the matrix would lose ε·κ₂.
-fn ends(
-    apply: &mut dyn FnMut(&[f64], &mut [f64]),
-    inverse: &dyn Preconditioner<f64>,
-) -> Result<Ends, SetupError> {
+fn ends(apply: &mut Map<'_>, inverse: &dyn Preconditioner<f64>) -> Result<Ends, SetupError> {
     let n = inverse.size();
     let settings = LanczosSettings::one_sided();
     let (_, high) = extreme_eigenvalues(n, apply, None, settings)?;

@@ -30,6 +30,8 @@ pub struct SpectrumRequest {
     /// C.
     pub augmentation: AugmentationChoice,
     /// S̃_u⁻¹.
+    #[serde(deserialize_with = "crate::saddle::inner::name_or_settings")]
+    #[schemars(with = "crate::saddle::inner::NameOrSettings")]
     pub inner: InnerChoice,
     /// Largest dense eigenvalue problem; above it only outer eigenvalues are found.
     pub dense_limit: usize,
@@ -181,10 +183,15 @@ impl Stages<'_> {
     }
 }
 
-/// The blocks without a B2 that equals B1ᵀ and without an H of zeros, and what holds for them.
+/// The blocks without flow, without a B2 that equals B1ᵀ and without an H of zeros, and what holds for them.
 fn simplified(blocks: &SaddleBlocks) -> (SaddleBlocks, Structure, Vec<String>) {
     let mut blocks = blocks.clone();
     let mut notes = Vec::new();
+    if blocks.flow.take().is_some() {
+        notes.push(
+            "the pressure field is left out: this is the spectrum of the (u, t) block".to_owned(),
+        );
+    }
     let transpose: SparseMatrix<f64> = blocks.b1.transpose_view().to_csr();
     if blocks.b2.as_ref().is_some_and(|b2| agree(b2, &transpose)) {
         blocks.b2 = None;
@@ -286,6 +293,7 @@ fn conditions(
         }) => {
             report.cond_A = Some(ends.condition());
             report.cond_A_error = Some(ends.error());
+            note_accuracy(&mut report.notes, "cond_A", ends.error());
         }
         Ok(StiffnessEnds {
             kernel: 0,
@@ -311,10 +319,19 @@ fn conditions(
         Ok(ends) => {
             report.cond_S_u = Some(ends.condition());
             report.cond_S_u_error = Some(ends.error());
+            note_accuracy(&mut report.notes, "cond_S_u", ends.error());
         }
         Err(error) => report.notes.push(format!("cond_S_u is not known: {error}")),
     }
     Ok(())
+}
+
+/// Says when Lanczos stopped short of eight digits.
+fn note_accuracy(notes: &mut Vec<String>, what: &str, error: f64) {
+    const EIGHT_DIGITS: f64 = 1e-8;
+    if error.is_nan() || error > EIGHT_DIGITS {
+        notes.push(format!("{what} is known to a relative {error:.1e} only"));
+    }
 }
 
 /// All eigenvalues of T, or of M⁻¹𝒜 in energy scales when S̃_u is not SPD.

@@ -178,7 +178,7 @@ impl SpectrumReport {
             self.bounds.region()
         };
         self.outside = outside(&eigenvalues, &region);
-        self.contained = proved.then(|| self.outside.is_empty());
+        self.contained = proved.then_some(self.outside.is_empty());
         self.printed = self.ingredients.as_ref().map(|ingredients| {
             let bounds = Bounds::printed(ingredients);
             Printed {

@@ -20,7 +20,7 @@ pub(super) fn face_block(
     blocks: &SaddleBlocks,
     columns: &Columns,
 ) -> Result<AugmentationMatrix, SetupError> {
-    if columns.len() % 3 != 0 {
+    if !columns.len().is_multiple_of(3) {
         return Err(SetupError::NotApplicable {
             method: "augmentation face_block",
             reason: format!(

@@ -107,3 +107,34 @@ fn its_cost_is_counted_in_products_with_the_saddle_point() {
         (2 * 6 + 2 * 2 * (72 + 12)) as f64 / (2 * (144 + 12) + 2 * (72 + 12) + 2 * (72 + 6)) as f64;
     assert!((m.cost(&saddle) - expected).abs() < 1e-14);
 }
+
+#[test]
+fn settings_are_read_by_name_or_in_full() {
+    let read = |json: &str| serde_json::from_str::<Racp>(json);
+    let ssor = |omega: f64| InnerChoice::Ssor(crate::smoothers::Ssor { omega });
+    assert_eq!(read("{}").unwrap(), Racp::default());
+    let named = read(r#"{"augmentation": "face_block", "inner": "ssor"}"#).unwrap();
+    assert_eq!(
+        (named.augmentation, named.inner),
+        (AugmentationChoice::FaceBlock, ssor(1.0))
+    );
+    assert_eq!(
+        read(r#"{"inner": {"ssor": {"omega": 1.25}}}"#)
+            .unwrap()
+            .inner,
+        ssor(1.25)
+    );
+    assert!(
+        read(r#"{"inner": "ssorr"}"#)
+            .unwrap_err()
+            .to_string()
+            .contains("expected exact")
+    );
+    for inner in ["exact", "jacobi", "ssor"] {
+        let racp = Racp {
+            inner: inner.parse().unwrap(),
+            ..Racp::default()
+        };
+        assert_eq!(read(&serde_json::to_string(&racp).unwrap()).unwrap(), racp);
+    }
+}

@@ -501,3 +501,44 @@ fn results_do_not_depend_on_the_number_of_threads() {
     });
     assert!(bits.iter().all(|b| *b == bits[0]));
 }
+
+#[test]
+fn more_tractions_than_displacements_and_none_at_all() {
+    let wide = random(6, 9, 0.5, 3);
+    for inner in ["exact", "jacobi"] {
+        let report = run(&wide, AugmentationChoice::LocalH, inner);
+        assert_eq!(
+            (report.bounds.alpha_t, report.contained),
+            (Some(0.0), Some(true))
+        );
+        let check = oracle(&wide, AugmentationChoice::LocalH, inner);
+        assert!(distance(&check, &report.eigenvalues) < 1e-7);
+    }
+    let none = random(7, 0, 0.0, 3);
+    for inner in ["exact", "jacobi"] {
+        let report = run(&none, AugmentationChoice::Local, inner);
+        assert_eq!((report.eigenvalues.re.len(), report.n_complex), (7, 0));
+    }
+}
+
+#[test]
+fn nothing_but_shapes_and_nan_stops_an_analysis_of_imported_blocks() {
+    // An unsymmetric A: no theorem, all eigenvalues.
+    let mut blocks = random(10, 3, 0.0, 3);
+    *blocks.a.get_mut(0, 1).unwrap() += 0.05;
+    let report = run(&blocks, AugmentationChoice::Local, "jacobi");
+    assert_eq!(
+        (report.bounds.theorem, report.eigenvalues.re.len()),
+        (Theorem::None, 13)
+    );
+    let check = oracle(&blocks, AugmentationChoice::Local, "jacobi");
+    assert!(distance(&check, &report.eigenvalues) < 1e-9);
+    blocks.h = Some(sparse(4, 4, |_, _| 1.0));
+    let error = analyse(
+        &blocks,
+        &request(AugmentationChoice::Local, "exact"),
+        &mut Silent,
+    )
+    .unwrap_err();
+    assert!(matches!(error, SetupError::Shape { block: "H", .. }));
+}
