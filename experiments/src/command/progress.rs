@@ -8,7 +8,8 @@ use std::ops::ControlFlow;
 /// Shows the steps of set-ups and iterations; never stops them.
 pub(super) struct Progress {
     bar: Option<ProgressBar>,
-    stage: &'static str,
+    /// Stages announced since the last piece of work.
+    announced: Vec<&'static str>,
 }
 
 impl Progress {
@@ -18,11 +19,15 @@ impl Progress {
             let style = ProgressStyle::with_template("{elapsed:>4} {msg} {wide_bar} {pos}/{len}");
             ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         });
-        Self { bar, stage: "" }
+        Self {
+            bar,
+            announced: Vec::new(),
+        }
     }
 
     /// Announces a piece of work.
     pub(super) fn say(&mut self, text: &str) {
+        self.announced.clear();
         match &self.bar {
             Some(bar) => bar.suspend(|| line(text)),
             None => line(text),
@@ -55,8 +60,8 @@ impl Observer for Progress {
                 bar.set_length(*total as u64);
                 bar.set_position(*done as u64);
             }
-            (Step::Progress { stage, .. }, None) if *stage != self.stage => {
-                self.stage = stage;
+            (Step::Progress { stage, .. }, None) if !self.announced.contains(stage) => {
+                self.announced.push(stage);
                 line(stage);
             }
             _ => {}

@@ -33,16 +33,7 @@ impl Figure {
     /// # Errors
     /// plotters' error; writing into memory gives none.
     pub fn to_svg(&self) -> anyhow::Result<String> {
-        let hidden: Vec<usize> = self
-            .series
-            .iter()
-            .map(|s| {
-                s.points
-                    .iter()
-                    .filter(|p| self.place(**p).is_none())
-                    .count()
-            })
-            .collect();
+        let hidden: Vec<usize> = self.series.iter().map(|s| self.hidden(s)).collect();
         let (mut x, mut y) = self.ranges();
         let y_names = matches!(&self.y.scale, Scale::Categories(_));
         let y_most = 7;
@@ -102,6 +93,18 @@ impl Figure {
             legend.draw(canvas, 0.5 * WIDTH, top + height + below)
         })?;
         Ok(svg)
+    }
+
+    /// Points that no axis can show; lines run to the edge instead.
+    fn hidden(&self, series: &Series) -> usize {
+        match series.mark {
+            Mark::Line | Mark::Dashed => 0,
+            _ => series
+                .points
+                .iter()
+                .filter(|p| self.place(**p).is_none())
+                .count(),
+        }
     }
 
     /// A point in linearized coordinates; `None` when an axis cannot show it.
@@ -266,6 +269,18 @@ impl Frame<'_> {
         Ok(())
     }
 
+    /// Linearized coordinates, where values ≤ 0 on a logarithmic axis lie on its lower end.
+    fn to_the_edge(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
+        let end = |axis: &super::Axis, value: f64, low: f64| {
+            axis.linearize(value)
+                .or_else(|| (value <= 0.0).then_some(low))
+        };
+        Some([
+            end(&self.figure.x, x, self.x[0])?,
+            end(&self.figure.y, y, self.y[0])?,
+        ])
+    }
+
     fn clamped(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [x.clamp(self.x[0], self.x[1]), y.clamp(self.y[0], self.y[1])]
     }
@@ -322,10 +337,17 @@ impl Frame<'_> {
     }
 
     fn points(&self, canvas: &Canvas<'_>, tone: usize, series: &Series) -> Result<(), DrawError> {
+        let line = matches!(series.mark, Mark::Line | Mark::Dashed);
         let shown: Vec<[f64; 2]> = series
             .points
             .iter()
-            .filter_map(|p| self.figure.place(*p))
+            .filter_map(|p| {
+                if line {
+                    self.to_the_edge(*p)
+                } else {
+                    self.figure.place(*p)
+                }
+            })
             .filter(|p| self.inside(*p))
             .map(|p| self.at(p))
             .collect();

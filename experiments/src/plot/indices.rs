@@ -7,11 +7,15 @@ pub(super) fn has_index(text: &str) -> bool {
     text.char_indices().any(|(at, _)| opens(text, at))
 }
 
-/// True when an index begins behind byte `at`: `_` between a letter and a letter or digit.
+/// True when an index begins behind byte `at`: `_` between a symbol of one letter and a letter or digit. Longer words
+/// with underscores are names of methods.
 fn opens(text: &str, at: usize) -> bool {
     text[at..].strip_prefix('_').is_some_and(|rest| {
-        let before = text[..at].chars().next_back();
-        before.is_some_and(char::is_alphanumeric)
+        let mut before = text[..at].chars().rev();
+        before.next().is_some_and(char::is_alphabetic)
+            && !before
+                .next()
+                .is_some_and(|c| c.is_alphanumeric() || c == '_')
             && rest.starts_with(|c: char| c.is_ascii_alphanumeric())
     })
 }
@@ -83,6 +87,6 @@ mod tests {
         assert_eq!(set, expected);
         let plain = "<text font-size=\"10\">file_ name _x</text>";
         assert_eq!(lower(plain), plain);
-        assert!(has_index("λ of S_u") && !has_index("a _b c_"));
+        assert!(has_index("λ of S_u") && !has_index("a _b c_ local_h"));
     }
 }

@@ -6,6 +6,9 @@ use crate::report::format_real;
 use fracas_solvers::spectrum::bounds::is_non_real;
 use fracas_solvers::spectrum::{SpectrumReport, Theorem};
 
+/// Eigenvalues below this fraction of the largest are zero up to rounding.
+const ZERO: f64 = 1e-14;
+
 impl Figure {
     /// Eigenvalues in the complex plane, equal units on both axes; shade the predicted regions afterwards.
     pub fn complex_plane(
@@ -31,7 +34,7 @@ impl Figure {
 
     /// Real spectra side by side: one row per set, a point per eigenvalue.
     ///
-    /// On a logarithmic axis eigenvalues ≤ 0 cannot be shown; the row says how many.
+    /// A logarithmic axis shows what is larger than rounding ([`ZERO`] of the largest); the row says how many are not.
     pub fn rows(
         id: &str,
         title: &str,
@@ -39,15 +42,23 @@ impl Figure {
         x: Axis,
         rows: &[(String, Vec<f64>)],
     ) -> Self {
-        let hidden = |values: &[f64]| values.iter().filter(|v| x.linearize(**v).is_none()).count();
-        // The first row is on top: categories count upwards.
-        let names = rows
+        let largest = rows
             .iter()
-            .rev()
-            .map(|(name, values)| match hidden(values) {
+            .flat_map(|(_, values)| values)
+            .fold(0.0_f64, |m, v| m.max(v.abs()));
+        let least = if x.scale == Scale::Log {
+            ZERO * largest
+        } else {
+            f64::NEG_INFINITY
+        };
+        let shown = |value: &f64| *value > least;
+        // The first row is on top: categories count upwards.
+        let names = rows.iter().rev().map(|(name, values)| {
+            match values.iter().filter(|v| !shown(v)).count() {
                 0 => name.clone(),
-                n => format!("{name} ({n} ≤ 0)"),
-            });
+                n => format!("{name} ({n} at 0)"),
+            }
+        });
         let y = Axis {
             scale: Scale::Categories(names.collect()),
             ..Axis::linear("")
@@ -56,7 +67,7 @@ impl Figure {
             let height = (rows.len() - 1 - k) as f64;
             let points = values
                 .iter()
-                .filter(|v| x.linearize(**v).is_some())
+                .filter(|v| shown(v))
                 .map(|v| [*v, height])
                 .collect();
             Series::new("", Mark::Points, points).tone(k)

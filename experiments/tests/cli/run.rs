@@ -1,5 +1,10 @@
 //! Runs the `fracas` binary and keeps what it says.
 
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test that cannot run its program fails"
+)]
+
 use std::path::{Path, PathBuf};
 use std::process::Command;
 

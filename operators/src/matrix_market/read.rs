@@ -145,7 +145,7 @@ pub(super) fn dense_from(bytes: &[u8]) -> Result<Dense<f64>, (usize, Defect)> {
 fn line_of(body: &Lines<'_>, k: usize) -> usize {
     let mut lines = body.clone();
     let mut seen = 0;
-    while let Some(line) = lines.next() {
+    for line in lines.by_ref() {
         if !is_blank(line) {
             if seen == k {
                 break;
@@ -196,7 +196,7 @@ fn coordinate_piece(header: &Header, piece: &[u8]) -> Part {
     let mut entries = Vec::with_capacity(piece.len() / 24);
     let mut lines = Lines::new(piece);
     let mut defect = None;
-    while let Some(line) = lines.next() {
+    for line in lines.by_ref() {
         if is_blank(line) {
             continue;
         }
@@ -254,7 +254,7 @@ fn array_body(header: &Header, body: &[u8]) -> Part {
     };
     let (mut entries, mut lines, mut defect) = (Vec::new(), Lines::new(body), None);
     let (mut i, mut j) = (first(0), 0);
-    'lines: while let Some(line) = lines.next() {
+    'lines: for line in lines.by_ref() {
         if is_blank(line) {
             continue;
         }
