@@ -90,9 +90,10 @@ pub(super) fn word<'a>(line: &mut &'a [u8]) -> &'a [u8] {
 
 /// A line for an error message: at most 60 characters.
 pub(super) fn shorten(line: &[u8]) -> String {
-    let text = String::from_utf8_lossy(line.trim_ascii());
+    // control characters would break the sentence into lines, or command the terminal
+    let text = String::from_utf8_lossy(line.trim_ascii()).replace(|c: char| c.is_control(), "·");
     match text.char_indices().nth(60) {
-        None => text.into_owned(),
+        None => text,
         Some((end, _)) => format!("{}…", &text[..end]),
     }
 }

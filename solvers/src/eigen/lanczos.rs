@@ -4,7 +4,7 @@ use super::dense;
 use crate::SetupError;
 use faer::Mat;
 use fracas_operators::laws::probe;
-use fracas_operators::vector::{axpy, dot, scale};
+use fracas_operators::vector::{axpy, dot, norm_inf, scale};
 
 /// When to stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,6 +58,17 @@ pub struct Extreme {
     pub steps: usize,
 }
 
+impl Extreme {
+    /// The same value in another unit.
+    fn times(self, unit: f64) -> Self {
+        Self {
+            value: self.value * unit,
+            error: self.error * unit,
+            ..self
+        }
+    }
+}
+
 /// `y ← f(x)` with scratch memory of its own.
 pub type Map<'a> = dyn FnMut(&[f64], &mut [f64]) + 'a;
 
@@ -91,6 +102,7 @@ pub fn extreme_eigenvalues(
     let (mut alphas, mut betas): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
     let mut next_check = 8.min(n);
     let mut last: Option<(f64, f64)> = None;
+    let mut unit = 1.0;
     loop {
         // β² = rᵀ M⁻¹ r, v = M⁻¹ r / β, p = M v
         match &mut solve {
@@ -128,7 +140,7 @@ pub fn extreme_eigenvalues(
                 Ends::Largest => sharp(&high),
             };
             if exhausted || (stable && enough) || k >= settings.max_steps {
-                return Ok((low, high));
+                return Ok((low.times(unit), high.times(unit)));
             }
             last = Some((low.value, high.value));
             next_check = (k + (k / 8).max(4)).min(settings.max_steps);
@@ -147,12 +159,28 @@ pub fn extreme_eigenvalues(
         scale(1.0 / beta, &mut v);
         // r = K v − α p − β p_old
         apply(&v, &mut r);
+        if k == 0 {
+            unit = power_of_two(norm_inf(&r));
+        }
+        if unit != 1.0 {
+            scale(1.0 / unit, &mut r);
+        }
         let alpha = dot(&r, &v);
         alphas.push(alpha);
         axpy(-alpha, &p, &mut r);
         if k > 0 {
             axpy(-beta, &p_old, &mut r);
         }
+    }
+}
+
+/// The unit in which squares of `size` neither overflow nor vanish: 1 unless the numbers are extreme.
+fn power_of_two(size: f64) -> f64 {
+    const SAFE: std::ops::Range<f64> = 1e-100..1e100;
+    if size == 0.0 || !size.is_finite() || SAFE.contains(&size) {
+        1.0
+    } else {
+        size.log2().round().exp2()
     }
 }
 

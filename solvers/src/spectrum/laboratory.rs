@@ -80,7 +80,7 @@ pub fn analyse(
     let (blocks, structure, mut notes) = simplified(blocks);
     if !augmentation.empty_columns.is_empty() {
         notes.push(format!(
-            "{} columns of B have no entries (first: column {}); C is 1 there",
+            "{} columns of B have no entries (first: column {}); C_local and BᵀA⁻¹B count as 1 there",
             augmentation.empty_columns.len(),
             augmentation.empty_columns[0] + 1
         ));

@@ -2,21 +2,16 @@
 
 use super::super::SaddleBlocks;
 use super::AugmentationMatrix;
-use super::support::Columns;
 use crate::SetupError;
 use crate::eigen::{LanczosSettings, extreme_eigenvalues};
 use fracas_operators::sparse::Csr;
 use fracas_operators::{AdjointOperator, LinearOperator};
 
-/// `C = s γ I`, `γ = ‖B‖₂² / ‖A‖₂`, both norms by Lanczos to 1e-12; 1 for an empty column.
+/// `C = s γ I`, `γ = ‖B‖₂² / ‖A‖₂`, both norms by Lanczos to 1e-12.
 ///
 /// # Source
 /// The deck: the classical choice of augmented Lagrangians.
-pub(super) fn global(
-    blocks: &SaddleBlocks,
-    columns: &Columns,
-    factor: f64,
-) -> Result<AugmentationMatrix, SetupError> {
+pub(super) fn global(blocks: &SaddleBlocks, factor: f64) -> Result<AugmentationMatrix, SetupError> {
     let a = Csr::new(blocks.a.clone());
     let b = Csr::with_transpose(blocks.b1.clone());
     let mut middle = vec![0.0; blocks.n_u()];
@@ -37,12 +32,5 @@ pub(super) fn global(
             reason: format!("γ = ‖B‖²/‖A‖ is {gamma:e}: A or B has no entries"),
         });
     }
-    let diagonal = (0..columns.len()).map(|i| {
-        if columns.support(i).is_empty() {
-            1.0
-        } else {
-            gamma
-        }
-    });
-    Ok(AugmentationMatrix::diagonal(diagonal.collect()))
+    Ok(AugmentationMatrix::diagonal(vec![gamma; blocks.n_t()]))
 }

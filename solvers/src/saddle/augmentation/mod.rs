@@ -83,8 +83,8 @@ impl AugmentationChoice {
         let columns = support::Columns::new(&blocks.b1);
         let mut matrix = match self {
             Self::Local => local::local(&blocks.a, &columns)?,
-            Self::Global => global::global(blocks, &columns, 1.0)?,
-            Self::GlobalTimes(factor) => global::global(blocks, &columns, factor)?,
+            Self::Global => global::global(blocks, 1.0)?,
+            Self::GlobalTimes(factor) => global::global(blocks, factor)?,
             Self::Exact => exact::exact(blocks, &columns, direct)?,
             Self::LocalH => stabilized::local_h(blocks, &columns)?,
             Self::ExactH => stabilized::exact_h(blocks, &columns, direct)?,
@@ -140,7 +140,7 @@ impl FromStr for AugmentationChoice {
 pub struct Augmentation {
     /// C, factorized.
     pub matrix: AugmentationMatrix,
-    /// Columns of B without entries (from 0): they got `C_ii = 1`.
+    /// Columns of B without entries (from 0): `C_local` and `BᵀA⁻¹B` count as 1 there.
     pub empty_columns: Vec<usize>,
 }
 

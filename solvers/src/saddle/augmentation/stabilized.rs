@@ -25,7 +25,7 @@ pub(super) fn local_h(
     Ok(AugmentationMatrix::diagonal(diagonal))
 }
 
-/// `C = Bᵀ A⁻¹ B + (H + Hᵀ)/2`, 1 where a column of B and its row of H are empty.
+/// `C = Bᵀ A⁻¹ B + (H + Hᵀ)/2`; an empty column of B counts as `S_ii = 1`, since H alone is singular there.
 pub(super) fn exact_h(
     blocks: &SaddleBlocks,
     columns: &Columns,
@@ -39,9 +39,7 @@ pub(super) fn exact_h(
         }
     }
     for i in columns.empty() {
-        if c[(i, i)] == 0.0 {
-            c[(i, i)] = 1.0;
-        }
+        c[(i, i)] += 1.0;
     }
     Ok(AugmentationMatrix::dense(c))
 }

@@ -66,6 +66,14 @@ pub enum FolderError {
         /// Its size.
         other_shape: Shape,
     },
+    /// A matrix without rows or columns.
+    #[error("{file} is {found}: a saddle point needs at least one displacement and one traction")]
+    Empty {
+        /// The file.
+        file: &'static str,
+        /// Its shape.
+        found: Shape,
+    },
     /// A diagonal block must be square.
     #[error("{file} is {found}; it must be square")]
     NotSquare {

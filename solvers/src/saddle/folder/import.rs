@@ -61,6 +61,11 @@ pub fn read_folder(folder: &Path) -> Result<Imported, FolderError> {
     let (n_u, n_t) = (a_shape.rows, b1_shape.cols);
     let from_a = ("A.mtx", a_shape);
     square("A.mtx", a_shape)?;
+    for (file, shape) in [from_a, ("B1.mtx", b1_shape)] {
+        if shape.rows == 0 || shape.cols == 0 {
+            return Err(FolderError::Empty { file, found: shape });
+        }
+    }
     expect("B1.mtx", b1_shape, Shape::new(n_u, n_t), from_a)?;
     inspect::stiffness(&a.matrix, a.symmetry, &b1.matrix, &mut reader.findings)?;
     inspect::coupling(&b1.matrix, &mut reader.findings);
