@@ -4,7 +4,7 @@ use super::axis::{Scale, Tick};
 use super::canvas::{Anchor, Canvas, DrawError, draw_page, text_width};
 use super::figure::{Figure, Mark, Region, Series};
 use super::legend::Legend;
-use super::{marks, palette};
+use super::palette;
 use plotters::style::{BLACK, Color, RGBColor};
 
 /// Page width, in points: a column and a half of a journal.
@@ -13,18 +13,16 @@ const TICK_SIZE: f64 = 10.0;
 const LABEL_SIZE: f64 = 11.0;
 const TITLE_SIZE: f64 = 12.0;
 const GRID: RGBColor = RGBColor(226, 226, 226);
-/// Series with more points are drawn hollow.
-const CROWD: usize = 60;
 
 /// The plot box on the page and the linearized ends of its axes.
-struct Frame<'a> {
-    figure: &'a Figure,
+pub(super) struct Frame<'a> {
+    pub(super) figure: &'a Figure,
     left: f64,
     top: f64,
     width: f64,
     height: f64,
-    x: [f64; 2],
-    y: [f64; 2],
+    pub(super) x: [f64; 2],
+    pub(super) y: [f64; 2],
 }
 
 impl Figure {
@@ -108,7 +106,7 @@ impl Figure {
     }
 
     /// A point in linearized coordinates; `None` when an axis cannot show it.
-    fn place(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
+    pub(super) fn place(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
         Some([self.x.linearize(x)?, self.y.linearize(y)?])
     }
 
@@ -146,7 +144,7 @@ fn widen(range: &mut [f64; 2], length: f64) {
 
 impl Frame<'_> {
     /// Page position of linearized coordinates.
-    fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+    pub(super) fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let u = (x - self.x[0]) / (self.x[1] - self.x[0]);
         let v = (y - self.y[0]) / (self.y[1] - self.y[0]);
         [
@@ -155,7 +153,7 @@ impl Frame<'_> {
         ]
     }
 
-    fn inside(&self, [x, y]: [f64; 2]) -> bool {
+    pub(super) fn inside(&self, [x, y]: [f64; 2]) -> bool {
         let slack = |r: [f64; 2]| 1e-9 * (r[1] - r[0]);
         (self.x[0] - slack(self.x)..=self.x[1] + slack(self.x)).contains(&x)
             && (self.y[0] - slack(self.y)..=self.y[1] + slack(self.y)).contains(&y)
@@ -269,19 +267,7 @@ impl Frame<'_> {
         Ok(())
     }
 
-    /// Linearized coordinates, where values ≤ 0 on a logarithmic axis lie on its lower end.
-    fn to_the_edge(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
-        let end = |axis: &super::Axis, value: f64, low: f64| {
-            axis.linearize(value)
-                .or_else(|| (value <= 0.0).then_some(low))
-        };
-        Some([
-            end(&self.figure.x, x, self.x[0])?,
-            end(&self.figure.y, y, self.y[0])?,
-        ])
-    }
-
-    fn clamped(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+    pub(super) fn clamped(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [x.clamp(self.x[0], self.x[1]), y.clamp(self.y[0], self.y[1])]
     }
 
@@ -313,96 +299,6 @@ impl Frame<'_> {
                 y0 + 0.125 * dy - away * dx / length,
             ];
             canvas.colored_text(at, &label, TICK_SIZE, Anchor::Center, gray)?;
-        }
-        Ok(())
-    }
-
-    fn all_series(&self, canvas: &Canvas<'_>) -> Result<(), DrawError> {
-        let bars = self
-            .figure
-            .series
-            .iter()
-            .filter(|s| s.mark == Mark::Bars)
-            .count();
-        let mut bar = 0;
-        for (k, series) in self.figure.series.iter().enumerate() {
-            if series.mark == Mark::Bars {
-                self.bars(canvas, series.tone.unwrap_or(k), series, bar, bars)?;
-                bar += 1;
-            } else {
-                self.points(canvas, series.tone.unwrap_or(k), series)?;
-            }
-        }
-        Ok(())
-    }
-
-    fn points(&self, canvas: &Canvas<'_>, tone: usize, series: &Series) -> Result<(), DrawError> {
-        let line = matches!(series.mark, Mark::Line | Mark::Dashed);
-        let shown: Vec<[f64; 2]> = series
-            .points
-            .iter()
-            .filter_map(|p| {
-                if line {
-                    self.to_the_edge(*p)
-                } else {
-                    self.figure.place(*p)
-                }
-            })
-            .filter(|p| self.inside(*p))
-            .map(|p| self.at(p))
-            .collect();
-        let ink = palette::color(tone).mix(1.0);
-        match series.mark {
-            Mark::Line | Mark::LinePoints => canvas.line(&shown, ink, 1.5)?,
-            Mark::Dashed => canvas.dashed(&shown, ink, 1.5)?,
-            Mark::Points | Mark::Bars => {}
-        }
-        if matches!(series.mark, Mark::Points | Mark::LinePoints) {
-            let crowded = shown.len() > CROWD;
-            let radius = if crowded { 2.2 } else { marks::RADIUS };
-            for point in shown {
-                marks::draw(canvas, tone, point, radius, crowded)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Bars side by side in each category; a value that cannot be shown (a failed method) is a cross.
-    fn bars(
-        &self,
-        canvas: &Canvas<'_>,
-        tone: usize,
-        series: &Series,
-        place: usize,
-        of: usize,
-    ) -> Result<(), DrawError> {
-        let width = 0.8 / of as f64;
-        let base = self.y[0].max(if self.figure.y.scale == Scale::Linear {
-            0.0_f64.min(self.y[1])
-        } else {
-            self.y[0]
-        });
-        for [x, y] in &series.points {
-            let start = x - 0.4 + width * place as f64;
-            let Some(height) = self.figure.y.linearize(*y) else {
-                let [px, py] = self.at([start + 0.5 * width, base]);
-                canvas.colored_text(
-                    [px, py - 8.0],
-                    "✗",
-                    12.0,
-                    Anchor::Center,
-                    palette::color(tone),
-                )?;
-                continue;
-            };
-            let (a, b) = (
-                self.at([start + 0.04 * width, base]),
-                self.at(self.clamped([start + 0.96 * width, height])),
-            );
-            canvas.fill(
-                &[a, [b[0], a[1]], b, [a[0], b[1]]],
-                palette::color(tone).mix(0.9),
-            )?;
         }
         Ok(())
     }

@@ -9,6 +9,7 @@ mod indices;
 mod legend;
 mod marks;
 mod palette;
+mod series;
 mod spectrum;
 
 #[cfg(test)]
