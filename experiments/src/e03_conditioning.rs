@@ -182,7 +182,7 @@ impl Experiment for Conditioning {
         }
         let names = bars.iter().rev().map(|(name, _)| name.clone()).collect();
         let mut figure = Figure::new(
-            "e03_conditioning",
+            "e03_kappa",
             "",
             "Condition numbers of A (off its kernel) and of S_u for four choices of C.",
             Axis::log("κ₂"),
