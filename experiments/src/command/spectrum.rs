@@ -1,5 +1,6 @@
 //! `fracas spectrum`: eigenvalues of M⁻¹𝒜, what is proved about them, and whether it holds.
 
+use super::modes::Modes;
 use super::progress::Progress;
 use super::source::Source;
 use super::{Status, output};
@@ -23,6 +24,8 @@ pub(super) struct Spectrum {
     /// Largest dense eigenvalue problem; above it only outer eigenvalues are found.
     #[arg(long, value_name = "N", default_value_t = SpectrumRequest::default().dense_limit)]
     dense_limit: usize,
+    #[command(flatten)]
+    modes: Modes,
     /// Report as JSON; `-` writes it to standard output.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -42,13 +45,14 @@ impl Spectrum {
             augmentation: self.augmentation,
             inner: self.inner,
             dense_limit: self.dense_limit,
-            ..SpectrumRequest::default()
+            modes: self.modes.modes.clone(),
         };
         let report = analyse(&system.blocks, &request, &mut progress)?;
         for note in &report.notes {
             progress.say(&format!("note: {note}"));
         }
         drop(progress);
+        self.modes.write(&system, &report)?;
         if let Some(path) = &self.plot {
             let figure = Figure::of_spectrum("spectrum", &report);
             output::text(path, &figure.to_svg()?)?;
@@ -118,5 +122,15 @@ fn print(report: &SpectrumReport, out: &mut dyn Write) -> anyhow::Result<()> {
             ("bounds", theorem),
             ("verdict", verdict),
         ],
-    )
+    )?;
+    for mode in &report.modes {
+        let (re, im) = mode.eigenvalue;
+        writeln!(
+            out,
+            "mode              λ = {re:.6e} {im:+.6e} i, {:.1} % of the energy in t, residual {:.1e}",
+            100.0 * mode.traction_share,
+            mode.residual
+        )?;
+    }
+    Ok(())
 }
