@@ -134,7 +134,7 @@ fn with_c_equal_to_h_all_eigenvalues_are_one_and_general_c_gives_the_pencil() {
     dense::solve_lower(l.as_ref(), &mut k);
     dense::symmetrize(&mut k);
     let pencil = dense::symmetric_eigenvalues(k.as_ref()).unwrap();
-    let inverse = crate::saddle::schur::exact_inverse(&blocks, &c, direct.as_ref()).unwrap();
+    let inverse = schur::exact_inverse(&blocks, &c, direct.as_ref()).unwrap();
     for coupling in [
         Coupling::dense(&blocks, &c, blocks.h.as_ref()).unwrap(),
         Coupling::sparse(&blocks, &c, blocks.h.as_ref(), inverse.as_ref()).unwrap(),
