@@ -55,6 +55,9 @@ gallery! {
     "patch": "Do two blocks under uniform pressure carry it through the fracture between them?",
         "t_N = -p on every face, no jump, to rounding",
         [];
+    "clamped": "What does theorem 1 say where it applies: A regular, B of full rank, H = 0?",
+        "with C = BᵀA⁻¹B and exact S_u the eigenvalues are 1 (n_u times) and 1/2 (n_t times)",
+        ["mesh.x.cells=8", "mesh.y.cells=4", "mesh.z.cells=4"];
     "inclined": "How do tractions and slip develop on a through-going fracture of 60 deg dip?",
         "stick or slip of the whole plane by tan(30 deg) against tan(phi): A is singular, K is not",
         ["mesh.x.cells=8", "mesh.y.cells=4", "mesh.z.cells=8"];

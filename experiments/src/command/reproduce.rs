@@ -13,8 +13,8 @@ pub(super) struct Reproduce {
     /// Experiments by id (see `fracas list`), or `all`; none = a selection of about two minutes.
     #[arg(value_name = "ID")]
     ids: Vec<String>,
-    /// Size: `smoke` takes seconds per experiment, `paper` is the size in print.
-    #[arg(long, value_enum, default_value = "smoke")]
+    /// Size: `paper` is the size in print, `smoke` takes seconds.
+    #[arg(long, value_enum, default_value = "paper")]
     level: LevelChoice,
     /// Folder for report.html and one subfolder per experiment.
     #[arg(long, value_name = "DIR", default_value = "out")]

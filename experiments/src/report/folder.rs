@@ -59,6 +59,15 @@ fn write_findings(
     findings: &Findings,
     folder: &Path,
 ) -> anyhow::Result<()> {
+    let mut ids = std::collections::BTreeSet::new();
+    let named = findings.tables.iter().map(|t| &t.id);
+    for id in named.chain(findings.figures.iter().map(|f| &f.id)) {
+        anyhow::ensure!(
+            ids.insert(id),
+            "two results of {} are named {id}; one file would overwrite the other",
+            experiment.id()
+        );
+    }
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot create {}", folder.display()))?;
     for table in &findings.tables {

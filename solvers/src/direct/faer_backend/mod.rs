@@ -12,8 +12,10 @@ use serde::{Deserialize, Serialize};
 
 /// faer's sparse factorizations with nested dissection.
 ///
-/// LLᵀ for [`Kind::Spd`]; LDLᵀ without pivoting for [`Kind::QuasiDefinite`] and LU with partial pivoting on the
-/// equilibrated matrix for [`Kind::General`], both with one step of refinement.
+/// LLᵀ for [`Kind::Spd`]; LDLᵀ without pivoting for [`Kind::QuasiDefinite`]; LU with partial pivoting on the
+/// equilibrated matrix for [`Kind::General`], with one step of refinement. LDLᵀ has none: with `C = BᵀA⁻¹B` of
+/// condition 10⁴ a step in working precision replaced errors that A and C compensate by errors that they do not, and
+/// GMRES took 10 iterations instead of the 8 of exact arithmetic.
 ///
 /// # Source
 /// S. El Kazdadi, faer 0.24, <https://faer.veganb.tw>.

@@ -5,7 +5,6 @@ use crate::SetupError;
 use crate::direct::nested_dissection::nested_dissection;
 use crate::direct::pattern::{BLOCK, Pattern};
 use crate::direct::pivots;
-use crate::direct::refinement::Refined;
 use crate::direct::{Factorization, Kind, Symbolic, for_column_blocks};
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::ldlt::factor::LdltError;
@@ -117,11 +116,7 @@ impl Symbolic for SymmetricSymbolic {
         }
         let factors = SymmetricFactors::new(Arc::clone(&self.structure), values, self.kind);
         pivots::check(&factors.pivots(), |k| self.row(k), a, self.kind)?;
-        Ok(if spd {
-            Box::new(factors)
-        } else {
-            Box::new(Refined::new(a, factors))
-        })
+        Ok(Box::new(factors))
     }
 }
 

@@ -1,6 +1,7 @@
 use super::*;
 use crate::Silent;
 use crate::saddle::samples::{random, sparse, trusses, two_chains};
+use crate::saddle::schur;
 use crate::smoothers::{Jacobi, Ssor};
 use crate::spectrum::{Theorem, Verdict};
 
