@@ -33,7 +33,7 @@ fn scene(name: &str, holds: &[(&str, &str)], replaced: &[(&str, &str)]) -> Strin
     }
     let file = scratch(&format!("check-{name}")).join("scene.toml");
     write(&file, &text);
-    file.to_str().unwrap_or_default().to_owned()
+    file.display().to_string()
 }
 
 fn said(file: &str, status: i32, sentences: &[&str]) {
@@ -132,7 +132,7 @@ fn exported_frames_are_those_of_the_coupling() {
     let map = "[mesh.map.rotate]\naxis = \"y\"\nangle = \"20 deg\"\n[[material]]";
     let file = scene("frames", &[("x-", "fixed")], &[("[[material]]", map)]);
     let out = scratch("check-export");
-    let ran = fracas(&["export", &file, "--out", out.to_str().unwrap_or_default()]);
+    let ran = fracas(&["export", &file, "--out", out.to_str().unwrap()]);
     assert_eq!(ran.status, 0, "{}", ran.stderr);
     let faces: Dense<f64> = read_dense(&out.join("faces.mtx")).unwrap();
     let coords: Dense<f64> = read_dense(&out.join("coords.mtx")).unwrap();
@@ -169,6 +169,6 @@ fn exported_frames_are_those_of_the_coupling() {
     for line in ["\"step\": 0,", "\"newton\": 0,", "\"units\": \"SI\","] {
         assert!(manifest.contains(line), "{manifest}");
     }
-    let audit = fracas(&["check", "--system", out.to_str().unwrap_or_default()]);
+    let audit = fracas(&["check", "--system", out.to_str().unwrap()]);
     assert!(!audit.stdout.contains("faces.mtx"), "{}", audit.stdout);
 }

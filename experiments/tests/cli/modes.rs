@@ -1,5 +1,10 @@
 //! Claim: eigenvectors land on the right nodes and faces of the mesh, and are eigenvectors there.
 
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test that cannot read its files fails"
+)]
+
 use crate::run::{fracas, scratch};
 use std::collections::BTreeMap;
 use std::path::Path;
