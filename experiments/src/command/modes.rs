@@ -21,7 +21,7 @@ pub(super) struct Modes {
         long,
         value_name = "M,…",
         value_delimiter = ',',
-        allow_negative_numbers = true
+        allow_hyphen_values = true
     )]
     pub(super) modes: Vec<ModeTarget>,
     /// Writes them: mode_000_body.vtu and mode_000_fracture.vtu, or CSV for a system folder, and modes.csv.

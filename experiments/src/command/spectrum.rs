@@ -52,7 +52,6 @@ impl Spectrum {
             progress.say(&format!("note: {note}"));
         }
         drop(progress);
-        self.modes.write(&system, &report)?;
         if let Some(path) = &self.plot {
             let figure = Figure::of_spectrum("spectrum", &report);
             output::text(path, &figure.to_svg()?)?;
@@ -62,6 +61,7 @@ impl Spectrum {
             Some(path) => output::json(path, &report, out)?,
             None => print(&report, out)?,
         }
+        self.modes.write(&system, &report)?;
         Ok(if report.contained == Some(false) {
             Status::CheckFailed
         } else {
