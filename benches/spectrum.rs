@@ -1,8 +1,12 @@
 //! Times of the laboratory: dense spectra of 2,000 unknowns, exact C and condition numbers at 20,000.
 //!
-//! `cargo bench --bench spectrum` prints one time per line, on a pool of one thread and of two.
+//! `cargo bench --bench spectrum` prints one time per line, on a pool of one thread and of two. One thread is timed by
+//! its processor time.
 
-use criterion::{BenchmarkId, Criterion, SamplingMode};
+#[path = "products/clock.rs"]
+mod clock;
+
+use criterion::{Bencher, BenchmarkId, Criterion, SamplingMode};
 use faer::Mat;
 use fracas::contact::JumpStabilization;
 use fracas::scene::named;
@@ -40,6 +44,17 @@ fn blocks(scene: &str, overrides: &[&str]) -> SaddleBlocks {
     blocks
 }
 
+/// Times `work` on the pool.
+fn timed<T: Send>(bencher: &mut Bencher<'_>, pool: &ThreadPool, work: impl Fn() -> T + Sync) {
+    bencher.iter_custom(|repetitions| {
+        pool.install(|| {
+            let start = clock::now();
+            (0..repetitions).for_each(|_| drop(black_box(work())));
+            clock::now() - start
+        })
+    });
+}
+
 fn bench(criterion: &mut Criterion, small: &SaddleBlocks, large: &SaddleBlocks, pool: &ThreadPool) {
     let threads = pool.current_num_threads();
     let mut group = criterion.benchmark_group("spectrum");
@@ -49,10 +64,14 @@ fn bench(criterion: &mut Criterion, small: &SaddleBlocks, large: &SaddleBlocks, 
     let values: Vec<f64> = probe(DENSE * DENSE, 1);
     let random = Mat::from_fn(DENSE, DENSE, |i, j| values[j * DENSE + i]);
     group.bench_function(label("random general"), |bencher| {
-        bencher.iter(|| pool.install(|| dense::general_eigenvalues(black_box(random.as_ref()))));
+        timed(bencher, pool, || {
+            dense::general_eigenvalues(black_box(random.as_ref()))
+        });
     });
     group.bench_function(label("random symmetric"), |bencher| {
-        bencher.iter(|| pool.install(|| dense::symmetric_eigenvalues(black_box(random.as_ref()))));
+        timed(bencher, pool, || {
+            dense::symmetric_eigenvalues(black_box(random.as_ref()))
+        });
     });
 
     let inners = [
@@ -66,20 +85,19 @@ fn bench(criterion: &mut Criterion, small: &SaddleBlocks, large: &SaddleBlocks, 
             ..SpectrumRequest::default()
         };
         group.bench_function(label(&format!("analyse {inner}")), |bencher| {
-            bencher
-                .iter(|| pool.install(|| analyse(small, &request, &mut Silent).expect("a report")));
+            timed(bencher, pool, || {
+                analyse(small, &request, &mut Silent).expect("a report")
+            });
         });
     }
 
     let direct = DirectChoice::default().solver().expect("a backend");
     let direct: &dyn DirectSolver = direct.as_ref();
     group.bench_function(label("exact C"), |bencher| {
-        bencher.iter(|| {
-            pool.install(|| {
-                AugmentationChoice::ExactH
-                    .compute(large, direct)
-                    .expect("C")
-            })
+        timed(bencher, pool, || {
+            AugmentationChoice::ExactH
+                .compute(large, direct)
+                .expect("C")
         });
     });
     let c = AugmentationChoice::LocalH
@@ -87,11 +105,13 @@ fn bench(criterion: &mut Criterion, small: &SaddleBlocks, large: &SaddleBlocks, 
         .expect("C")
         .matrix;
     group.bench_function(label("cond A"), |bencher| {
-        bencher.iter(|| pool.install(|| condition::stiffness_ends(large, direct).expect("ends")));
+        timed(bencher, pool, || {
+            condition::stiffness_ends(large, direct).expect("ends")
+        });
     });
     group.bench_function(label("cond S_u"), |bencher| {
-        bencher.iter(|| {
-            pool.install(|| condition::schur_ends(large, &c, None, direct).expect("ends"))
+        timed(bencher, pool, || {
+            condition::schur_ends(large, &c, None, direct).expect("ends")
         });
     });
     group.finish();
