@@ -1,8 +1,8 @@
 //! `fracas export`: a system folder.
 
-use super::Status;
 use super::progress::Progress;
 use super::source::Assembly;
+use super::{Status, output};
 use clap::Args;
 use fracas_solvers::saddle::folder::write_folder;
 use std::io::Write;
@@ -22,6 +22,7 @@ pub(super) struct Export {
 
 impl Export {
     pub(super) fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
+        output::folder(&self.out)?;
         let mut progress = Progress::new();
         let system = self.assembly.assemble(&self.scene, &mut progress)?;
         write_folder(&self.out, &system.blocks, &system.manifest)?;
