@@ -4,6 +4,7 @@ use crate::contact::{Coupling, JumpStabilization, prescribed_jump};
 use crate::elasticity::{Constraints, Elastic, ElasticityError, lift, loads, reduced, stiffness};
 use crate::mesh::{FractureMesh, HexMesh};
 use crate::scene::{Body, SurfaceTraction};
+use fracas_operators::sparse::SparseMatrix;
 use fracas_operators::vector::axpy;
 use fracas_solvers::saddle::{DofCoordinate, SaddleBlocks};
 
@@ -39,20 +40,24 @@ impl StickSystem<'_> {
             .collect();
         lift(&full, self.constraints, &mut rhs_u);
         let rhs_t = prescribed_jump(self.fractures, self.constraints);
-        let h = self
-            .stabilization
-            .map(|s| s.assemble(self.mesh, self.fractures, self.materials))
-            .filter(|h| h.nnz() > 0);
         Ok(SaddleBlocks {
             a: reduced(&full, self.constraints),
             b1: Coupling::new(self.fractures, self.constraints).assemble(),
             b2: None,
-            h,
+            h: self.stabilization(),
             rhs_u,
             rhs_t: rhs_t.into_iter().map(|jump| -jump).collect(),
             coordinates: Some(self.coordinates()),
             flow: None,
         })
+    }
+
+    /// H, or `None` where it is absent or has no entries.
+    pub fn stabilization(&self) -> Option<SparseMatrix<f64>> {
+        let h = self
+            .stabilization?
+            .assemble(self.mesh, self.fractures, self.materials);
+        (h.nnz() > 0).then_some(h)
     }
 
     /// Where the free displacements live.
@@ -104,13 +109,17 @@ impl Body {
         &self,
         stabilization: Option<JumpStabilization>,
     ) -> Result<SaddleBlocks, ElasticityError> {
-        let system = StickSystem {
+        self.stick_system(stabilization).assemble(&self.forces()?)
+    }
+
+    /// The body with every face in stick.
+    pub fn stick_system(&self, stabilization: Option<JumpStabilization>) -> StickSystem<'_> {
+        StickSystem {
             mesh: &self.mesh,
             fractures: &self.fractures,
             materials: &self.materials,
             constraints: &self.constraints,
             stabilization,
-        };
-        system.assemble(&self.forces()?)
+        }
     }
 }

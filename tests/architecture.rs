@@ -112,9 +112,18 @@ fn files_are_small_and_finished() {
     let mut lengths = Vec::new();
     for folder in ["operators/src", "solvers/src", "src", "experiments/src"] {
         for (path, text) in sources(folder) {
-            let lines = text.lines().count();
+            // a list of claims may be long: unit tests are not counted
+            if path.ends_with("tests.rs") {
+                continue;
+            }
+            let lines = text
+                .split("#[cfg(test)]\nmod tests {")
+                .next()
+                .unwrap_or("")
+                .lines()
+                .count();
             assert!(
-                lines <= 500,
+                lines <= 450,
                 "{} has {lines} lines: one idea per file",
                 path.display()
             );

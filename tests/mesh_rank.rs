@@ -105,6 +105,14 @@ fn a_fracture_of_one_face_is_not_split_and_says_so() {
         (Some(3), 3)
     );
     assert_eq!(audit.fractures[0].tip_nodes, 4);
+    assert_eq!(audit.kernel.findings.len(), 1);
+    assert_eq!(audit.kernel.findings[0].reason, KernelReason::NotSplit);
+    let text = audit.to_string();
+    assert!(
+        text.contains("3 traction modes stay free even with stabilization: the system is singular")
+            && text.contains("\"F\" on 1 face, first face 0 at (2.000000, 1.500000, 1.500000) m: all four corners are tips"),
+        "{text}"
+    );
 }
 
 #[test]

@@ -8,6 +8,8 @@ use fracas::mesh;
 use fracas_operators::sparse::Csr;
 use fracas_operators::{LinearOperator, Real};
 use std::alloc::{GlobalAlloc, Layout, System};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 struct Counting;
@@ -30,15 +32,23 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
+/// One pool for the whole test: a thread that ends allocates, too.
+fn pool() -> &'static ThreadPool {
+    static POOL: OnceLock<ThreadPool> = OnceLock::new();
+    POOL.get_or_init(|| {
+        let builder = ThreadPoolBuilder::new().num_threads(1);
+        let pool = builder.build().expect("one thread");
+        // the thread has started and done its own allocations
+        pool.install(|| ());
+        pool
+    })
+}
+
 fn assert_silent<R: Real>(name: &str, operator: &dyn LinearOperator<R>) {
     let n = operator.shape().rows;
     let x = vec![R::one(); n];
     let (mut y, mut work) = (vec![R::zero(); n], vec![R::zero(); operator.work_len()]);
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(1)
-        .build()
-        .expect("valid input");
-    let allocations = pool.install(|| {
+    let allocations = pool().install(|| {
         let before = ALLOCATIONS.load(Ordering::Relaxed);
         for _ in 0..3 {
             operator.apply_add(R::one(), &x, &mut y, &mut work);

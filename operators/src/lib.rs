@@ -11,6 +11,7 @@
 //! assert_eq!(y, [2.0, 3.0]);
 //! ```
 
+pub mod adjoint;
 pub mod block;
 pub mod count;
 pub mod dense;
@@ -25,6 +26,7 @@ pub mod sparse;
 pub mod timed;
 pub mod vector;
 
+pub use adjoint::Adjoint;
 pub use block::{BlockOperator, Layout};
 pub use count::Counted;
 pub use dense::Dense;

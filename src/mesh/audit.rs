@@ -3,12 +3,12 @@
 use std::collections::{HashMap, HashSet};
 use std::fmt;
 
-use super::error::{AXES, point};
+use super::error::point;
 use super::face_geometry::{dot, minus};
 use super::jacobian::corners;
-use super::kernel::{COMPONENTS, CouplingKernel};
+use super::kernel::CouplingKernel;
 use super::{
-    BodyPart, FractureMesh, HexMesh, Hold, KernelReason, bodies, coupling_kernel, min_jacobian,
+    BodyPart, FractureMesh, HexMesh, Hold, bodies, coupling_kernel, kernel_report, min_jacobian,
 };
 
 /// Counts of one fracture.
@@ -216,55 +216,8 @@ impl fmt::Display for Audit {
             )?;
         }
         more(f, "bodies", self.bodies.len())?;
-        match self.kernel.dimension {
-            Some(0) => writeln!(f, "rank        B has full rank")?,
-            Some(k) => writeln!(f, "rank        dim ker B = {k} without stabilization")?,
-            None => writeln!(
-                f,
-                "rank        too many faces for a dense rank of B; local counts below"
-            )?,
-        }
-        if self.kernel.stabilized_dimension > 0 {
-            writeln!(
-                f,
-                "warning     {} traction modes stay free even with stabilization",
-                self.kernel.stabilized_dimension
-            )?;
-        }
-        for finding in self.kernel.findings.iter().take(SHOWN) {
-            let label = match finding.reason {
-                KernelReason::Counting { .. } => "note",
-                _ => "warning",
-            };
-            write!(
-                f,
-                "{label:<12}face {} at {}: ",
-                finding.face,
-                point(&finding.center)
-            )?;
-            match &finding.reason {
-                KernelReason::EmptyColumn { component } => writeln!(
-                    f,
-                    "{} acts on prescribed displacements only (empty column of B); free one side or refine across",
-                    COMPONENTS[*component]
-                ),
-                KernelReason::UniformPatch { faces, direction } => writeln!(
-                    f,
-                    "a uniform traction along {} on its patch of {faces} faces does no work",
-                    AXES[*direction]
-                ),
-                KernelReason::Counting {
-                    faces,
-                    direction,
-                    jumps,
-                } => writeln!(
-                    f,
-                    "its patch has {faces} tractions along {} but {jumps} free jumps: stabilization is needed",
-                    AXES[*direction]
-                ),
-            }?;
-        }
-        more(f, "findings on rank", self.kernel.findings.len())
+        let names: Vec<&str> = self.fractures.iter().map(|c| c.name.as_str()).collect();
+        kernel_report::write(f, &self.kernel, &names, SHOWN)
     }
 }
 

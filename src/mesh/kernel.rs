@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashMap};
 
 use super::rank::gram_rank;
-use super::{FractureMesh, HexMesh};
+use super::{FractureFace, FractureMesh, HexMesh};
 
 /// Faces beyond which the dense rank of B is not computed (three n×n Gram matrices, n³/3 each: about a second).
 const DENSE_FACES: usize = 1200;
@@ -14,13 +14,12 @@ const DENSE_PATCHES: usize = 1200;
 /// Pivots of Gram matrices below this share of the largest one count as zero.
 const RANK_TOLERANCE: f64 = 1e-10;
 
-/// Names of the three traction components.
-pub(super) const COMPONENTS: [&str; 3] = ["t_N", "t_1", "t_2"];
-
 /// Why tractions have no effect.
 #[derive(Clone, Debug, PartialEq)]
 pub enum KernelReason {
-    /// The column of B is empty: all displacements that it acts on are prescribed, or the face is not split.
+    /// All four corners are tips: the face is not split, so it cannot open and its three columns of B are empty.
+    NotSplit,
+    /// The column of B is empty: all displacements that it acts on are prescribed.
     EmptyColumn {
         /// Component 0–2: t_N, t_1, t_2.
         component: usize,
@@ -66,6 +65,11 @@ pub struct CouplingKernel {
     pub stabilized_dimension: usize,
     /// Where and why.
     pub findings: Vec<KernelFinding>,
+}
+
+/// Whether no corner of a face is split.
+fn is_whole(face: &FractureFace) -> bool {
+    face.plus.nodes == face.minus.nodes
 }
 
 /// Column of B for a unit traction of one global direction on a face: (free displacement's node, ±∫N_a).
@@ -203,6 +207,12 @@ pub fn coupling_kernel(
     };
     let mut kernel = CouplingKernel::default();
     for (f, face) in fractures.faces.iter().enumerate() {
+        if is_whole(face) {
+            kernel
+                .findings
+                .push(place(f as u32, KernelReason::NotSplit));
+            continue;
+        }
         let empty = [0, 1, 2].map(|d: usize| column(fractures, prescribed, f, d).is_empty());
         for component in 0..3 {
             if (0..3).all(|d| empty[d] || face.frame[component][d].abs() < 1e-12) {
@@ -225,6 +235,10 @@ pub fn coupling_kernel(
         );
     }
     let patches = patches(fractures);
+    let whole: Vec<bool> = patches
+        .iter()
+        .map(|p| p.iter().all(|f| is_whole(&fractures.faces[*f as usize])))
+        .collect();
     for d in 0..3 {
         let columns: Vec<Column> = patches
             .iter()
@@ -236,10 +250,13 @@ pub fn coupling_kernel(
             })
             .collect();
         let mut alone = 0;
-        for (patch, column) in patches.iter().zip(&columns) {
+        for ((patch, column), whole) in patches.iter().zip(&columns).zip(&whole) {
             let (faces, direction) = (patch.len(), d);
+            alone += usize::from(column.is_empty());
+            if *whole {
+                continue;
+            }
             if column.is_empty() {
-                alone += 1;
                 kernel.findings.push(place(
                     patch[0],
                     KernelReason::UniformPatch { faces, direction },

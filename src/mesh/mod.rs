@@ -14,6 +14,7 @@ mod fracture_mesh;
 mod hex_mesh;
 mod jacobian;
 mod kernel;
+mod kernel_report;
 mod plane_fracture;
 mod rank;
 mod split;

@@ -4,6 +4,8 @@ use super::progress::Progress;
 use super::source::Assembly;
 use super::{Status, output};
 use clap::Args;
+use fracas::io::face_table;
+use fracas_operators::matrix_market::write_dense;
 use fracas_solvers::saddle::folder::write_folder;
 use std::io::Write;
 use std::path::PathBuf;
@@ -26,6 +28,9 @@ impl Export {
         let mut progress = Progress::new();
         let system = self.assembly.assemble(&self.scene, &mut progress)?;
         write_folder(&self.out, &system.blocks, &system.manifest)?;
+        if let Some(body) = &system.body {
+            write_dense(&self.out.join("faces.mtx"), &face_table(&body.fractures))?;
+        }
         writeln!(out, "{}", self.out.display())?;
         Ok(Status::Done)
     }

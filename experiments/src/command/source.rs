@@ -6,6 +6,7 @@ use super::scene::{self, Overrides};
 use anyhow::Context;
 use clap::Args;
 use fracas::contact::JumpStabilization;
+use fracas::scene::Body;
 use fracas_solvers::saddle::SaddleBlocks;
 use fracas_solvers::saddle::folder::{Manifest, read_folder};
 use std::path::{Path, PathBuf};
@@ -51,6 +52,8 @@ fn factor(text: &str) -> Result<f64, String> {
 pub(super) struct System {
     pub(super) blocks: SaddleBlocks,
     pub(super) manifest: Manifest,
+    /// The meshed body, where the system comes from a scene.
+    pub(super) body: Option<Body>,
     /// Remarks of the import.
     pub(super) findings: Vec<String>,
     /// False when the folder holds no right-hand side at all.
@@ -86,6 +89,7 @@ fn import(folder: &Path, progress: &mut Progress) -> anyhow::Result<System> {
     Ok(System {
         blocks,
         manifest,
+        body: None,
         findings,
         has_rhs,
     })
@@ -106,7 +110,10 @@ impl Assembly {
             .with_context(|| format!("{name} cannot be assembled"))?;
         let mut manifest = Manifest {
             scene: Some(name.into()),
+            step: Some(0),
+            newton: Some(0),
             states: Some(vec![0; body.fractures.faces.len()]),
+            units: Some("SI".into()),
             ..Manifest::default()
         };
         manifest
@@ -116,6 +123,7 @@ impl Assembly {
         Ok(System {
             blocks,
             manifest,
+            body: Some(body),
             findings: Vec::new(),
             has_rhs,
         })

@@ -1,5 +1,6 @@
 //! `fracas spectrum`: eigenvalues of M⁻¹𝒜, what is proved about them, and whether it holds.
 
+use super::modes::Modes;
 use super::progress::Progress;
 use super::source::Source;
 use super::{Status, output};
@@ -23,6 +24,8 @@ pub(super) struct Spectrum {
     /// Largest dense eigenvalue problem; above it only outer eigenvalues are found.
     #[arg(long, value_name = "N", default_value_t = SpectrumRequest::default().dense_limit)]
     dense_limit: usize,
+    #[command(flatten)]
+    modes: Modes,
     /// Report as JSON; `-` writes it to standard output.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -51,7 +54,7 @@ impl Spectrum {
             augmentation: self.augmentation,
             inner: self.inner,
             dense_limit: self.dense_limit,
-            ..SpectrumRequest::default()
+            modes: self.modes.modes.clone(),
         };
         let report = analyse(&system.blocks, &request, &mut progress)?;
         for note in &report.notes {
@@ -67,6 +70,7 @@ impl Spectrum {
             Some(path) => output::json(path, &report, out)?,
             None => print(&report, out)?,
         }
+        self.modes.write(&system, &report)?;
         Ok(if report.contained == Some(false) {
             Status::CheckFailed
         } else {
@@ -127,5 +131,15 @@ fn print(report: &SpectrumReport, out: &mut dyn Write) -> anyhow::Result<()> {
             ("bounds", theorem),
             ("verdict", verdict),
         ],
-    )
+    )?;
+    for mode in &report.modes {
+        let (re, im) = mode.eigenvalue;
+        writeln!(
+            out,
+            "mode              λ = {re:.6e} {im:+.6e} i, {:.1} % of the energy in t, residual {:.1e}",
+            100.0 * mode.traction_share,
+            mode.residual
+        )?;
+    }
+    Ok(())
 }

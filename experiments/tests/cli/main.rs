@@ -1,6 +1,8 @@
 //! The `fracas` binary, as its users see it: status, standard output, standard error, files.
 
 mod bad_input;
+mod check;
+mod modes;
 mod pipe;
 mod run;
 mod scenes;

@@ -211,7 +211,7 @@ mod tests {
         let mut triplets = Triplets::new((rows, cols));
         for i in 0..rows {
             for j in 0..cols {
-                if (i * 7 + j * 3 + seed) % 4 != 0 {
+                if !(i * 7 + j * 3 + seed).is_multiple_of(4) {
                     triplets.add_triplet(i, j, ((i + 10 * j + 100 * seed) as f64).sin());
                 }
             }

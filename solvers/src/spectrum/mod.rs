@@ -22,5 +22,5 @@ mod similarity;
 pub use bounds::{Bounds, Region, Theorem, Verdict};
 pub use field_of_values::FieldOfValues;
 pub use laboratory::{SpectrumRequest, analyse};
-pub use modes::{Mode, ModeTarget};
+pub use modes::{Mode, ModeTarget, UnknownModeTarget};
 pub use report::{Eigenvalues, SpectrumReport};

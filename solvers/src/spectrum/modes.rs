@@ -10,6 +10,7 @@ use faer::{Mat, c64};
 use fracas_operators::{LinearOperator, Preconditioner};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::str::FromStr;
 
 /// Which eigenvalue.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -41,15 +42,44 @@ impl ModeTarget {
     }
 }
 
-/// An eigenvector `M⁻¹𝒜 (u, t) = λ (u, t)`.
+/// Text that names no eigenvalue.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("unknown mode {found:?}: expected smallest, largest or a number such as 0.5")]
+pub struct UnknownModeTarget {
+    /// What was given.
+    pub found: String,
+}
+
+impl FromStr for ModeTarget {
+    type Err = UnknownModeTarget;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        match name {
+            "smallest" => Ok(Self::Smallest),
+            "largest" => Ok(Self::Largest),
+            number => match number.parse() {
+                Ok(target) if f64::is_finite(target) => Ok(Self::Closest(target)),
+                _ => Err(UnknownModeTarget {
+                    found: name.to_owned(),
+                }),
+            },
+        }
+    }
+}
+
+/// An eigenvector `M⁻¹𝒜 (u, t) = λ (u, t)`, scaled to the energy `uᵀ diag(S_u) u + tᵀ diag(C) t = 1`.
+///
+/// For a non-real λ it is the real part, in the phase that makes the entry of largest energy real and positive.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Mode {
     /// (Re λ, Im λ).
     pub eigenvalue: (f64, f64),
-    /// Displacements, largest entry ±1; the real part for a non-real λ.
+    /// Displacements.
     pub u: Vec<f64>,
-    /// Tractions in the same scale.
+    /// Tractions.
     pub t: Vec<f64>,
+    /// Share of `tᵀ diag(C) t` in the energy: 1 for a mode that displaces nothing.
+    pub traction_share: f64,
     /// `‖M⁻¹𝒜v − λv‖ / ‖v‖` in the energy scales √diag(S_u), √diag(C).
     pub residual: f64,
 }
@@ -164,21 +194,34 @@ impl Judge<'_> {
             out
         };
         let (image_x, image_y) = (image(&x), image(&y));
-        let (mut residual, mut norm) = (0.0, 0.0);
+        let (mut residual, mut energy, mut energy_u) = (0.0, 0.0, 0.0);
+        let mut largest = (0.0, 0);
         for i in 0..x.len() {
             let d = self.scales[i];
             let r_x = image_x[i] - lambda.re * x[i] + lambda.im * y[i];
             let r_y = image_y[i] - lambda.re * y[i] - lambda.im * x[i];
             residual += (d * r_x).powi(2) + (d * r_y).powi(2);
-            norm += (d * x[i]).powi(2) + (d * y[i]).powi(2);
+            let share = (d * x[i]).powi(2) + (d * y[i]).powi(2);
+            energy += share;
+            if i < n_u {
+                energy_u += share;
+            }
+            if share > largest.0 {
+                largest = (share, i);
+            }
         }
-        let largest = x[..n_u].iter().fold(0.0f64, |m, v| m.max(v.abs()));
-        let scale = if largest > 0.0 { 1.0 / largest } else { 1.0 };
+        // Re(v · conj(v_i) / |v_i|) for the entry i of largest energy
+        let (a, b) = (x[largest.1], y[largest.1]);
+        let scale = a.hypot(b) * energy.sqrt();
+        let part = |range: std::ops::Range<usize>| -> Vec<f64> {
+            range.map(|i| (x[i] * a + y[i] * b) / scale).collect()
+        };
         Mode {
             eigenvalue: (lambda.re, lambda.im),
-            u: x[..n_u].iter().map(|v| scale * v).collect(),
-            t: x[n_u..].iter().map(|v| scale * v).collect(),
-            residual: (residual / norm).sqrt(),
+            u: part(0..n_u),
+            t: part(n_u..x.len()),
+            traction_share: (energy - energy_u) / energy,
+            residual: (residual / energy).sqrt(),
         }
     }
 }

@@ -22,7 +22,7 @@ pub struct Imported {
 }
 
 /// Every file that a system folder may hold.
-pub(super) const FILES: [&str; 12] = [
+pub(super) const FILES: [&str; 13] = [
     "A.mtx",
     "B1.mtx",
     "B2.mtx",
@@ -34,6 +34,7 @@ pub(super) const FILES: [&str; 12] = [
     "rhs_t.mtx",
     "rhs_p.mtx",
     "coords.mtx",
+    "faces.mtx",
     "manifest.json",
 ];
 

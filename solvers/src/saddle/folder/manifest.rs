@@ -29,6 +29,9 @@ pub struct Manifest {
     /// Contact state per fracture face: 0 stick, 1 new-slip, 2 slip, 3 open.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub states: Option<Vec<u8>>,
+    /// Units of all values: `SI` for metres, newtons and pascals.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub units: Option<String>,
     /// Everything else, untouched.
     #[serde(flatten)]
     pub other: serde_json::Map<String, serde_json::Value>,

@@ -9,7 +9,8 @@
 //! | `Q1.mtx` `Q2.mtx` `T.mtx` | n_u × n_p, n_p × n_u, n_p × n_p | no flow |
 //! | `rhs_u.mtx` `rhs_t.mtx` `rhs_p.mtx` | vectors | 0 |
 //! | `coords.mtx` | n_u rows `x y z component`, or n_u/3 rows `x y z` | unknown |
-//! | `manifest.json` | sizes, scene, step, states, version | sizes from the matrices |
+//! | `faces.mtx` | n_t/3 rows `fracture, centre, area, n, t1, t2`: for readers of the tractions, not needed here | – |
+//! | `manifest.json` | sizes, scene, step, Newton iteration, states, units, version | sizes from the matrices |
 //!
 //! Constrained rows and columns are removed. An imported folder may come from any code: what makes a system impossible
 //! is a [`FolderError`]; what is merely remarkable is a [`Finding`].

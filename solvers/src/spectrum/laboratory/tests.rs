@@ -394,6 +394,7 @@ fn modes_satisfy_their_equation() {
         for mode in &report.modes {
             assert!(mode.residual < 1e-10, "{inner} {h}: {mode:?}");
             assert_eq!((mode.u.len(), mode.t.len()), (18, 6));
+            assert!((0.0..=1.0).contains(&mode.traction_share), "{mode:?}");
         }
     }
 }

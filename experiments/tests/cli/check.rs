@@ -1,0 +1,174 @@
+//! Claim: `check` says what is singular, why and where, and exports say what their tractions mean.
+
+use crate::run::{fracas, scratch, write};
+use fracas_operators::Dense;
+use fracas_operators::matrix_market::{read_dense, read_sparse};
+
+/// Two layers of elements on both sides of a fracture through x = 1 m, without boundary conditions.
+const BASE: &str = r#"
+title = "two slabs"
+[mesh]
+x = { from = "0 m", to = "2 m", cells = 2 }
+y = { from = "0 m", to = "3 m", cells = 3 }
+z = { from = "0 m", to = "3 m", cells = 3 }
+[[material]]
+name = "rock"
+young = "25 GPa"
+poisson = 0.25
+[[fracture]]
+name = "joint"
+plane = "x"
+at = "1 m"
+"#;
+
+/// BASE with holds on sides and keys replaced.
+fn scene(name: &str, holds: &[(&str, &str)], replaced: &[(&str, &str)]) -> String {
+    let mut text = BASE.to_owned();
+    for (old, new) in replaced {
+        assert!(text.contains(old), "{old}");
+        text = text.replace(old, new);
+    }
+    for (side, hold) in holds {
+        text += &format!("[[boundary]]\nside = \"{side}\"\nhold = \"{hold}\"\n");
+    }
+    let file = scratch(&format!("check-{name}")).join("scene.toml");
+    write(&file, &text);
+    file.display().to_string()
+}
+
+fn said(file: &str, status: i32, sentences: &[&str]) {
+    let ran = fracas(&["check", file]);
+    let text = ran.stdout + &ran.stderr;
+    assert_eq!(ran.status, status, "{text}");
+    for sentence in sentences {
+        assert!(text.contains(sentence), "`{sentence}` is not in\n{text}");
+    }
+}
+
+#[test]
+fn bodies_that_nothing_holds_are_bad_input() {
+    said(
+        &scene("free", &[], &[]),
+        2,
+        &[
+            "error: body 0 (9 elements around (0.500000, 1.500000, 1.500000) m) is not held",
+            "6 rigid motions are free, nothing is prescribed along x, y, z",
+        ],
+    );
+    said(
+        &scene("roller", &[("z-", "roller")], &[]),
+        2,
+        &["3 rigid motions are free, nothing is prescribed along x, y"],
+    );
+}
+
+#[test]
+fn fractures_outside_are_bad_input() {
+    for (at, sentence) in [
+        ("3 m", "leaves the box: x = 3 m is outside [0 m, 2 m]"),
+        ("2 m", "lies on the boundary x = 2 m"),
+        (
+            "0.7 m",
+            "x = 0.7 m is not a grid line; the nearest are 0 m and 1 m",
+        ),
+    ] {
+        let file = scene(at, &[("x-", "fixed")], &[("\"1 m\"", &format!("{at:?}"))]);
+        said(&file, 2, &["scene.toml:14:6: fracture \"joint\"", sentence]);
+    }
+}
+
+#[test]
+fn a_slab_of_one_element_between_rollers_is_singular() {
+    let holds = [("x-", "fixed"), ("y-", "roller"), ("y+", "roller")];
+    let file = scene(
+        "slab",
+        &holds,
+        &[(
+            "to = \"3 m\", cells = 3 }\nz",
+            "to = \"1 m\", cells = 1 }\nz",
+        )],
+    );
+    said(
+        &file,
+        0,
+        &[
+            "rank        dim ker B = 3\n",
+            "1 traction mode stays free even with stabilization: the system is singular",
+            "\"joint\" on 3 faces, first face 0 at (1.000000, 0.500000, 0.500000) m: t_1 acts on prescribed displacements only",
+            "a uniform traction along y on this patch does no work",
+        ],
+    );
+}
+
+#[test]
+fn a_fracture_of_one_face_is_singular() {
+    let spans = "at = \"1 m\"\ny = [\"1 m\", \"2 m\"]\nz = [\"1 m\", \"2 m\"]";
+    said(
+        &scene("face", &[("x-", "fixed")], &[("at = \"1 m\"", spans)]),
+        0,
+        &[
+            "3 traction modes stay free even with stabilization: the system is singular",
+            "\"joint\" on 1 face, first face 0 at (1.000000, 1.500000, 1.500000) m: all four corners are tips",
+        ],
+    );
+}
+
+#[test]
+fn a_fracture_that_needs_stabilization_says_so() {
+    let holds = ["x-", "x+", "y-", "y+", "z-", "z+"].map(|side| (side, "roller"));
+    said(
+        &scene("rollers", &holds, &[]),
+        0,
+        &[
+            "singular without stabilization, regular with it",
+            "this patch has 9 tractions along y but 8 free jumps: stabilization is needed",
+        ],
+    );
+}
+
+/// Column 3f + k of B1 holds ±frame_k[c] ∫N_a, so its entries along c sum in size to 2 · area · |frame_k[c]|.
+#[test]
+fn exported_frames_are_those_of_the_coupling() {
+    let map = "[mesh.map.rotate]\naxis = \"y\"\nangle = \"20 deg\"\n[[material]]";
+    let file = scene("frames", &[("x-", "fixed")], &[("[[material]]", map)]);
+    let out = scratch("check-export");
+    let ran = fracas(&["export", &file, "--out", out.to_str().unwrap()]);
+    assert_eq!(ran.status, 0, "{}", ran.stderr);
+    let faces: Dense<f64> = read_dense(&out.join("faces.mtx")).unwrap();
+    let coords: Dense<f64> = read_dense(&out.join("coords.mtx")).unwrap();
+    let b = read_sparse(&out.join("B1.mtx")).unwrap().matrix;
+    let n_t = b.cols();
+    assert_eq!(faces.column(0), vec![0.0; n_t / 3]);
+    let mut sums = vec![[0.0; 3]; n_t];
+    let mut moments = vec![[0.0; 3]; n_t];
+    for (value, (row, column)) in b.iter() {
+        let (row, column) = (row as usize, column as usize);
+        sums[column][coords.entry(row, 3) as usize] += value.abs();
+        for d in 0..3 {
+            moments[column][d] += value.abs() * coords.entry(row, d);
+        }
+    }
+    for (column, sum) in sums.iter().enumerate() {
+        let (f, k) = (column / 3, column % 3);
+        let total: f64 = sum.iter().sum();
+        for d in 0..3 {
+            let frame = faces.entry(f, 5 + 3 * k + d);
+            let area = faces.entry(f, 4);
+            assert!(
+                (sum[d] - 2.0 * area * frame.abs()).abs() < 1e-12,
+                "{column} {d}"
+            );
+            let center = moments[column][d] / total;
+            assert!(
+                (center - faces.entry(f, 1 + d)).abs() < 1e-12,
+                "{column} {d}"
+            );
+        }
+    }
+    let manifest = std::fs::read_to_string(out.join("manifest.json")).unwrap();
+    for line in ["\"step\": 0,", "\"newton\": 0,", "\"units\": \"SI\","] {
+        assert!(manifest.contains(line), "{manifest}");
+    }
+    let audit = fracas(&["check", "--system", out.to_str().unwrap()]);
+    assert!(!audit.stdout.contains("faces.mtx"), "{}", audit.stdout);
+}
