@@ -62,6 +62,8 @@ fn unknown_keys_and_values_get_their_nearest_match_and_their_line() {
         text.contains("unknown key `boundry`, did you mean `boundary`?"),
         "{text}"
     );
+    let text = refused("side = \"x-\"", "side = \"xx-\"");
+    assert!(text.contains("did you mean `x-`?"), "{text}");
     assert!(
         refused("side = \"x-\"", "side = \"left\"")
             .contains("unknown value `left`; known here: x-, x+,")
@@ -145,6 +147,16 @@ fn sections_that_make_no_sense_are_refused_with_their_line() {
             "at = \"2 m\"",
             "at = [\"2 m\", \"2 m\"]",
             "s.toml:13:1: fractures \"F_1\" and \"F_2\" share the face at (2.000000, 0.500000, 0.500000) m",
+        ),
+        (
+            "at = \"2 m\"",
+            "at = []",
+            "s.toml:16:6: fracture \"F\" selects nothing: `at` is an empty list",
+        ),
+        (
+            "x = { from = \"0 m\", to = \"4 m\", cells = 4 }",
+            "x = { from = \"0 m\", to = \"4 m\", cells = 4000000000 }",
+            "s.toml:3:2: 36000000009 nodes are more than 536870911",
         ),
         (
             "at = \"2 m\"",

@@ -1,5 +1,6 @@
 //! A box of bricks with fractures, mapped and split.
 
+use super::error::MAX_NODES;
 use super::jacobian::corners;
 use super::plane_fracture::cuts;
 use super::{
@@ -73,8 +74,7 @@ impl BoxGrid {
             self.axes[2].lines(2)?,
         ];
         let count = lines.iter().map(|l| l.len() as u128).product::<u128>();
-        // a node may get eight copies
-        if count > u128::from(u32::MAX) / 8 {
+        if count > MAX_NODES {
             return Err(MeshError::TooManyNodes { nodes: count });
         }
         let parts = self.fractures.len().max(self.regions.len());

@@ -3,6 +3,9 @@
 /// Letters of the axes, for messages.
 pub(super) const AXES: [char; 3] = ['x', 'y', 'z'];
 
+/// Most nodes of a grid: indices have 32 bits, and fractures may give a node eight copies.
+pub const MAX_NODES: u128 = (u32::MAX / 8) as u128;
+
 /// Three coordinates with six digits.
 pub(super) fn point(x: &[f64; 3]) -> String {
     format!("({:.6}, {:.6}, {:.6}) m", x[0], x[1], x[2])
@@ -53,8 +56,10 @@ pub enum MeshError {
         /// What to change.
         advice: &'static str,
     },
-    /// More nodes than 32-bit indices count.
-    #[error("{nodes} nodes are more than 2^32 - 1, the most this mesh can number; use fewer cells")]
+    /// More nodes than 32-bit indices count when each of them gets eight copies.
+    #[error(
+        "{nodes} nodes are more than {MAX_NODES}, the most this mesh can number; use fewer cells"
+    )]
     TooManyNodes {
         /// Nodes asked for.
         nodes: u128,

@@ -24,7 +24,7 @@ pub use audit::{Audit, FractureCounts, audit};
 pub use axis::{Axis, Grading};
 pub use bodies::{BodyPart, Hold, bodies};
 pub use box_grid::{BoxGrid, BoxRegion, BuiltMesh};
-pub use error::MeshError;
+pub use error::{MAX_NODES, MeshError};
 pub use face_geometry::{FaceGeometry, face_geometry};
 pub use fracture_edges::fracture_edges;
 pub use fracture_mesh::{FaceSide, FractureEdge, FractureFace, FractureMesh};

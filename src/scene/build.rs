@@ -9,7 +9,7 @@ use super::sections::SceneSections;
 use super::source::Source;
 use super::{Body, Friction, InitialStress, Problem, SceneError};
 use crate::elasticity::{Constraints, Elastic};
-use crate::mesh::{BoxGrid, Hold, MeshError, bodies};
+use crate::mesh::{BoxGrid, Hold, MAX_NODES, MeshError, bodies};
 use crate::units::Measure;
 
 /// A problem and the path of keys to where it is written.
@@ -66,6 +66,11 @@ fn assemble(sections: &SceneSections) -> Result<Body, Located> {
     )?;
 
     let mesh = &sections.mesh;
+    // before the lines of an axis take memory
+    let nodes = mesh.nodes();
+    if nodes > MAX_NODES {
+        return Err(at(&["mesh"], MeshError::TooManyNodes { nodes }));
+    }
     let axes = [
         axis(&mesh.x, "x")?,
         axis(&mesh.y, "y")?,

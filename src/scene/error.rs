@@ -103,6 +103,14 @@ pub enum Problem {
         /// The step asked for.
         every: u32,
     },
+    /// An empty list of positions.
+    #[error(
+        "fracture \"{name}\" selects nothing: `at` is an empty list; give a position, e.g. at = \"4 m\""
+    )]
+    NoPosition {
+        /// Its name.
+        name: String,
+    },
     /// A side that no single component is normal to.
     #[error("a roller needs a side perpendicular to an axis, but after the maps the normal of {side} is ({:.4}, {:.4}, {:.4}) at its first face; use `hold = \"fixed\"`, a displacement, or a map that fades", normal[0], normal[1], normal[2])]
     TiltedRoller {

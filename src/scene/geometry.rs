@@ -151,14 +151,18 @@ pub(super) fn expand(
         }
     };
     if positions.is_empty() {
-        return Err(at(
-            &here,
-            Problem::NoPlane {
-                name: fracture.name.clone(),
-                axis: fracture.plane.name(),
-                every: fracture.every.map_or(0, |e| e.get()),
-            },
-        ));
+        let name = fracture.name.clone();
+        return Err(match fracture.every {
+            None => at(&["fracture", &number, "at"], Problem::NoPosition { name }),
+            Some(every) => at(
+                &here,
+                Problem::NoPlane {
+                    name,
+                    axis: fracture.plane.name(),
+                    every: every.get(),
+                },
+            ),
+        });
     }
     let several = positions.len() > 1;
     Ok(positions

@@ -47,6 +47,18 @@ pub struct AxisSection {
     pub lines: Option<Vec<Measure<Length>>>,
 }
 
+impl MeshSection {
+    /// Nodes of the grid before fractures split them; an axis that is not complete counts 0.
+    pub fn nodes(&self) -> u128 {
+        let count = |axis: &AxisSection| match (axis.cells, &axis.lines) {
+            (Some(cells), _) => u128::from(cells.get()) + 1,
+            (None, Some(lines)) => lines.len() as u128,
+            (None, None) => 0,
+        };
+        count(&self.x) * count(&self.y) * count(&self.z)
+    }
+}
+
 /// Maps of the finished grid.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

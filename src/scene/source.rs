@@ -105,17 +105,23 @@ impl Source {
         }
         SceneError::Syntax {
             place,
-            message: message.into(),
+            // serde names Rust's types
+            message: message.replace("a nonzero u32", "a positive whole number"),
         }
     }
 }
 
-/// The known name most like `found`, if any is at all like it (Jaro–Winkler at least 0.6).
+/// The known name with the fewest slips to `found`, then the most like it, if any is at all like it (Jaro–Winkler at
+/// least 0.6).
 fn nearest(found: &str, known: &[String]) -> Option<String> {
+    let slips = |k: &String| strsim::damerau_levenshtein(found, k);
+    let likeness = |k: &String| strsim::jaro_winkler(found, k);
     known
         .iter()
-        .map(|k| (strsim::jaro_winkler(found, k), k))
-        .filter(|(likeness, _)| *likeness >= 0.6)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, k)| k.clone())
+        .filter(|k| likeness(k) >= 0.6)
+        .min_by(|a, b| {
+            let by_slips = slips(a).cmp(&slips(b));
+            by_slips.then_with(|| likeness(b).total_cmp(&likeness(a)))
+        })
+        .cloned()
 }

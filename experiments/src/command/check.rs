@@ -1,6 +1,7 @@
 //! `fracas check`: reads, meshes and audits without solving.
 
 use super::Status;
+use super::memory;
 use super::scene::{self, Overrides};
 use clap::Args;
 use fracas_solvers::saddle::folder::read_folder;
@@ -31,6 +32,7 @@ impl Check {
         match (&self.place.scene, &self.place.system) {
             (Some(name), _) => {
                 let scene = scene::load(name, &self.overrides)?;
+                memory::room_for(name, &scene, memory::MESH)?;
                 let body = scene.build()?;
                 writeln!(out, "scene       {}", scene.title())?;
                 write!(out, "{}", body.audit())?;

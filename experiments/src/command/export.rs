@@ -1,8 +1,8 @@
 //! `fracas export`: a system folder.
 
-use super::Status;
 use super::progress::Progress;
 use super::source::Assembly;
+use super::{Status, output};
 use clap::Args;
 use fracas::io::face_table;
 use fracas_operators::matrix_market::write_dense;
@@ -24,6 +24,7 @@ pub(super) struct Export {
 
 impl Export {
     pub(super) fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
+        output::folder(&self.out)?;
         let mut progress = Progress::new();
         let system = self.assembly.assemble(&self.scene, &mut progress)?;
         write_folder(&self.out, &system.blocks, &system.manifest)?;

@@ -20,7 +20,6 @@ mod spectrum;
 
 use clap::{Parser, Subcommand};
 use std::io::{self, Write};
-use std::num::NonZeroUsize;
 use std::process::ExitCode;
 
 /// Saddle-point solvers for frictional contact on fractures in three-dimensional rock.
@@ -28,8 +27,8 @@ use std::process::ExitCode;
 #[command(name = "fracas", version, max_term_width = 110)]
 pub struct Arguments {
     /// Threads; results do not depend on it [default: all cores].
-    #[arg(long, global = true, value_name = "N")]
-    threads: Option<NonZeroUsize>,
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MAX_THREADS))]
+    threads: Option<u16>,
     #[command(subcommand)]
     command: Command,
 }
@@ -63,12 +62,15 @@ pub(crate) enum Status {
     CheckFailed,
 }
 
+/// Most threads that can be asked for: more only cost stacks.
+const MAX_THREADS: i64 = 1024;
+
 /// Exit status of bad input.
 const BAD_INPUT: u8 = 2;
 
 /// Runs a command on a pool of its own and returns the exit status.
 pub fn main(arguments: &Arguments) -> ExitCode {
-    let threads = arguments.threads.map_or(0, NonZeroUsize::get);
+    let threads = arguments.threads.map_or(0, usize::from);
     let result = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()

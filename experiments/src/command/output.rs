@@ -2,8 +2,39 @@
 
 use anyhow::Context;
 use serde::Serialize;
+use std::fs::{self, OpenOptions};
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// Tries every file that will be written, so that a wrong path is said before the work and not after it.
+pub(super) fn try_files<'a>(files: impl IntoIterator<Item = &'a PathBuf>) -> anyhow::Result<()> {
+    for path in files.into_iter().filter(|path| path.as_os_str() != "-") {
+        create_parent(path)?;
+        let is_new = !path.exists();
+        OpenOptions::new()
+            .append(true)
+            .create(true)
+            .open(path)
+            .with_context(|| cannot_write(path))?;
+        if is_new {
+            fs::remove_file(path).with_context(|| cannot_write(path))?;
+        }
+    }
+    Ok(())
+}
+
+/// Creates a folder and those above it.
+pub(super) fn folder(path: &Path) -> anyhow::Result<()> {
+    fs::create_dir_all(path).with_context(|| format!("cannot create the folder {}", path.display()))
+}
+
+fn create_parent(path: &Path) -> anyhow::Result<()> {
+    path.parent().map_or(Ok(()), folder)
+}
+
+fn cannot_write(path: &Path) -> String {
+    format!("cannot write {}", path.display())
+}
 
 /// Writes `value` as indented JSON to a file, or to `out` for the path `-`.
 pub(super) fn json(path: &Path, value: &impl Serialize, out: &mut dyn Write) -> anyhow::Result<()> {
@@ -18,11 +49,8 @@ pub(super) fn json(path: &Path, value: &impl Serialize, out: &mut dyn Write) -> 
 
 /// Writes a file, creating its folder.
 pub(super) fn text(path: &Path, text: &str) -> anyhow::Result<()> {
-    if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder)
-            .with_context(|| format!("cannot create {}", folder.display()))?;
-    }
-    std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
+    create_parent(path)?;
+    fs::write(path, text).with_context(|| cannot_write(path))
 }
 
 /// Two columns, aligned.

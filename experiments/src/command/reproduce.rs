@@ -1,7 +1,7 @@
 //! `fracas reproduce`: figures and tables, beside the published numbers.
 
-use super::Status;
 use super::progress::Progress;
+use super::{Status, output};
 use crate::list::{EXPERIMENTS, SHORT_SELECTION, find};
 use crate::report::{Experiment, Level, run_chapter, write_report};
 use clap::Args;
@@ -42,6 +42,7 @@ impl Reproduce {
             LevelChoice::Smoke => Level::Smoke,
             LevelChoice::Paper => Level::Paper,
         };
+        output::folder(&self.out)?;
         let mut progress = Progress::new();
         let mut chapters = Vec::new();
         for experiment in selection {

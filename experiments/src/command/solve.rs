@@ -112,6 +112,7 @@ const COST: &str = "c_app = flops(M⁻¹) / flops(𝒜); C_s = products·(1 + c_
 
 impl Solve {
     pub(super) fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
+        output::try_files(self.json.iter().chain(&self.solution))?;
         let mut progress = Progress::new();
         let loaded = self.source.load(&mut progress)?;
         let blocks = &loaded.blocks;

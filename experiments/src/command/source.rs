@@ -1,5 +1,6 @@
 //! Where a system comes from: a scene, a scene of the gallery by name, or a system folder.
 
+use super::memory;
 use super::progress::Progress;
 use super::scene::{self, Overrides};
 use anyhow::Context;
@@ -98,6 +99,7 @@ impl Assembly {
     /// Meshes a scene and assembles its blocks with every face in stick.
     pub(super) fn assemble(&self, name: &str, progress: &mut Progress) -> anyhow::Result<System> {
         let scene = scene::load(name, &self.overrides)?;
+        memory::room_for(name, &scene, memory::BLOCKS)?;
         progress.say(&format!("{}: meshing and assembling", scene.title()));
         let body = scene.build()?;
         let stabilization = (self.stabilization > 0.0).then_some(JumpStabilization {

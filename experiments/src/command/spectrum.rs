@@ -30,12 +30,21 @@ pub(super) struct Spectrum {
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     /// Figure of the eigenvalues; its numbers go into a CSV file beside it.
-    #[arg(long, value_name = "FILE.svg")]
+    #[arg(long, value_name = "FILE.svg", value_parser = svg)]
     plot: Option<PathBuf>,
+}
+
+fn svg(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    match path.extension() {
+        Some(extension) if extension.eq_ignore_ascii_case("svg") => Ok(path),
+        _ => Err("figures are SVG: let the name end in .svg".into()),
+    }
 }
 
 impl Spectrum {
     pub(super) fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
+        output::try_files(self.json.iter().chain(&self.plot))?;
         let mut progress = Progress::new();
         let system = self.source.load(&mut progress)?;
         if system.blocks.flow.is_some() {

@@ -39,6 +39,11 @@ fn arguments_that_do_not_exist() {
         "invalid value 'zeros'",
     );
     refused(&["--threads", "0", "list"], "invalid value '0'");
+    refused(&["--threads", "100000", "list"], "is not in 1..=1024");
+    refused(
+        &["spectrum", "patch", "--plot", "figure.png"],
+        "let the name end in .svg",
+    );
     refused(&["reproduce", "e99999"], "no experiment `e99999`");
     assert_eq!(fracas(&[]).status, 2);
     assert_eq!(fracas(&["reprodcue"]).status, 2);
@@ -144,6 +149,10 @@ fn output_that_cannot_be_written() {
             "--solution",
             "/proc/none/x.mtx",
         ],
-        "/proc/none/x.mtx",
+        "cannot create the folder /proc/none",
+    );
+    refused(
+        &["export", "patch", "--out", "/proc/none"],
+        "cannot create the folder /proc/none",
     );
 }

@@ -157,6 +157,20 @@ fn bad_scenes_are_refused_with_their_line() {
     };
     refused(&["check", "crosing"], &["did you mean `crossing`?"]);
     refused(&["check", "/no/such.toml"], &["/no/such.toml"]);
+    // 4e8 nodes can be numbered; nobody has 1.7 TB for the blocks
+    refused(
+        &[
+            "spectrum",
+            "patch",
+            "--set",
+            "mesh.x.cells=1000",
+            "--set",
+            "mesh.y.cells=640",
+            "--set",
+            "mesh.z.cells=640",
+        ],
+        &["grid nodes take about", "use fewer cells"],
+    );
     refused(
         &["check", "crossing", "--set", "mesh.x.cels=3"],
         &["unknown key `cels`", "did you mean `cells`"],
