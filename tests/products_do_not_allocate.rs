@@ -7,8 +7,8 @@ use fracas::elasticity::{Constraints, Elastic, Restricted, matrix_free, stiffnes
 use fracas::mesh;
 use fracas_operators::sparse::Csr;
 use fracas_operators::{LinearOperator, Real};
-use std::alloc::{GlobalAlloc, Layout, System};
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 

@@ -4,6 +4,7 @@ use std::collections::HashSet;
 
 use super::geometry::{axis, expand, regions, warps};
 use super::hold::hold;
+use super::located::{Located, at};
 use super::mesh_sections::FractureSection;
 use super::sections::SceneSections;
 use super::source::Source;
@@ -11,20 +12,6 @@ use super::{Body, Friction, InitialStress, Problem, SceneError};
 use crate::elasticity::{Constraints, Elastic};
 use crate::mesh::{BoxGrid, Hold, MAX_NODES, MeshError, bodies};
 use crate::units::Measure;
-
-/// A problem and the path of keys to where it is written.
-pub(super) struct Located {
-    pub(super) path: Vec<String>,
-    pub(super) problem: Box<Problem>,
-}
-
-/// `problem` at a path.
-pub(super) fn at(path: &[&str], problem: impl Into<Problem>) -> Located {
-    Located {
-        path: path.iter().map(|s| (*s).to_string()).collect(),
-        problem: Box::new(problem.into()),
-    }
-}
 
 /// Builds the body; problems get their place in the file.
 pub(super) fn build(sections: &SceneSections, source: &Source) -> Result<Body, SceneError> {

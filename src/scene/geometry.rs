@@ -1,7 +1,7 @@
 //! From sections to grid lines, regions, planes and maps.
 
 use super::Problem;
-use super::build::{Located, at};
+use super::located::{Located, at};
 use super::mesh_sections::{AxisName, AxisSection, FractureSection, InclineSection, MapSection};
 use super::sections::{BoxSection, SceneSections};
 use crate::mesh::{

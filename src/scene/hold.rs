@@ -1,6 +1,6 @@
 //! Boundary conditions on the sides of the box.
 
-use super::build::{Located, at};
+use super::located::{Located, at};
 use super::sections::{BoundarySection, HoldSection};
 use super::{Problem, SurfaceTraction};
 use crate::mesh::{BuiltMesh, FaceSide, face_geometry};

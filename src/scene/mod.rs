@@ -6,6 +6,7 @@ mod error;
 mod gallery;
 mod geometry;
 mod hold;
+mod located;
 mod mesh_sections;
 mod one_or_many;
 mod overrides;
