@@ -37,6 +37,10 @@ pub(super) struct Solve {
     /// Iterations over all restarts.
     #[arg(long, value_name = "N", default_value_t = 1000)]
     max_iterations: usize,
+    /// Unit of the tractions while iterating, so that the residual sees the contact rows; default: balanced for a scene,
+    /// 1 for a system folder.
+    #[arg(long, value_name = "S", value_parser = unit)]
+    traction_unit: Option<f64>,
     /// Right-hand side [default: that of the system, or b_i = sin(i), i = 1…n, when it has none].
     #[arg(long, value_enum)]
     rhs: Option<RightHandSide>,
@@ -71,6 +75,14 @@ enum RightHandSide {
     Ones,
 }
 
+/// A positive factor.
+fn unit(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if value > 0.0 && f64::is_finite(value) => Ok(value),
+        _ => Err("the unit is a positive number".into()),
+    }
+}
+
 fn tolerance(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(value) if value > 0.0 && value < 1.0 => Ok(value),
@@ -94,6 +106,8 @@ struct SolveReport {
     krylov: String,
     rhs: RightHandSide,
     tolerance: f64,
+    /// Tractions were counted in units of this while iterating (residuals too); the solution is in the units of the system.
+    traction_unit: f64,
     n_u: usize,
     n_t: usize,
     n_p: usize,
@@ -117,8 +131,14 @@ impl Solve {
         output::try_files(self.json.iter().chain(&self.solution))?;
         let mut progress = Progress::new();
         let loaded = self.source.load(&mut progress)?;
-        let blocks = &loaded.blocks;
-        let (rhs, b) = self.right_hand_side(&loaded, &mut progress);
+        // a foreign system keeps its units, and its residual is measured in them
+        let unit = self.traction_unit.unwrap_or(if loaded.is_scene {
+            loaded.blocks.traction_unit()
+        } else {
+            1.0
+        });
+        let blocks = &loaded.blocks.in_traction_unit(unit);
+        let (rhs, b) = self.right_hand_side(&loaded, blocks, &mut progress);
 
         let start = Instant::now();
         progress.say("setting up");
@@ -161,6 +181,7 @@ impl Solve {
             krylov: krylov.to_string(),
             rhs,
             tolerance: self.tolerance,
+            traction_unit: unit,
             n_u: blocks.n_u(),
             n_t: blocks.n_t(),
             n_p: blocks.n_p(),
@@ -177,6 +198,8 @@ impl Solve {
         };
         report.record(&result, &krylov);
         if let Some(path) = &self.solution {
+            let (n_u, n_t) = (blocks.n_u(), blocks.n_t());
+            x[n_u..n_u + n_t].iter_mut().for_each(|t| *t *= unit);
             write_vector(path, &x)?;
         }
         match &self.json {
@@ -193,6 +216,7 @@ impl Solve {
     fn right_hand_side(
         &self,
         loaded: &Loaded,
+        blocks: &SaddleBlocks,
         progress: &mut Progress,
     ) -> (RightHandSide, Vec<f64>) {
         let chosen = self.rhs.unwrap_or(if loaded.has_rhs {
@@ -203,9 +227,9 @@ impl Solve {
         if self.rhs.is_none() && !loaded.has_rhs {
             progress.say("the system has no right-hand side: taking b_i = sin(i), i = 1…n");
         }
-        let n = loaded.blocks.size();
+        let n = blocks.size();
         let b = match chosen {
-            RightHandSide::Folder => loaded.blocks.rhs(),
+            RightHandSide::Folder => blocks.rhs(),
             RightHandSide::Sin => (1..=n).map(|i| (i as f64).sin()).collect(),
             RightHandSide::Ones => vec![1.0; n],
         };

@@ -58,6 +58,8 @@ pub(super) struct System {
     pub(super) findings: Vec<String>,
     /// False when the folder holds no right-hand side at all.
     pub(super) has_rhs: bool,
+    /// True when the system is our own: then we choose the units that it is solved in.
+    pub(super) is_scene: bool,
 }
 
 impl Source {
@@ -92,6 +94,7 @@ fn import(folder: &Path, progress: &mut Progress) -> anyhow::Result<System> {
         body: None,
         findings,
         has_rhs,
+        is_scene: false,
     })
 }
 
@@ -126,6 +129,7 @@ impl Assembly {
             body: Some(body),
             findings: Vec::new(),
             has_rhs,
+            is_scene: true,
         })
     }
 }

@@ -10,6 +10,7 @@ pub mod racp;
 pub(crate) mod samples;
 pub(crate) mod scaling;
 pub mod schur;
+mod unit;
 
 pub use augmentation::{Augmentation, AugmentationChoice, AugmentationMatrix};
 pub use blocks::{DofCoordinate, FlowBlocks, SaddleBlocks};
