@@ -2,6 +2,7 @@
 
 use super::Status;
 use super::memory;
+use super::rank;
 use super::scene::{self, Overrides};
 use clap::Args;
 use fracas_solvers::saddle::folder::read_folder;
@@ -35,7 +36,9 @@ impl Check {
                 memory::room_for(name, &scene, memory::MESH)?;
                 let body = scene.build()?;
                 writeln!(out, "scene       {}", scene.title())?;
-                write!(out, "{}", body.audit())?;
+                let audit = body.audit();
+                write!(out, "{audit}")?;
+                rank::judge(name, &body, &audit.kernel)?;
             }
             (None, Some(folder)) => folder_audit(folder, out)?,
             (None, None) => anyhow::bail!("give a scene, or --system DIR"),

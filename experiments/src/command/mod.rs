@@ -10,6 +10,7 @@ mod memory;
 mod modes;
 mod output;
 mod progress;
+mod rank;
 mod reproduce;
 mod scene;
 mod schema;

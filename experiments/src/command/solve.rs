@@ -37,8 +37,8 @@ pub(super) struct Solve {
     /// Iterations over all restarts.
     #[arg(long, value_name = "N", default_value_t = 1000)]
     max_iterations: usize,
-    /// Unit of the tractions while iterating, so that the residual sees the contact rows; default: balanced for a scene,
-    /// 1 for a system folder.
+    /// Unit of the tractions while iterating, so that the residual sees the contact rows; default: balanced for a scene
+    /// and its export, 1 for a system folder of another code.
     #[arg(long, value_name = "S", value_parser = unit)]
     traction_unit: Option<f64>,
     /// Right-hand side [default: that of the system, or b_i = sin(i), i = 1…n, when it has none].
@@ -132,7 +132,7 @@ impl Solve {
         let mut progress = Progress::new();
         let loaded = self.source.load(&mut progress)?;
         // a foreign system keeps its units, and its residual is measured in them
-        let unit = self.traction_unit.unwrap_or(if loaded.is_scene {
+        let unit = self.traction_unit.unwrap_or(if loaded.is_ours {
             loaded.blocks.traction_unit()
         } else {
             1.0

@@ -2,6 +2,7 @@
 
 use super::memory;
 use super::progress::Progress;
+use super::rank;
 use super::scene::{self, Overrides};
 use anyhow::Context;
 use clap::Args;
@@ -58,8 +59,8 @@ pub(super) struct System {
     pub(super) findings: Vec<String>,
     /// False when the folder holds no right-hand side at all.
     pub(super) has_rhs: bool,
-    /// True when the system is our own: then we choose the units that it is solved in.
-    pub(super) is_scene: bool,
+    /// True when fracas assembled the system, now or before an export: then we choose the units that it is solved in.
+    pub(super) is_ours: bool,
 }
 
 impl Source {
@@ -87,6 +88,7 @@ fn import(folder: &Path, progress: &mut Progress) -> anyhow::Result<System> {
     for finding in &findings {
         progress.say(&format!("note: {finding}"));
     }
+    let imported_version = imported.manifest.version.clone();
     let (blocks, manifest, has_rhs) = (imported.blocks, imported.manifest, imported.has_rhs);
     Ok(System {
         blocks,
@@ -94,7 +96,7 @@ fn import(folder: &Path, progress: &mut Progress) -> anyhow::Result<System> {
         body: None,
         findings,
         has_rhs,
-        is_scene: false,
+        is_ours: imported_version.is_some_and(|v| v.starts_with("fracas")),
     })
 }
 
@@ -105,6 +107,7 @@ impl Assembly {
         memory::room_for(name, &scene, memory::BLOCKS)?;
         progress.say(&format!("{}: meshing and assembling", scene.title()));
         let body = scene.build()?;
+        rank::require_regular(name, &body)?;
         let stabilization = (self.stabilization > 0.0).then_some(JumpStabilization {
             scale: self.stabilization,
         });
@@ -129,7 +132,7 @@ impl Assembly {
             body: Some(body),
             findings: Vec::new(),
             has_rhs,
-            is_scene: true,
+            is_ours: true,
         })
     }
 }
