@@ -124,7 +124,12 @@ fn row(
 fn strip(id: &str, caption: &str, reports: &[SpectrumReport]) -> Figure {
     let rows: Vec<(String, Vec<f64>)> = reports
         .iter()
-        .map(|r| (r.augmentation.clone(), others(r)))
+        .map(|r| {
+            let mut values = others(r);
+            // stands for the n_u ones
+            values.push(1.0);
+            (r.augmentation.clone(), values)
+        })
         .collect();
     let mut figure = Figure::rows(id, "", caption, Axis::log("λ"), &rows);
     for (k, report) in reports.iter().enumerate() {
@@ -153,7 +158,7 @@ fn plane(id: &str, caption: &str, report: &SpectrumReport) -> Figure {
     } = report.bounds;
     if let (Some(a), Some(b), Some(im)) = (re_low, re_high, im_max) {
         figure = figure.shade(
-            "non-real",
+            "bound, non-real",
             Region::Rectangle {
                 x: [a, b],
                 y: [-im, im],
@@ -161,7 +166,7 @@ fn plane(id: &str, caption: &str, report: &SpectrumReport) -> Figure {
         );
     }
     if let (Some(a), Some(b)) = (real_low, real_high) {
-        figure = figure.shade("real", Region::RealInterval([a, b]));
+        figure = figure.shade("bound, real", Region::RealInterval([a, b]));
     }
     if theorem == Theorem::WithoutH {
         figure = figure.shade(
@@ -272,7 +277,7 @@ impl Experiment for Spectra {
             };
             let (n_u, n_t) = (blocks.n_u(), blocks.n_t());
             let caption = format!(
-                "{words}: the n_t = {n_t} eigenvalues besides the n_u = {n_u} ones, exact S_u, a row per C; below each row the \
+                "{words}: exact S_u, a row per C; n_u = {n_u} eigenvalues are 1, the marks show that and the other n_t = {n_t}; below each row the \
                  interval that the theorem proves."
             );
             findings.figures.push(strip(id, &caption, &reports));

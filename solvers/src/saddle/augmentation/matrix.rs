@@ -215,8 +215,8 @@ fn not_positive_definite(row: usize) -> SetupError {
     SetupError::NotPositiveDefinite {
         block: "C",
         row: row + 1,
-        advice: "columns of B depend on each other (over-constrained tractions) or H is indefinite; take local_h, or \
-                 add the jump stabilization"
+        advice: "columns of B depend on each other (over-constrained tractions), or H is indefinite; take local_h, or with \
+                 the jump stabilization exact_h"
             .to_owned(),
     }
 }
