@@ -11,7 +11,7 @@ use fracas_operators::{AdjointOperator, LinearOperator, Real, Shape};
 
 /// Element lines of one task along y and z. Two neighbouring tasks share node lines, so they have different colours;
 /// long enough that the lines computed twice are few, short enough that a small mesh has a task for every thread.
-const TASK: [usize; 2] = [8, 4];
+const TASK: [usize; 2] = [32, 4];
 
 /// The stiffness `A` of a body of axis-aligned bricks, in full numbering.
 ///
