@@ -1,8 +1,8 @@
 //! Nodal forces of body forces, surface tractions and initial stresses, in full numbering [N].
 
-use super::element::{GAUSS, GaussPoints, gauss_point, shape_functions};
+use super::element::{GaussPoints, gauss_point, shape_functions};
 use super::{ElasticityError, check};
-use crate::mesh::HexMesh;
+use crate::mesh::{HexMesh, face_geometry};
 
 /// Stress in the order xx, yy, zz, xy, yz, xz [Pa].
 pub type Voigt = [f64; 6];
@@ -45,7 +45,7 @@ pub fn body_force(mesh: &HexMesh, body: &[[f64; 3]]) -> Result<Vec<f64>, Elastic
 pub fn surface_traction(nodes: &[[f64; 3]], faces: &[[u32; 4]], traction: [f64; 3]) -> Vec<f64> {
     let mut force = vec![0.0; 3 * nodes.len()];
     for face in faces {
-        let areas = node_areas(&face.map(|node| nodes[node as usize]));
+        let areas = face_geometry(&face.map(|node| nodes[node as usize])).node_areas;
         for (node, area) in face.iter().zip(areas) {
             for i in 0..3 {
                 force[3 * *node as usize + i] += area * traction[i];
@@ -53,33 +53,6 @@ pub fn surface_traction(nodes: &[[f64; 3]], faces: &[[u32; 4]], traction: [f64; 
         }
     }
     force
-}
-
-/// `∫ N_a dS` of the four corners of a bilinear face, corners in cyclic order [m²].
-pub fn node_areas(corners: &[[f64; 3]; 4]) -> [f64; 4] {
-    const SIGNS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
-    let mut areas = [0.0; 4];
-    for point in SIGNS {
-        let (xi, eta) = (point[0] * GAUSS, point[1] * GAUSS);
-        let (mut s, mut t) = ([0.0; 3], [0.0; 3]);
-        for (x, sign) in corners.iter().zip(SIGNS) {
-            for i in 0..3 {
-                s[i] += x[i] * sign[0] * (1.0 + sign[1] * eta) / 4.0;
-                t[i] += x[i] * sign[1] * (1.0 + sign[0] * xi) / 4.0;
-            }
-        }
-        // dS = |∂x/∂ξ × ∂x/∂η|
-        let normal = [
-            s[1] * t[2] - s[2] * t[1],
-            s[2] * t[0] - s[0] * t[2],
-            s[0] * t[1] - s[1] * t[0],
-        ];
-        let area = normal.iter().map(|v| v * v).sum::<f64>().sqrt();
-        for (sum, sign) in areas.iter_mut().zip(SIGNS) {
-            *sum += area * (1.0 + sign[0] * xi) * (1.0 + sign[1] * eta) / 4.0;
-        }
-    }
-    areas
 }
 
 /// Forces of an initial stress: `f = −∫ Bᵀ σ0 dV`; `stress(region, x)` in [Pa], tension positive.
@@ -188,7 +161,7 @@ mod tests {
             [3.0, 1.0, 0.0],
             [1.0, 1.0, 0.0],
         ];
-        let areas = node_areas(&corners);
+        let areas = face_geometry(&corners).node_areas;
         // ∫ (1−η)(4−2η)/… on the reference square: 5/6 per bottom corner, 4/6 per top corner.
         assert_near(&areas, &[5.0 / 6.0, 5.0 / 6.0, 4.0 / 6.0, 4.0 / 6.0]);
     }

@@ -88,15 +88,18 @@ fn import(folder: &Path, progress: &mut Progress) -> anyhow::Result<System> {
     for finding in &findings {
         progress.say(&format!("note: {finding}"));
     }
-    let imported_version = imported.manifest.version.clone();
     let (blocks, manifest, has_rhs) = (imported.blocks, imported.manifest, imported.has_rhs);
+    let is_ours = manifest
+        .version
+        .as_ref()
+        .is_some_and(|v| v.starts_with("fracas"));
     Ok(System {
         blocks,
         manifest,
         body: None,
         findings,
         has_rhs,
-        is_ours: imported_version.is_some_and(|v| v.starts_with("fracas")),
+        is_ours,
     })
 }
 
