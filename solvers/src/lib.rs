@@ -1,9 +1,12 @@
 //! How to *invert*: Krylov methods, smoothers, direct solvers, saddle-point preconditioners, and the spectra that say
 //! how good they are. Knows blocks, never a mesh or physics.
 
+pub mod amg;
+mod coordinates;
 pub mod direct;
 pub mod eigen;
 pub mod error;
+pub mod fsai;
 pub mod krylov;
 pub mod observer;
 pub mod prepare;
@@ -11,6 +14,7 @@ pub mod saddle;
 pub mod smoothers;
 pub mod spectrum;
 
+pub use coordinates::DofCoordinate;
 pub use error::SetupError;
 pub use observer::{Observer, Silent, Step};
 pub use prepare::Prepare;

@@ -1,17 +1,8 @@
 //! The blocks of a generalized saddle point, with what is known about them.
 
-use crate::SetupError;
+use crate::{DofCoordinate, SetupError};
 use fracas_operators::Shape;
 use fracas_operators::sparse::SparseMatrix;
-
-/// Where a displacement unknown lives: position in metres and component 0–2.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DofCoordinate {
-    /// Position of the node, in metres.
-    pub position: [f64; 3],
-    /// Direction x, y, z = 0, 1, 2.
-    pub component: u8,
-}
 
 /// The blocks that fracture flow adds: `[A B1 Q1; B2 −H 0; Q2 0 T]`.
 #[derive(Clone, Debug)]

@@ -1,9 +1,12 @@
 //! The approximation of S_u⁻¹ inside RACP: the one list of all of them.
 
+use super::scaling::ScaledInverse;
 use super::{AugmentationMatrix, SaddleBlocks, schur};
+use crate::amg::{self, Amg};
 use crate::direct::DirectChoice;
+use crate::fsai::Fsai;
 use crate::smoothers::{Jacobi, Ssor};
-use crate::{Prepare, SetupError};
+use crate::{DofCoordinate, Prepare, SetupError};
 use fracas_operators::Preconditioner;
 use fracas_operators::sparse::SparseMatrix;
 use schemars::JsonSchema;
@@ -25,6 +28,27 @@ pub enum InnerChoice {
     Jacobi(Jacobi),
     /// SSOR of S_u.
     Ssor(Ssor),
+    /// Factorized sparse approximate inverse of S_u.
+    Fsai(Fsai),
+    /// Algebraic multigrid of S_u.
+    Amg(Amg),
+}
+
+/// An approximate inverse that is ready, with what is known of it.
+pub struct Ready {
+    /// `z ← S̃⁻¹ r`.
+    pub inverse: Box<dyn Preconditioner<f64>>,
+    /// The levels of a multigrid hierarchy.
+    pub hierarchy: Option<amg::Summary>,
+}
+
+impl From<Box<dyn Preconditioner<f64>>> for Ready {
+    fn from(inverse: Box<dyn Preconditioner<f64>>) -> Self {
+        Self {
+            inverse,
+            hierarchy: None,
+        }
+    }
 }
 
 impl Default for InnerChoice {
@@ -42,25 +66,55 @@ impl InnerChoice {
             Self::Exact { .. } => "exact",
             Self::Jacobi(_) => "jacobi",
             Self::Ssor(_) => "ssor",
+            Self::Fsai(_) => "fsai",
+            Self::Amg(_) => "amg",
         }
     }
 
     /// `S̃_u⁻¹` for these blocks and this C.
+    ///
+    /// # Errors
+    /// As the chosen method, with `S_u` for the name of the block.
     pub fn prepare(
         self,
         blocks: &SaddleBlocks,
         c: &AugmentationMatrix,
-    ) -> Result<Box<dyn Preconditioner<f64>>, SetupError> {
-        let assembled = |settings: &dyn Prepare<SparseMatrix<f64>, f64>| {
-            let s_u = schur::primal_schur(&blocks.a, &blocks.b1, c)?;
-            settings
-                .prepare(&s_u)
-                .map_err(|error| error.in_block("S_u"))
-        };
+    ) -> Result<Ready, SetupError> {
+        if let Self::Exact { backend } = self {
+            let inverse = schur::exact_inverse(blocks, c, backend.solver()?.as_ref())?;
+            return Ok(inverse.into());
+        }
+        let s_u = schur::primal_schur(&blocks.a, &blocks.b1, c)?;
+        self.of_matrix(&s_u, blocks.coordinates.as_deref())
+            .map_err(|error| error.in_block("S_u"))
+    }
+
+    /// Approximate inverse of a symmetric positive definite matrix whose unknowns live at `coordinates`.
+    ///
+    /// # Errors
+    /// As the chosen method, with `A` for the name of the block.
+    pub fn of_matrix(
+        self,
+        a: &SparseMatrix<f64>,
+        coordinates: Option<&[DofCoordinate]>,
+    ) -> Result<Ready, SetupError> {
+        let plain = |settings: &dyn Prepare<SparseMatrix<f64>, f64>| Ok(settings.prepare(a)?.into());
         match self {
-            Self::Exact { backend } => schur::exact_inverse(blocks, c, backend.solver()?.as_ref()),
-            Self::Jacobi(settings) => assembled(&settings),
-            Self::Ssor(settings) => assembled(&settings),
+            Self::Exact { backend } => {
+                let inverse = ScaledInverse::new(a, backend.solver()?.as_ref(), "A")?;
+                Ok((Box::new(inverse) as Box<dyn Preconditioner<f64>>).into())
+            }
+            Self::Jacobi(settings) => plain(&settings),
+            Self::Ssor(settings) => plain(&settings),
+            Self::Fsai(settings) => plain(&settings),
+            Self::Amg(settings) => {
+                let inverse = settings.build(a, coordinates)?;
+                let hierarchy = Some(inverse.summary());
+                Ok(Ready {
+                    inverse: Box::new(inverse),
+                    hierarchy,
+                })
+            }
         }
     }
 }
@@ -73,7 +127,7 @@ impl fmt::Display for InnerChoice {
 
 /// A name that is none of [`InnerChoice`]'s.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown inner solver {found:?}: expected exact, jacobi or ssor")]
+#[error("unknown inner solver {found:?}: expected exact, amg, fsai, jacobi or ssor")]
 pub struct UnknownInner {
     /// What was given.
     pub found: String,
@@ -87,6 +141,8 @@ impl FromStr for InnerChoice {
             "exact" => Ok(Self::default()),
             "jacobi" => Ok(Self::Jacobi(Jacobi::default())),
             "ssor" => Ok(Self::Ssor(Ssor::default())),
+            "fsai" => Ok(Self::Fsai(Fsai::default())),
+            "amg" => Ok(Self::Amg(Amg::default())),
             _ => Err(UnknownInner {
                 found: name.to_owned(),
             }),

@@ -13,7 +13,8 @@ pub mod schur;
 mod unit;
 
 pub use augmentation::{Augmentation, AugmentationChoice, AugmentationMatrix};
-pub use blocks::{DofCoordinate, FlowBlocks, SaddleBlocks};
+pub use crate::DofCoordinate;
+pub use blocks::{FlowBlocks, SaddleBlocks};
 pub use inner::InnerChoice;
 pub use operator::SaddleOperator;
 pub use racp::{Racp, RacpInverse};

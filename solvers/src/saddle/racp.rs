@@ -107,7 +107,7 @@ impl Prepare<SaddleBlocks, f64> for Racp {
             .augmentation
             .compute(blocks, direct.solver()?.as_ref())?
             .matrix;
-        let s_u = self.inner.prepare(blocks, &c)?;
+        let s_u = self.inner.prepare(blocks, &c)?.inverse;
         Ok(Box::new(RacpInverse::new(blocks.b1.clone(), c, s_u)))
     }
 }

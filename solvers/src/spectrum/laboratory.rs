@@ -86,7 +86,7 @@ pub fn analyse(
         ));
     }
     let c = augmentation.matrix;
-    let inner = request.inner.prepare(&blocks, &c)?;
+    let inner = request.inner.prepare(&blocks, &c)?.inverse;
     stages.next("inner solver");
     let mut report = empty_report(&blocks, request, &c, notes)?;
     conditions(

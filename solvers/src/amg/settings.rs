@@ -1,0 +1,86 @@
+//! Plain settings of algebraic multigrid.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How coarse unknowns are made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Coarsening {
+    /// Smoothed aggregation with the rigid-body modes: six unknowns per aggregate of nodes.
+    #[default]
+    SmoothedAggregation,
+    /// Classical: coarse nodes by PMIS, least-squares interpolation of the rigid-body modes, energy minimisation.
+    Classical,
+}
+
+/// What smooths.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Smoother {
+    /// Symmetric Gauss–Seidel by nodes: forward before, backward after the coarse correction.
+    #[default]
+    GaussSeidel,
+    /// Chebyshev polynomial in block Jacobi.
+    Chebyshev,
+    /// Damped factorized sparse approximate inverse.
+    Fsai,
+}
+
+/// How often a level visits the next one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Cycle {
+    /// Once.
+    V,
+    /// Twice.
+    #[default]
+    W,
+    /// As a preconditioner of two steps of flexible conjugate gradients (not a linear map).
+    K,
+}
+
+/// Scalars of the hierarchy.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Precision {
+    /// 32 bits: half the memory traffic; the iteration around it is in f64.
+    #[default]
+    F32,
+    /// 64 bits.
+    F64,
+}
+
+/// Algebraic multigrid.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Amg {
+    /// How coarse unknowns are made.
+    pub coarsening: Coarsening,
+    /// What smooths.
+    pub smoother: Smoother,
+    /// How often a level visits the next one.
+    pub cycle: Cycle,
+    /// Smoothing steps before and after the coarse correction (degree of the polynomial for Chebyshev).
+    pub sweeps: usize,
+    /// Scalars of the hierarchy.
+    pub precision: Precision,
+    /// Entries of a node block below this fraction of `√(‖A_ii‖‖A_jj‖)` do not count as connections.
+    pub strength: f64,
+    /// Unknowns at which a direct solver takes over.
+    pub coarsest: usize,
+}
+
+impl Default for Amg {
+    fn default() -> Self {
+        Self {
+            coarsening: Coarsening::default(),
+            smoother: Smoother::default(),
+            cycle: Cycle::default(),
+            sweeps: 1,
+            precision: Precision::default(),
+            strength: 0.02,
+            coarsest: 500,
+        }
+    }
+}
