@@ -1,5 +1,6 @@
 //! Algebraic multigrid for vector elasticity.
 
+mod classical;
 mod settings;
 mod summary;
 
