@@ -4,7 +4,7 @@ use super::scaling::ScaledInverse;
 use super::{AugmentationMatrix, SaddleBlocks, schur};
 use crate::amg::{self, Amg, AmgInverse};
 use crate::direct::DirectChoice;
-use crate::fsai::Fsai;
+use crate::fsai::{Fsai, FsaiKind};
 use crate::smoothers::{Jacobi, Ssor};
 use crate::{DofCoordinate, Prepare, SetupError};
 use fracas_operators::Preconditioner;
@@ -75,7 +75,10 @@ impl InnerChoice {
             Self::Exact { .. } => "exact",
             Self::Jacobi(_) => "jacobi",
             Self::Ssor(_) => "ssor",
-            Self::Fsai(_) => "fsai",
+            Self::Fsai(fsai) => match fsai.kind {
+                FsaiKind::Adaptive(_) => "fsai",
+                FsaiKind::Static(_) => "fsai:static",
+            },
             Self::Amg(_) => "amg",
         }
     }
@@ -115,7 +118,8 @@ impl InnerChoice {
         a: &SparseMatrix<f64>,
         coordinates: Option<&[DofCoordinate]>,
     ) -> Result<Ready, SetupError> {
-        let plain = |settings: &dyn Prepare<SparseMatrix<f64>, f64>| Ok(settings.prepare(a)?.into());
+        let plain =
+            |settings: &dyn Prepare<SparseMatrix<f64>, f64>| Ok(settings.prepare(a)?.into());
         match self {
             Self::Exact { backend } => {
                 let inverse = ScaledInverse::new(a, backend.solver()?.as_ref(), "A")?;
@@ -137,7 +141,7 @@ impl fmt::Display for InnerChoice {
 
 /// A name that is none of [`InnerChoice`]'s.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown inner solver {found:?}: expected exact, amg, fsai, jacobi or ssor")]
+#[error("unknown inner solver {found:?}: expected exact, amg, fsai, fsai:static, jacobi or ssor")]
 pub struct UnknownInner {
     /// What was given.
     pub found: String,
@@ -152,6 +156,7 @@ impl FromStr for InnerChoice {
             "jacobi" => Ok(Self::Jacobi(Jacobi::default())),
             "ssor" => Ok(Self::Ssor(Ssor::default())),
             "fsai" => Ok(Self::Fsai(Fsai::default())),
+            "fsai:static" => Ok(Self::Fsai(Fsai::of_power(1))),
             "amg" => Ok(Self::Amg(Amg::default())),
             _ => Err(UnknownInner {
                 found: name.to_owned(),
