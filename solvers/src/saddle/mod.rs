@@ -2,6 +2,7 @@
 
 pub mod augmentation;
 pub mod blocks;
+pub mod elimination;
 pub mod folder;
 pub mod inner;
 pub mod operator;
@@ -15,6 +16,7 @@ mod unit;
 pub use crate::DofCoordinate;
 pub use augmentation::{Augmentation, AugmentationChoice, AugmentationMatrix};
 pub use blocks::{FlowBlocks, SaddleBlocks};
+pub use elimination::{EliminatedInverse, Elimination};
 pub use inner::InnerChoice;
 pub use operator::SaddleOperator;
 pub use racp::{Racp, RacpInverse};

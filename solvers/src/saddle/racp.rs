@@ -1,6 +1,8 @@
 //! The reverse augmented constraint preconditioner.
 
-use super::{AugmentationChoice, AugmentationMatrix, InnerChoice, SaddleBlocks};
+use super::{
+    AugmentationChoice, AugmentationMatrix, EliminatedInverse, Elimination, InnerChoice, SaddleBlocks,
+};
 use crate::direct::DirectChoice;
 use crate::{Prepare, SetupError};
 use fracas_operators::sparse::{Csr, SparseMatrix};
@@ -85,7 +87,7 @@ impl<S: Preconditioner<f64>> Preconditioner<f64> for RacpInverse<S> {
     }
 }
 
-/// Settings of RACP.
+/// Settings of RACP. Rows that determine their own traction (slip, open) are eliminated first, see [`Elimination`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Racp {
@@ -103,12 +105,20 @@ impl Prepare<SaddleBlocks, f64> for Racp {
             InnerChoice::Exact { backend } => backend,
             _ => DirectChoice::default(),
         };
-        let c = self
-            .augmentation
-            .compute(blocks, direct.solver()?.as_ref())?
-            .matrix;
-        let s_u = self.inner.prepare(blocks, &c)?.inverse;
-        Ok(Box::new(RacpInverse::new(blocks.b1.clone(), c, s_u)))
+        let direct = direct.solver()?;
+        let racp = |blocks: &SaddleBlocks| {
+            let c = self.augmentation.compute(blocks, direct.as_ref())?.matrix;
+            let s_u = self.inner.prepare(blocks, &c)?.inverse;
+            Ok(RacpInverse::new(blocks.b1.clone(), c, s_u))
+        };
+        blocks.check()?;
+        Ok(match Elimination::new(blocks) {
+            Some(elimination) => {
+                let inner = racp(elimination.kept())?;
+                Box::new(EliminatedInverse::new(elimination, inner))
+            }
+            None => Box::new(racp(blocks)?),
+        })
     }
 }
 
