@@ -1,5 +1,6 @@
 //! The reverse augmented constraint preconditioner.
 
+use super::inner::Ready;
 use super::{AugmentationChoice, AugmentationMatrix, InnerChoice, SaddleBlocks};
 use crate::direct::DirectChoice;
 use crate::{Prepare, SetupError};
@@ -40,11 +41,6 @@ impl<S: Preconditioner<f64>> RacpInverse<S> {
     /// C.
     pub fn augmentation(&self) -> &AugmentationMatrix {
         &self.c
-    }
-
-    /// c_app: products with 𝒜 that one M⁻¹ costs, by flops.
-    pub fn cost(&self, saddle: &dyn LinearOperator<f64>) -> f64 {
-        self.flops() as f64 / saddle.flops() as f64
     }
 }
 
@@ -97,8 +93,12 @@ pub struct Racp {
     pub inner: InnerChoice,
 }
 
-impl Prepare<SaddleBlocks, f64> for Racp {
-    fn prepare(&self, blocks: &SaddleBlocks) -> Result<Box<dyn Preconditioner<f64>>, SetupError> {
+impl Racp {
+    /// C and S̃_u for these blocks.
+    ///
+    /// # Errors
+    /// Those of the augmentation and of the inner solver, each with block and row.
+    pub fn ready(&self, blocks: &SaddleBlocks) -> Result<Ready, SetupError> {
         let direct = match self.inner {
             InnerChoice::Exact { backend } => backend,
             _ => DirectChoice::default(),
@@ -107,8 +107,17 @@ impl Prepare<SaddleBlocks, f64> for Racp {
             .augmentation
             .compute(blocks, direct.solver()?.as_ref())?
             .matrix;
-        let s_u = self.inner.prepare(blocks, &c)?.inverse;
-        Ok(Box::new(RacpInverse::new(blocks.b1.clone(), c, s_u)))
+        let Ready { inverse, hierarchy } = self.inner.prepare(blocks, &c)?;
+        Ok(Ready {
+            inverse: Box::new(RacpInverse::new(blocks.b1.clone(), c, inverse)),
+            hierarchy,
+        })
+    }
+}
+
+impl Prepare<SaddleBlocks, f64> for Racp {
+    fn prepare(&self, blocks: &SaddleBlocks) -> Result<Box<dyn Preconditioner<f64>>, SetupError> {
+        Ok(self.ready(blocks)?.inverse)
     }
 }
 
