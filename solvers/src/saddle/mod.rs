@@ -2,9 +2,16 @@
 
 pub mod augmentation;
 pub mod blocks;
+pub mod cost;
+pub mod elimination;
 pub mod folder;
 pub mod inner;
+pub mod mcp;
+pub mod method;
+pub mod monolithic;
 pub mod operator;
+#[cfg(test)]
+pub(crate) mod oracle;
 pub mod racp;
 #[cfg(test)]
 pub(crate) mod samples;
@@ -15,6 +22,11 @@ mod unit;
 pub use crate::DofCoordinate;
 pub use augmentation::{Augmentation, AugmentationChoice, AugmentationMatrix};
 pub use blocks::{FlowBlocks, SaddleBlocks};
-pub use inner::InnerChoice;
+pub use cost::Cost;
+pub use elimination::{EliminatedInverse, Elimination};
+pub use inner::{InnerChoice, Ready};
+pub use mcp::{Mcp, McpInverse};
+pub use method::{NoSuchPart, SaddleMethod, UnknownSaddleMethod};
+pub use monolithic::Direct;
 pub use operator::SaddleOperator;
 pub use racp::{Racp, RacpInverse};
