@@ -7,13 +7,13 @@ const ROWS_PER_TASK: usize = 256;
 
 /// P in 3×3 blocks, row-major: rows are fine nodes, columns coarse nodes.
 #[derive(Clone, Debug)]
-pub(in crate::amg) struct Interpolation {
+pub(super) struct Interpolation {
     /// Where the rows begin (fine nodes + 1).
-    pub(in crate::amg) offsets: Vec<usize>,
+    pub(super) offsets: Vec<usize>,
     /// Coarse nodes, ascending within a row.
-    pub(in crate::amg) columns: Vec<u32>,
+    pub(super) columns: Vec<u32>,
     /// P_ij.
-    pub(in crate::amg) blocks: Vec<[f64; 9]>,
+    pub(super) blocks: Vec<[f64; 9]>,
 }
 
 /// The identity.
@@ -61,11 +61,6 @@ impl Interpolation {
     /// Fine nodes.
     pub(super) fn len(&self) -> usize {
         self.offsets.len() - 1
-    }
-
-    /// Coarse nodes of a row.
-    pub(super) fn columns_of(&self, i: usize) -> &[u32] {
-        &self.columns[self.offsets[i]..self.offsets[i + 1]]
     }
 
     /// Coarse nodes and blocks of a row.

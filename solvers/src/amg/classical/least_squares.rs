@@ -1,9 +1,10 @@
 //! Interpolation that reproduces the modes.
 
-use super::basis::{orthonormalise, pseudo_inverse};
 use super::independent_set::{FINE, Splitting};
 use super::interpolation::{IDENTITY, Interpolation};
+use super::pseudo_inverse::pseudo_inverse;
 use super::strength::Strength;
+use crate::amg::tentative::orthonormalise;
 
 /// Connections between a fine node and the coarse ones it interpolates from: at most 2, up to 4 where these do not do.
 /// Source: the group's published multigrid.
@@ -21,7 +22,7 @@ const LEFT_OVER: f64 = 1e-8;
 const LARGEST: f64 = 10.0;
 
 /// The modes at the nodes, three rows each.
-pub(in crate::amg) type Modes<const K: usize> = [[[f64; K]; 3]];
+pub(super) type Modes<const K: usize> = [[[f64; K]; 3]];
 
 /// P with `P V_c = V` on every fine node that can have it: from the coarse nodes C of node i nearest by strength w,
 /// `P_iC = V_i (V_CᵀW V_C)⁺ V_CᵀW`, the smallest such row in the norm of W⁻¹.
