@@ -50,13 +50,14 @@ impl<R: Real> Hierarchy<R> {
     pub(super) fn work_len(&self, shape: Shape) -> usize {
         (0..self.levels.len())
             .map(|k| OWN * self.size(k) + visiting(shape.cycle) * self.size(k + 1))
-            .sum()
+            .sum::<usize>()
+            + self.coarsest.work_len()
     }
 
     /// `x ← M⁻¹ b` from level k down.
     pub(super) fn cycle(&self, shape: Shape, k: usize, b: &[R], x: &mut [R], work: &mut [R]) {
         let Some(level) = self.levels.get(k) else {
-            return self.coarsest.solve(b, x);
+            return self.coarsest.solve(b, x, work);
         };
         let n = b.len();
         let (r, work) = work.split_at_mut(n);
@@ -209,7 +210,12 @@ impl<R: Real> Level<R> {
                 // d ← ρ' ρ d + 2 ρ'/δ D⁻¹ r
                 let next = 1.0 / (2.0 * sigma - rho);
                 self.matrix.diagonal_solve(r, z);
-                fracas_operators::vector::axpby(R::of(2.0 * next / radius), z, R::of(next * rho), d);
+                fracas_operators::vector::axpby(
+                    R::of(2.0 * next / radius),
+                    z,
+                    R::of(next * rho),
+                    d,
+                );
                 rho = next;
             }
         }
@@ -224,9 +230,7 @@ impl<R: Real> Level<R> {
             // the first forward sweep and its residual read each half of the matrix once
             Smoother::GaussSeidel if steps == 1 => 2 * sweep,
             Smoother::GaussSeidel => sweep / 2 + (2 * steps - 1) * sweep + product + n,
-            Smoother::Chebyshev | Smoother::Fsai => {
-                2 * (steps * (product + 12 * n)) + product + n
-            }
+            Smoother::Chebyshev | Smoother::Fsai => 2 * (steps * (product + 12 * n)) + product + n,
         }
     }
 }

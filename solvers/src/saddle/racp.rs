@@ -2,7 +2,8 @@
 
 use super::inner::Ready;
 use super::{
-    AugmentationChoice, AugmentationMatrix, EliminatedInverse, Elimination, InnerChoice, SaddleBlocks,
+    AugmentationChoice, AugmentationMatrix, EliminatedInverse, Elimination, InnerChoice,
+    SaddleBlocks,
 };
 use crate::direct::DirectChoice;
 use crate::{Prepare, SetupError};
@@ -80,6 +81,10 @@ impl<S: Preconditioner<f64>> Preconditioner<f64> for RacpInverse<S> {
 
     fn is_linear(&self) -> bool {
         self.s_u.is_linear()
+    }
+
+    fn is_single(&self) -> bool {
+        self.s_u.is_single()
     }
 }
 
