@@ -1,6 +1,7 @@
 //! The reverse augmented constraint preconditioner.
 
 use super::inner::Ready;
+use super::method::SaddleSettings;
 use super::{
     AugmentationChoice, AugmentationMatrix, EliminatedInverse, Elimination, InnerChoice,
     SaddleBlocks,
@@ -100,12 +101,12 @@ pub struct Racp {
     pub inner: InnerChoice,
 }
 
-impl Racp {
-    /// C and S̃_u for these blocks.
-    ///
-    /// # Errors
-    /// Those of the augmentation and of the inner solver, each with block and row.
-    pub fn ready(&self, blocks: &SaddleBlocks) -> Result<Ready, SetupError> {
+impl SaddleSettings for Racp {
+    fn name(&self) -> &'static str {
+        "racp"
+    }
+
+    fn ready(&self, blocks: &SaddleBlocks) -> Result<Ready, SetupError> {
         let direct = match self.inner {
             InnerChoice::Exact { backend } => backend,
             _ => DirectChoice::default(),
@@ -133,6 +134,19 @@ impl Racp {
                 }
             }
         })
+    }
+
+    fn augmentation(&self) -> Option<AugmentationChoice> {
+        Some(self.augmentation)
+    }
+
+    fn set_augmentation(&mut self, c: AugmentationChoice) -> bool {
+        self.augmentation = c;
+        true
+    }
+
+    fn inner_mut(&mut self) -> Option<&mut InnerChoice> {
+        Some(&mut self.inner)
     }
 }
 
