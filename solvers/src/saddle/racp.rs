@@ -1,5 +1,6 @@
 //! The reverse augmented constraint preconditioner.
 
+use super::inner::Ready;
 use super::{
     AugmentationChoice, AugmentationMatrix, EliminatedInverse, Elimination, InnerChoice, SaddleBlocks,
 };
@@ -42,11 +43,6 @@ impl<S: Preconditioner<f64>> RacpInverse<S> {
     /// C.
     pub fn augmentation(&self) -> &AugmentationMatrix {
         &self.c
-    }
-
-    /// c_app: products with 𝒜 that one M⁻¹ costs, by flops.
-    pub fn cost(&self, saddle: &dyn LinearOperator<f64>) -> f64 {
-        self.flops() as f64 / saddle.flops() as f64
     }
 }
 
@@ -99,8 +95,12 @@ pub struct Racp {
     pub inner: InnerChoice,
 }
 
-impl Prepare<SaddleBlocks, f64> for Racp {
-    fn prepare(&self, blocks: &SaddleBlocks) -> Result<Box<dyn Preconditioner<f64>>, SetupError> {
+impl Racp {
+    /// C and S̃_u for these blocks.
+    ///
+    /// # Errors
+    /// Those of the augmentation and of the inner solver, each with block and row.
+    pub fn ready(&self, blocks: &SaddleBlocks) -> Result<Ready, SetupError> {
         let direct = match self.inner {
             InnerChoice::Exact { backend } => backend,
             _ => DirectChoice::default(),
@@ -108,17 +108,32 @@ impl Prepare<SaddleBlocks, f64> for Racp {
         let direct = direct.solver()?;
         let racp = |blocks: &SaddleBlocks| {
             let c = self.augmentation.compute(blocks, direct.as_ref())?.matrix;
-            let s_u = self.inner.prepare(blocks, &c)?.inverse;
-            Ok(RacpInverse::new(blocks.b1.clone(), c, s_u))
+            let Ready { inverse, hierarchy } = self.inner.prepare(blocks, &c)?;
+            Ok((RacpInverse::new(blocks.b1.clone(), c, inverse), hierarchy))
         };
         blocks.check()?;
         Ok(match Elimination::new(blocks) {
             Some(elimination) => {
-                let inner = racp(elimination.kept())?;
-                Box::new(EliminatedInverse::new(elimination, inner))
+                let (inner, hierarchy) = racp(elimination.kept())?;
+                Ready {
+                    inverse: Box::new(EliminatedInverse::new(elimination, inner)),
+                    hierarchy,
+                }
             }
-            None => Box::new(racp(blocks)?),
+            None => {
+                let (inverse, hierarchy) = racp(blocks)?;
+                Ready {
+                    inverse: Box::new(inverse),
+                    hierarchy,
+                }
+            }
         })
+    }
+}
+
+impl Prepare<SaddleBlocks, f64> for Racp {
+    fn prepare(&self, blocks: &SaddleBlocks) -> Result<Box<dyn Preconditioner<f64>>, SetupError> {
+        Ok(self.ready(blocks)?.inverse)
     }
 }
 
