@@ -5,6 +5,8 @@ pub mod amg;
 mod coordinates;
 pub mod direct;
 pub mod eigen;
+#[cfg(test)]
+mod elastic_sample;
 pub mod error;
 pub mod fsai;
 pub mod krylov;

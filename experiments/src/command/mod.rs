@@ -7,6 +7,7 @@ mod check;
 mod export;
 mod list;
 mod memory;
+mod method;
 mod modes;
 mod output;
 mod progress;

@@ -1,15 +1,16 @@
 //! `fracas solve`: one linear system, its cost, its true residual.
 
+use super::method::Method;
 use super::progress::Progress;
 use super::source::{Source, System as Loaded};
 use super::{Status, memory, output};
 use clap::{Args, ValueEnum};
 use fracas_operators::matrix_market::write_vector;
-use fracas_operators::{LinearOperator, Preconditioner, vector};
-use fracas_solvers::direct::{DirectChoice, Kind};
+use fracas_operators::{LinearOperator, vector};
+use fracas_solvers::Observer;
+use fracas_solvers::amg::Summary;
 use fracas_solvers::krylov::{Breakdown, Criteria, KrylovChoice, Outcome, Report, System};
-use fracas_solvers::saddle::{AugmentationChoice, InnerChoice, Racp, SaddleBlocks, SaddleOperator};
-use fracas_solvers::{Observer, Prepare, SetupError};
+use fracas_solvers::saddle::{Cost, Ready, SaddleBlocks, SaddleOperator};
 use serde::Serialize;
 use std::io::Write;
 use std::path::PathBuf;
@@ -19,15 +20,8 @@ use std::time::Instant;
 pub(super) struct Solve {
     #[command(flatten)]
     source: Source,
-    /// Preconditioner of the whole system.
-    #[arg(long, value_enum, default_value = "racp")]
+    #[command(flatten)]
     method: Method,
-    /// C of RACP: local, global, exact, local_h, exact_h, face_block.
-    #[arg(long, value_name = "C", default_value_t)]
-    augmentation: AugmentationChoice,
-    /// Solver of S_u inside RACP: exact, jacobi, ssor, …
-    #[arg(long, value_name = "M", default_value_t)]
-    inner: InnerChoice,
     /// Iteration: gmres, gmres:RESTART, fgmres, bicgstab, sqmr, minres, cg.
     #[arg(long, value_name = "METHOD", default_value_t)]
     krylov: KrylovChoice,
@@ -50,16 +44,6 @@ pub(super) struct Solve {
     /// The solution (u, t, p) as a Matrix Market vector.
     #[arg(long, value_name = "FILE.mtx")]
     solution: Option<PathBuf>,
-}
-
-/// What preconditions the whole system.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "snake_case")]
-enum Method {
-    /// Reverse augmented constraint preconditioner.
-    Racp,
-    /// Sparse LU of the whole matrix.
-    Direct,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
@@ -100,7 +84,7 @@ struct SolveReport {
     backward_error: Option<f64>,
     /// `‖r_t‖_∞ / ‖|B1|ᵀ|u| + |b_t|‖_∞`: what the norm over all rows hides where forces and jumps have distant units.
     contact_residual: Option<f64>,
-    method: Method,
+    method: String,
     augmentation: Option<String>,
     inner: Option<String>,
     krylov: String,
@@ -119,15 +103,14 @@ struct SolveReport {
     setup_s: f64,
     solve_s: f64,
     peak_memory_bytes: Option<u64>,
-    amg: Option<()>,
+    amg: Option<Summary>,
     reason: Option<String>,
     findings: Vec<String>,
 }
 
-const COST: &str = "c_app = flops(M⁻¹) / flops(𝒜); C_s = products·(1 + c_app), one product per iteration, two for BiCGStab; null when not converged";
-
 impl Solve {
     pub(super) fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
+        let method = self.method.chosen()?;
         output::try_files(self.json.iter().chain(&self.solution))?;
         let mut progress = Progress::new();
         let loaded = self.source.load(&mut progress)?;
@@ -142,7 +125,10 @@ impl Solve {
 
         let start = Instant::now();
         progress.say("setting up");
-        let preconditioner = self.prepare(blocks)?;
+        let Ready {
+            inverse: preconditioner,
+            hierarchy,
+        } = method.ready(blocks)?;
         let operator = SaddleOperator::new(blocks);
         let setup_s = start.elapsed().as_secs_f64();
 
@@ -168,6 +154,7 @@ impl Solve {
         let solve_s = start.elapsed().as_secs_f64();
         drop(progress);
 
+        let cost = Cost::new(&operator, &*preconditioner);
         let residual = Residual::new(&operator, blocks, &x, &b);
         let mut report = SolveReport {
             outcome: "breakdown",
@@ -175,9 +162,9 @@ impl Solve {
             relative_residual: residual.relative,
             backward_error: residual.backward,
             contact_residual: residual.contact,
-            method: self.method,
-            augmentation: (self.method == Method::Racp).then(|| self.augmentation.to_string()),
-            inner: (self.method == Method::Racp).then(|| self.inner.to_string()),
+            method: method.to_string(),
+            augmentation: method.augmentation().map(|c| c.to_string()),
+            inner: method.inner().map(|inner| inner.to_string()),
             krylov: krylov.to_string(),
             rhs,
             tolerance: self.tolerance,
@@ -185,18 +172,18 @@ impl Solve {
             n_u: blocks.n_u(),
             n_t: blocks.n_t(),
             n_p: blocks.n_p(),
-            c_app: preconditioner.flops() as f64 / operator.flops().max(1) as f64,
+            c_app: cost.c_app(),
             c_s: None,
-            cost_convention: COST,
+            cost_convention: Cost::CONVENTION,
             products: None,
             setup_s,
             solve_s,
             peak_memory_bytes: memory::peak_bytes(),
-            amg: None,
+            amg: hierarchy,
             reason: None,
             findings: loaded.findings,
         };
-        report.record(&result, &krylov);
+        report.record(&result, |iterations| cost.c_s(iterations, &krylov));
         if let Some(path) = &self.solution {
             let (n_u, n_t) = (blocks.n_u(), blocks.n_t());
             x[n_u..n_u + n_t].iter_mut().for_each(|t| *t *= unit);
@@ -234,20 +221,6 @@ impl Solve {
             RightHandSide::Ones => vec![1.0; n],
         };
         (chosen, b)
-    }
-
-    fn prepare(&self, blocks: &SaddleBlocks) -> Result<Box<dyn Preconditioner<f64>>, SetupError> {
-        match self.method {
-            Method::Racp if blocks.flow.is_some() => Err(SetupError::NotApplicable {
-                method: "racp",
-                reason: "the system has flow blocks (Q1, Q2, T), this method solves for u and t; take --method direct".into(),
-            }),
-            Method::Racp => Racp { augmentation: self.augmentation, inner: self.inner }.prepare(blocks),
-            Method::Direct => {
-                let matrix = blocks.assembled();
-                Ok(DirectChoice::Auto.solver()?.analyze(&matrix, Kind::General)?.factor(&matrix)?)
-            }
-        }
     }
 }
 
@@ -296,7 +269,7 @@ const UNSEEN: f64 = 100.0;
 const ROUNDING: f64 = 1e-13;
 
 impl SolveReport {
-    fn record(&mut self, result: &Result<Report, Breakdown>, krylov: &KrylovChoice) {
+    fn record(&mut self, result: &Result<Report, Breakdown>, c_s: impl Fn(usize) -> f64) {
         match result {
             Ok(report) => {
                 self.outcome = match report.outcome {
@@ -306,13 +279,7 @@ impl SolveReport {
                 };
                 self.iterations = report.iterations;
                 self.products = Some(report.products);
-                let per_iteration = if matches!(krylov, KrylovChoice::Bicgstab(_)) {
-                    2.0
-                } else {
-                    1.0
-                };
-                self.c_s = (report.outcome == Outcome::Converged)
-                    .then_some(per_iteration * report.iterations as f64 * (1.0 + self.c_app));
+                self.c_s = (report.outcome == Outcome::Converged).then(|| c_s(report.iterations));
                 self.reason = self
                     .contact_residual
                     .filter(|r| self.c_s.is_some() && *r > UNSEEN * self.tolerance)

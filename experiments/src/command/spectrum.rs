@@ -1,13 +1,13 @@
 //! `fracas spectrum`: eigenvalues of M⁻¹𝒜, what is proved about them, and whether it holds.
 
+use super::method::Method;
 use super::modes::Modes;
 use super::progress::Progress;
 use super::source::Source;
 use super::{Status, output};
 use crate::plot::Figure;
 use clap::Args;
-use fracas_solvers::saddle::{AugmentationChoice, InnerChoice};
-use fracas_solvers::spectrum::{SpectrumReport, SpectrumRequest, Theorem, analyse};
+use fracas_solvers::spectrum::{SpectrumReport, SpectrumRequest, Theorem, analyse_method};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -15,12 +15,8 @@ use std::path::PathBuf;
 pub(super) struct Spectrum {
     #[command(flatten)]
     source: Source,
-    /// C of RACP: local, global, exact, local_h, exact_h, face_block.
-    #[arg(long, value_name = "C", default_value_t)]
-    augmentation: AugmentationChoice,
-    /// Solver of S_u inside RACP: exact, jacobi, ssor, …
-    #[arg(long, value_name = "M", default_value_t)]
-    inner: InnerChoice,
+    #[command(flatten)]
+    method: Method,
     /// Largest dense eigenvalue problem; above it only outer eigenvalues are found.
     #[arg(long, value_name = "N", default_value_t = SpectrumRequest::default().dense_limit)]
     dense_limit: usize,
@@ -44,6 +40,7 @@ fn svg(text: &str) -> Result<PathBuf, String> {
 
 impl Spectrum {
     pub(super) fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
+        let method = self.method.chosen()?;
         output::try_files(self.json.iter().chain(&self.plot))?;
         let mut progress = Progress::new();
         let system = self.source.load(&mut progress)?;
@@ -51,12 +48,11 @@ impl Spectrum {
             progress.say("note: flow blocks are left out; this is the spectrum of the (u, t) part");
         }
         let request = SpectrumRequest {
-            augmentation: self.augmentation,
-            inner: self.inner,
             dense_limit: self.dense_limit,
             modes: self.modes.modes.clone(),
+            ..SpectrumRequest::default()
         };
-        let report = analyse(&system.blocks, &request, &mut progress)?;
+        let report = analyse_method(&system.blocks, &method, &request, &mut progress)?;
         for note in &report.notes {
             progress.say(&format!("note: {note}"));
         }
@@ -101,13 +97,18 @@ fn print(report: &SpectrumReport, out: &mut dyn Write) -> anyhow::Result<()> {
     output::pairs(
         out,
         &[
+            ("method", report.preconditioner.clone()),
             (
                 "C",
-                format!(
-                    "{}, eigenvalues {}",
-                    report.augmentation,
-                    range(Some(report.c_min), Some(report.c_max))
-                ),
+                if report.c_min.is_nan() {
+                    report.augmentation.clone()
+                } else {
+                    format!(
+                        "{}, eigenvalues {}",
+                        report.augmentation,
+                        range(Some(report.c_min), Some(report.c_max))
+                    )
+                },
             ),
             ("inner", report.inner.clone()),
             (

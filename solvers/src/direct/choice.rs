@@ -5,6 +5,8 @@ use crate::SetupError;
 use fracas_operators::sparse::SparseMatrix;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::str::FromStr;
 
 /// A backend by name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
@@ -53,6 +55,36 @@ impl DirectChoice {
             (Self::Auto, _) => Self::Faer,
             (named, _) => named,
         }
+    }
+}
+
+impl fmt::Display for DirectChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Auto => "auto",
+            Self::Faer => "faer",
+            Self::Cholmod => "cholmod",
+            Self::Umfpack => "umfpack",
+        })
+    }
+}
+
+/// A name that is none of [`DirectChoice`]'s.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("unknown direct solver {found:?}: expected auto, faer, cholmod or umfpack")]
+pub struct UnknownDirect {
+    /// What was given.
+    pub found: String,
+}
+
+impl FromStr for DirectChoice {
+    type Err = UnknownDirect;
+
+    fn from_str(name: &str) -> Result<Self, UnknownDirect> {
+        [Self::Auto, Self::Faer, Self::Cholmod, Self::Umfpack]
+            .into_iter()
+            .find(|choice| choice.to_string() == name)
+            .ok_or_else(|| UnknownDirect { found: name.into() })
     }
 }
 

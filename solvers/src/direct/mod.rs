@@ -21,7 +21,7 @@ mod refinement;
 #[cfg(feature = "suitesparse")]
 mod umfpack;
 
-pub use choice::DirectChoice;
+pub use choice::{DirectChoice, UnknownDirect};
 #[cfg(feature = "suitesparse")]
 pub use cholmod::Cholmod;
 pub use condition::reciprocal_condition;

@@ -132,6 +132,14 @@ impl KrylovChoice {
         self.method::<f64>().name()
     }
 
+    /// Products with A, and solves with M, that one iteration makes: 2 for BiCGStab, 1 for the others.
+    pub fn products_per_iteration(&self) -> usize {
+        match self {
+            Self::Bicgstab(_) => 2,
+            _ => 1,
+        }
+    }
+
     /// GMRES becomes FGMRES with the same restart where `preconditioner` is not linear; nothing else changes.
     pub fn flexible_for<R: Real>(self, preconditioner: &dyn Preconditioner<R>) -> Self {
         match self {

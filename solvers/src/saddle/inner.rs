@@ -2,9 +2,9 @@
 
 use super::scaling::ScaledInverse;
 use super::{AugmentationMatrix, SaddleBlocks, schur};
-use crate::amg::{self, Amg};
+use crate::amg::{self, Amg, AmgInverse};
 use crate::direct::DirectChoice;
-use crate::fsai::Fsai;
+use crate::fsai::{Fsai, FsaiKind};
 use crate::smoothers::{Jacobi, Ssor};
 use crate::{DofCoordinate, Prepare, SetupError};
 use fracas_operators::Preconditioner;
@@ -59,6 +59,15 @@ impl Default for InnerChoice {
     }
 }
 
+impl From<AmgInverse> for Ready {
+    fn from(inverse: AmgInverse) -> Self {
+        Self {
+            hierarchy: Some(inverse.summary()),
+            inverse: Box::new(inverse),
+        }
+    }
+}
+
 impl InnerChoice {
     /// Plain name.
     pub fn name(self) -> &'static str {
@@ -66,7 +75,10 @@ impl InnerChoice {
             Self::Exact { .. } => "exact",
             Self::Jacobi(_) => "jacobi",
             Self::Ssor(_) => "ssor",
-            Self::Fsai(_) => "fsai",
+            Self::Fsai(fsai) => match fsai.kind {
+                FsaiKind::Adaptive(_) => "fsai",
+                FsaiKind::Static(_) => "fsai:static",
+            },
             Self::Amg(_) => "amg",
         }
     }
@@ -82,6 +94,14 @@ impl InnerChoice {
     ) -> Result<Ready, SetupError> {
         if let Self::Exact { backend } = self {
             let inverse = schur::exact_inverse(blocks, c, backend.solver()?.as_ref())?;
+            return Ok(inverse.into());
+        }
+        if let (Self::Amg(settings), true) = (self, c.is_sparse()) {
+            // S_u = A + F Fᵀ is never assembled entry by entry
+            let f = &blocks.b1 * &c.inverse_root()?;
+            let inverse = settings
+                .build_augmented(&blocks.a, &f, blocks.coordinates.as_deref())
+                .map_err(|error| error.in_block("S_u"))?;
             return Ok(inverse.into());
         }
         let s_u = schur::primal_schur(&blocks.a, &blocks.b1, c)?;
@@ -108,14 +128,7 @@ impl InnerChoice {
             Self::Jacobi(settings) => plain(&settings),
             Self::Ssor(settings) => plain(&settings),
             Self::Fsai(settings) => plain(&settings),
-            Self::Amg(settings) => {
-                let inverse = settings.build(a, coordinates)?;
-                let hierarchy = Some(inverse.summary());
-                Ok(Ready {
-                    inverse: Box::new(inverse),
-                    hierarchy,
-                })
-            }
+            Self::Amg(settings) => Ok(settings.build(a, coordinates)?.into()),
         }
     }
 }
@@ -128,7 +141,7 @@ impl fmt::Display for InnerChoice {
 
 /// A name that is none of [`InnerChoice`]'s.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown inner solver {found:?}: expected exact, amg, fsai, jacobi or ssor")]
+#[error("unknown inner solver {found:?}: expected exact, amg, fsai, fsai:static, jacobi or ssor")]
 pub struct UnknownInner {
     /// What was given.
     pub found: String,
@@ -143,6 +156,7 @@ impl FromStr for InnerChoice {
             "jacobi" => Ok(Self::Jacobi(Jacobi::default())),
             "ssor" => Ok(Self::Ssor(Ssor::default())),
             "fsai" => Ok(Self::Fsai(Fsai::default())),
+            "fsai:static" => Ok(Self::Fsai(Fsai::of_power(1))),
             "amg" => Ok(Self::Amg(Amg::default())),
             _ => Err(UnknownInner {
                 found: name.to_owned(),

@@ -1,6 +1,9 @@
 //! The reverse augmented constraint preconditioner.
 
-use super::{AugmentationChoice, AugmentationMatrix, InnerChoice, SaddleBlocks};
+use super::inner::Ready;
+use super::{
+    AugmentationChoice, AugmentationMatrix, EliminatedInverse, Elimination, InnerChoice, SaddleBlocks,
+};
 use crate::direct::DirectChoice;
 use crate::{Prepare, SetupError};
 use fracas_operators::sparse::{Csr, SparseMatrix};
@@ -41,11 +44,6 @@ impl<S: Preconditioner<f64>> RacpInverse<S> {
     pub fn augmentation(&self) -> &AugmentationMatrix {
         &self.c
     }
-
-    /// c_app: products with 𝒜 that one M⁻¹ costs, by flops.
-    pub fn cost(&self, saddle: &dyn LinearOperator<f64>) -> f64 {
-        self.flops() as f64 / saddle.flops() as f64
-    }
 }
 
 impl<S: Preconditioner<f64>> Preconditioner<f64> for RacpInverse<S> {
@@ -85,7 +83,7 @@ impl<S: Preconditioner<f64>> Preconditioner<f64> for RacpInverse<S> {
     }
 }
 
-/// Settings of RACP.
+/// Settings of RACP. Rows that determine their own traction (slip, open) are eliminated first, see [`Elimination`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Racp {
@@ -97,18 +95,45 @@ pub struct Racp {
     pub inner: InnerChoice,
 }
 
-impl Prepare<SaddleBlocks, f64> for Racp {
-    fn prepare(&self, blocks: &SaddleBlocks) -> Result<Box<dyn Preconditioner<f64>>, SetupError> {
+impl Racp {
+    /// C and S̃_u for these blocks.
+    ///
+    /// # Errors
+    /// Those of the augmentation and of the inner solver, each with block and row.
+    pub fn ready(&self, blocks: &SaddleBlocks) -> Result<Ready, SetupError> {
         let direct = match self.inner {
             InnerChoice::Exact { backend } => backend,
             _ => DirectChoice::default(),
         };
-        let c = self
-            .augmentation
-            .compute(blocks, direct.solver()?.as_ref())?
-            .matrix;
-        let s_u = self.inner.prepare(blocks, &c)?.inverse;
-        Ok(Box::new(RacpInverse::new(blocks.b1.clone(), c, s_u)))
+        let direct = direct.solver()?;
+        let racp = |blocks: &SaddleBlocks| {
+            let c = self.augmentation.compute(blocks, direct.as_ref())?.matrix;
+            let Ready { inverse, hierarchy } = self.inner.prepare(blocks, &c)?;
+            Ok((RacpInverse::new(blocks.b1.clone(), c, inverse), hierarchy))
+        };
+        blocks.check()?;
+        Ok(match Elimination::new(blocks) {
+            Some(elimination) => {
+                let (inner, hierarchy) = racp(elimination.kept())?;
+                Ready {
+                    inverse: Box::new(EliminatedInverse::new(elimination, inner)),
+                    hierarchy,
+                }
+            }
+            None => {
+                let (inverse, hierarchy) = racp(blocks)?;
+                Ready {
+                    inverse: Box::new(inverse),
+                    hierarchy,
+                }
+            }
+        })
+    }
+}
+
+impl Prepare<SaddleBlocks, f64> for Racp {
+    fn prepare(&self, blocks: &SaddleBlocks) -> Result<Box<dyn Preconditioner<f64>>, SetupError> {
+        Ok(self.ready(blocks)?.inverse)
     }
 }
 

@@ -1,22 +1,22 @@
-//! What a smoother asks of a matrix: square, rows, finite entries, a positive diagonal, an admissible ω.
+//! What a method that works on entries asks of a matrix: square, rows, finite entries, a positive diagonal, an admissible ω.
 
 use crate::SetupError;
 use fracas_operators::Shape;
 use fracas_operators::sparse::SparseMatrix;
 use std::borrow::Cow;
 
-/// The matrix of a smoother in messages.
-pub(super) const BLOCK: &str = "A";
+/// The matrix in messages.
+pub(crate) const BLOCK: &str = "A";
 
 /// `a` by rows, checked to be square and finite.
-pub(super) fn rows(a: &SparseMatrix<f64>) -> Result<Cow<'_, SparseMatrix<f64>>, SetupError> {
+pub(crate) fn rows(a: &SparseMatrix<f64>) -> Result<Cow<'_, SparseMatrix<f64>>, SetupError> {
     let found = Shape::new(a.rows(), a.cols());
     if !found.is_square() {
         return Err(SetupError::Shape {
             block: BLOCK,
             found,
             expected: Shape::square(found.rows),
-            reason: "a smoother needs a square matrix",
+            reason: "the method needs a square matrix",
         });
     }
     let a = if a.is_csr() {
@@ -38,7 +38,7 @@ pub(super) fn rows(a: &SparseMatrix<f64>) -> Result<Cow<'_, SparseMatrix<f64>>, 
 }
 
 /// The diagonal, checked to be positive; a missing entry is 0.
-pub(super) fn positive_diagonal(
+pub(crate) fn positive_diagonal(
     a: &SparseMatrix<f64>,
     method: &'static str,
 ) -> Result<Vec<f64>, SetupError> {
@@ -59,7 +59,7 @@ pub(super) fn positive_diagonal(
 }
 
 /// Checks `0 < ω < limit`.
-pub(super) fn relaxation(omega: f64, limit: f64, method: &'static str) -> Result<(), SetupError> {
+pub(crate) fn relaxation(omega: f64, limit: f64, method: &'static str) -> Result<(), SetupError> {
     if omega > 0.0 && omega < limit {
         return Ok(());
     }

@@ -1,6 +1,6 @@
 //! Smoothers: cheap preconditioners from the entries of one matrix, and the inner parts of multigrid.
 
-mod entries;
+pub(crate) mod entries;
 mod jacobi;
 #[cfg(test)]
 mod samples;

@@ -5,7 +5,7 @@ use super::condition::StiffnessEnds;
 use super::coupling::Coupling;
 use super::modes::{self, Judge, ModeTarget};
 use super::product::{Preconditioned, energy_scales};
-use super::report::{Eigenvalues, Method, SpectrumReport};
+use super::report::{Eigenvalues, Method, Parts, SpectrumReport};
 use super::similarity::Similarity;
 use super::{condition, field_of_values, iterative};
 use crate::direct::{DirectChoice, DirectSolver};
@@ -51,9 +51,9 @@ impl Default for SpectrumRequest {
 }
 
 /// Which statements may be made of the blocks.
-struct Structure {
+pub(super) struct Structure {
     /// B2 = B1ᵀ, A and H symmetric.
-    symmetric: bool,
+    pub(super) symmetric: bool,
     h_is_zero: bool,
 }
 
@@ -88,7 +88,13 @@ pub fn analyse(
     let c = augmentation.matrix;
     let inner = request.inner.prepare(&blocks, &c)?.inverse;
     stages.next("inner solver");
-    let mut report = empty_report(&blocks, request, &c, notes)?;
+    let parts = Parts {
+        preconditioner: "racp".to_owned(),
+        augmentation: request.augmentation.to_string(),
+        inner: request.inner.to_string(),
+        c_extremes: c.extremes()?,
+    };
+    let mut report = SpectrumReport::empty(&blocks, parts, notes);
     conditions(
         &mut report,
         &blocks,
@@ -96,7 +102,7 @@ pub fn analyse(
         inner.as_ref(),
         request.inner,
         direct.as_ref(),
-    )?;
+    );
     stages.next("condition numbers");
 
     let n = blocks.n_u() + blocks.n_t();
@@ -166,14 +172,14 @@ pub fn analyse(
 }
 
 /// Tells the observer what is done.
-struct Stages<'a> {
-    observer: &'a mut dyn Observer,
-    done: usize,
+pub(super) struct Stages<'a> {
+    pub(super) observer: &'a mut dyn Observer,
+    pub(super) done: usize,
 }
 
 impl Stages<'_> {
     /// Stopping between stages would leave nothing to report, so a wish to stop is not heard here.
-    fn next(&mut self, stage: &'static str) {
+    pub(super) fn next(&mut self, stage: &'static str) {
         self.done += 1;
         let _ = self.observer.observe(&Step::Progress {
             stage,
@@ -184,7 +190,7 @@ impl Stages<'_> {
 }
 
 /// The blocks without flow, without a B2 that equals B1ᵀ and without an H of zeros, and what holds for them.
-fn simplified(blocks: &SaddleBlocks) -> (SaddleBlocks, Structure, Vec<String>) {
+pub(super) fn simplified(blocks: &SaddleBlocks) -> (SaddleBlocks, Structure, Vec<String>) {
     let mut blocks = blocks.clone();
     let mut notes = Vec::new();
     if blocks.flow.take().is_some() {
@@ -234,58 +240,12 @@ fn agree(a: &SparseMatrix<f64>, b: &SparseMatrix<f64>) -> bool {
         .all(|(d, row)| largest(&mut d.data().iter()) <= SYMMETRY * largest(&mut row.data().iter()))
 }
 
-fn empty_report(
-    blocks: &SaddleBlocks,
-    request: &SpectrumRequest,
-    c: &AugmentationMatrix,
-    notes: Vec<String>,
-) -> Result<SpectrumReport, SetupError> {
-    let (c_min, c_max) = c.extremes()?;
-    Ok(SpectrumReport {
-        n_u: blocks.n_u(),
-        n_t: blocks.n_t(),
-        augmentation: request.augmentation.to_string(),
-        inner: request.inner.to_string(),
-        c_min,
-        c_max,
-        cond_A: None,
-        cond_S_u: None,
-        eigenvalues: Eigenvalues::default(),
-        real_min: None,
-        real_max: None,
-        re_min: None,
-        re_max: None,
-        im_max: None,
-        n_complex: 0,
-        n_at_one: 0,
-        n_at_half: 0,
-        bounds: Bounds::none(None),
-        contained: None,
-        method: Method::Dense,
-        outside: Vec::new(),
-        printed: None,
-        exact_S_u_interval: None,
-        ingredients: None,
-        error_bar: None,
-        cond_A_error: None,
-        cond_S_u_error: None,
-        kernel_A: None,
-        smallest_nonzero_A: None,
-        field_of_values: None,
-        modes: Vec::new(),
-        notes,
-    })
-}
-
-/// κ₂(A), κ₂(S_u), and the kernel of a singular A. What fails becomes a note.
-fn conditions(
+/// κ₂(A), or the kernel of a singular A. What fails becomes a note.
+pub(super) fn stiffness_condition(
     report: &mut SpectrumReport,
     blocks: &SaddleBlocks,
-    c: &AugmentationMatrix,
-    inner: &dyn Preconditioner<f64>,
-    choice: InnerChoice,
     direct: &dyn DirectSolver,
-) -> Result<(), SetupError> {
+) {
     match condition::stiffness_ends(blocks, direct) {
         Ok(StiffnessEnds {
             kernel: 0,
@@ -314,6 +274,18 @@ fn conditions(
             .notes
             .push(format!("A is not positive semi-definite: {error}")),
     }
+}
+
+/// κ₂(A), κ₂(S_u), and the kernel of a singular A. What fails becomes a note.
+fn conditions(
+    report: &mut SpectrumReport,
+    blocks: &SaddleBlocks,
+    c: &AugmentationMatrix,
+    inner: &dyn Preconditioner<f64>,
+    choice: InnerChoice,
+    direct: &dyn DirectSolver,
+) {
+    stiffness_condition(report, blocks, direct);
     let exact = matches!(choice, InnerChoice::Exact { .. }).then_some(inner);
     match condition::schur_ends(blocks, c, exact, direct) {
         Ok(ends) => {
@@ -323,7 +295,6 @@ fn conditions(
         }
         Err(error) => report.notes.push(format!("cond_S_u is not known: {error}")),
     }
-    Ok(())
 }
 
 /// Says when Lanczos stopped short of eight digits.

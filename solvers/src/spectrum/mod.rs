@@ -8,6 +8,7 @@
 //! ```
 //! a matrix without units and without the contrast of the materials.
 
+mod any_method;
 pub mod bounds;
 pub mod condition;
 mod coupling;
@@ -19,6 +20,7 @@ mod product;
 pub mod report;
 mod similarity;
 
+pub use any_method::analyse_method;
 pub use bounds::{Bounds, Region, Theorem, Verdict};
 pub use field_of_values::FieldOfValues;
 pub use laboratory::{SpectrumRequest, analyse};

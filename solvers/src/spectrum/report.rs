@@ -2,6 +2,7 @@
 
 use super::bounds::{Bounds, Ingredients, Theorem, Verdict, is_non_real};
 use super::{FieldOfValues, Mode};
+use crate::saddle::SaddleBlocks;
 use faer::c64;
 use serde::Serialize;
 
@@ -79,13 +80,15 @@ pub struct SpectrumReport {
     pub n_u: usize,
     /// Traction unknowns.
     pub n_t: usize,
-    /// Name of C.
+    /// Name of M.
+    pub preconditioner: String,
+    /// Name of C; `none` in a method without one.
     pub augmentation: String,
-    /// Name of S̃_u⁻¹.
+    /// Name of the approximate inverse of the displacement block; `none` in a method without one.
     pub inner: String,
-    /// λ_min(C).
+    /// λ_min(C); NaN (null) without C.
     pub c_min: f64,
-    /// λ_max(C).
+    /// λ_max(C); NaN (null) without C.
     pub c_max: f64,
     /// κ₂(A); null when A is singular.
     pub cond_A: Option<f64>,
@@ -142,7 +145,56 @@ pub struct SpectrumReport {
     pub notes: Vec<String>,
 }
 
+/// What the preconditioner is made of.
+pub(super) struct Parts {
+    pub(super) preconditioner: String,
+    pub(super) augmentation: String,
+    pub(super) inner: String,
+    /// λ_min(C), λ_max(C).
+    pub(super) c_extremes: (f64, f64),
+}
+
 impl SpectrumReport {
+    /// Nothing found yet.
+    pub(super) fn empty(blocks: &SaddleBlocks, parts: Parts, notes: Vec<String>) -> Self {
+        let (c_min, c_max) = parts.c_extremes;
+        Self {
+            n_u: blocks.n_u(),
+            n_t: blocks.n_t(),
+            preconditioner: parts.preconditioner,
+            augmentation: parts.augmentation,
+            inner: parts.inner,
+            c_min,
+            c_max,
+            cond_A: None,
+            cond_S_u: None,
+            eigenvalues: Eigenvalues::default(),
+            real_min: None,
+            real_max: None,
+            re_min: None,
+            re_max: None,
+            im_max: None,
+            n_complex: 0,
+            n_at_one: 0,
+            n_at_half: 0,
+            bounds: Bounds::none(None),
+            contained: None,
+            method: Method::Dense,
+            outside: Vec::new(),
+            printed: None,
+            exact_S_u_interval: None,
+            ingredients: None,
+            error_bar: None,
+            cond_A_error: None,
+            cond_S_u_error: None,
+            kernel_A: None,
+            smallest_nonzero_A: None,
+            field_of_values: None,
+            modes: Vec::new(),
+            notes,
+        }
+    }
+
     /// Fills in the statistics and verdicts of the eigenvalues.
     pub(super) fn judge(&mut self, eigenvalues: Eigenvalues, disc: bool) {
         let extreme = |values: &mut dyn Iterator<Item = f64>, larger: bool| {

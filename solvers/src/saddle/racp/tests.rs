@@ -1,4 +1,5 @@
 use super::*;
+use crate::saddle::Cost;
 use crate::saddle::samples::{random, two_chains};
 use fracas_operators::laws::{check_preconditioner, probe};
 use fracas_operators::{BlockOperator, Counted, Dense, Shape};
@@ -105,7 +106,7 @@ fn its_cost_is_counted_in_products_with_the_saddle_point() {
     );
     let expected =
         (2 * 6 + 2 * 2 * (72 + 12)) as f64 / (2 * (144 + 12) + 2 * (72 + 12) + 2 * (72 + 6)) as f64;
-    assert!((m.cost(&saddle) - expected).abs() < 1e-14);
+    assert!((Cost::new(&saddle, &m).c_app() - expected).abs() < 1e-14);
 }
 
 #[test]

@@ -25,7 +25,7 @@ fn oracle(blocks: &SaddleBlocks, augmentation: AugmentationChoice, inner: &str) 
         .unwrap()
         .matrix;
     let inner: InnerChoice = inner.parse().unwrap();
-    let s_u = inner.prepare(blocks, &c).unwrap();
+    let s_u = inner.prepare(blocks, &c).unwrap().inverse;
     let scales = energy_scales(blocks, &c.diagonal_entries());
     let racp = RacpInverse::new(blocks.b1.clone(), c, s_u);
     let dense = Dense::of_operator(&Preconditioned::new(blocks, &racp));

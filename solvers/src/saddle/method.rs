@@ -1,0 +1,269 @@
+//! The list of everything that solves a saddle point: the settings tree behind `solve` and `spectrum`.
+
+use super::inner::Ready;
+use super::{AugmentationChoice, Direct, InnerChoice, Mcp, Racp, SaddleBlocks};
+use crate::{Prepare, SetupError};
+use fracas_operators::Preconditioner;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Error, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::borrow::Cow;
+use std::fmt;
+use std::str::FromStr;
+
+/// Which preconditioner of `𝒜 = [A B1; B2 −H]`. Written as `"mcp"`, `"mcp:0"` (γ), `"direct:faer"` or
+/// `{ mcp = { inner = "amg" } }`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self", rename_all = "snake_case")]
+pub enum SaddleMethod {
+    /// Reverse augmented constraint preconditioner.
+    Racp(Racp),
+    /// Mixed constraint preconditioner on A + γB1B2.
+    Mcp(Mcp),
+    /// Sparse LU of the whole matrix.
+    Direct(Direct),
+}
+
+impl Default for SaddleMethod {
+    fn default() -> Self {
+        Self::Racp(Racp::default())
+    }
+}
+
+impl SaddleMethod {
+    /// Every method with its default settings.
+    pub fn all() -> [Self; 3] {
+        [
+            Self::default(),
+            Self::Mcp(Mcp::default()),
+            Self::Direct(Direct::default()),
+        ]
+    }
+
+    /// Plain name.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Racp(_) => "racp",
+            Self::Mcp(_) => "mcp",
+            Self::Direct(_) => "direct",
+        }
+    }
+
+    /// Everything that depends on the blocks but not on a right-hand side.
+    ///
+    /// # Errors
+    /// Those of the parts, each with block and row; [`SetupError::NotApplicable`] for flow blocks in a method that solves
+    /// for u and t.
+    pub fn ready(&self, blocks: &SaddleBlocks) -> Result<Ready, SetupError> {
+        blocks.check()?;
+        if blocks.flow.is_some() && !matches!(self, Self::Direct(_)) {
+            return Err(SetupError::NotApplicable {
+                method: self.name(),
+                reason: "the system has flow blocks (Q1, Q2, T), this method solves for u and t; take --method direct".into(),
+            });
+        }
+        match self {
+            Self::Racp(method) => method.ready(blocks),
+            Self::Mcp(method) => method.ready(blocks),
+            Self::Direct(method) => method.ready(blocks),
+        }
+    }
+
+    /// The choice of C, in methods that have one.
+    pub fn augmentation_mut(&mut self) -> Option<&mut AugmentationChoice> {
+        match self {
+            Self::Racp(method) => Some(&mut method.augmentation),
+            Self::Mcp(_) | Self::Direct(_) => None,
+        }
+    }
+
+    /// The inner solver, in methods that have one.
+    pub fn inner_mut(&mut self) -> Option<&mut InnerChoice> {
+        match self {
+            Self::Racp(method) => Some(&mut method.inner),
+            Self::Mcp(method) => Some(&mut method.inner),
+            Self::Direct(_) => None,
+        }
+    }
+
+    /// The choice of C, in methods that have one.
+    pub fn augmentation(mut self) -> Option<AugmentationChoice> {
+        self.augmentation_mut().copied()
+    }
+
+    /// The inner solver, in methods that have one.
+    pub fn inner(mut self) -> Option<InnerChoice> {
+        self.inner_mut().copied()
+    }
+
+    /// The same method with this C and this inner solver, where they are given.
+    ///
+    /// # Errors
+    /// [`NoSuchPart`] when the method does not have what is given.
+    pub fn with_parts(
+        mut self,
+        augmentation: Option<AugmentationChoice>,
+        inner: Option<InnerChoice>,
+    ) -> Result<Self, NoSuchPart> {
+        if let Some(given) = augmentation {
+            let no_c = self.without("augmentation C", |m| m.augmentation().is_some());
+            *self.augmentation_mut().ok_or(no_c)? = given;
+        }
+        if let Some(given) = inner {
+            let no_inner = self.without("inner solver", |m| m.inner().is_some());
+            *self.inner_mut().ok_or(no_inner)? = given;
+        }
+        Ok(self)
+    }
+
+    fn without(&self, part: &'static str, has: impl Fn(Self) -> bool) -> NoSuchPart {
+        NoSuchPart {
+            method: self.name(),
+            part,
+            others: Self::all()
+                .into_iter()
+                .filter(|m| has(*m))
+                .map(|m| m.name())
+                .collect(),
+        }
+    }
+}
+
+impl Prepare<SaddleBlocks, f64> for SaddleMethod {
+    fn prepare(&self, blocks: &SaddleBlocks) -> Result<Box<dyn Preconditioner<f64>>, SetupError> {
+        Ok(self.ready(blocks)?.inverse)
+    }
+}
+
+/// A choice that means nothing to a method.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("method {method} has no {part}; methods with one: {}", others.join(", "))]
+pub struct NoSuchPart {
+    /// The method.
+    pub method: &'static str,
+    /// What it does not have.
+    pub part: &'static str,
+    /// Methods that have it.
+    pub others: Vec<&'static str>,
+}
+
+/// A name that is none of [`SaddleMethod`]'s.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("unknown method {found:?}: expected {}", names())]
+pub struct UnknownSaddleMethod {
+    /// What was given.
+    pub found: String,
+}
+
+/// All names, as a list for people.
+fn names() -> String {
+    let plain: Vec<&str> = SaddleMethod::all().iter().map(SaddleMethod::name).collect();
+    format!("{}, mcp:GAMMA or direct:BACKEND", plain.join(", "))
+}
+
+impl fmt::Display for SaddleMethod {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Mcp(Mcp {
+                gamma: Some(gamma), ..
+            }) => write!(f, "mcp:{gamma}"),
+            Self::Direct(Direct { backend }) if *backend != Default::default() => {
+                write!(f, "direct:{backend}")
+            }
+            _ => f.write_str(self.name()),
+        }
+    }
+}
+
+impl FromStr for SaddleMethod {
+    type Err = UnknownSaddleMethod;
+
+    fn from_str(text: &str) -> Result<Self, UnknownSaddleMethod> {
+        let unknown = || UnknownSaddleMethod { found: text.into() };
+        let (name, detail) = match text.split_once(':') {
+            Some((name, detail)) => (name, Some(detail)),
+            None => (text, None),
+        };
+        let found = Self::all().into_iter().find(|m| m.name() == name);
+        match (found.ok_or_else(unknown)?, detail) {
+            (method, None) => Ok(method),
+            (Self::Mcp(mcp), Some(detail)) => match detail.parse::<f64>() {
+                Ok(gamma) if gamma >= 0.0 && gamma.is_finite() => Ok(Self::Mcp(Mcp {
+                    gamma: Some(gamma),
+                    ..mcp
+                })),
+                _ => Err(unknown()),
+            },
+            (Self::Direct(_), Some(detail)) => match detail.parse() {
+                Ok(backend) => Ok(Self::Direct(Direct { backend })),
+                Err(_) => Err(unknown()),
+            },
+            _ => Err(unknown()),
+        }
+    }
+}
+
+impl Serialize for SaddleMethod {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for SaddleMethod {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(NameOrTable)
+    }
+}
+
+struct NameOrTable;
+
+impl<'de> Visitor<'de> for NameOrTable {
+    type Value = SaddleMethod;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a method such as \"racp\" or { racp = { inner = \"amg\" } }")
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<SaddleMethod, E> {
+        text.parse().map_err(E::custom)
+    }
+
+    fn visit_map<M: MapAccess<'de>>(self, map: M) -> Result<SaddleMethod, M::Error> {
+        SaddleMethod::deserialize(MapAccessDeserializer::new(map))
+    }
+}
+
+impl JsonSchema for SaddleMethod {
+    fn schema_name() -> Cow<'static, str> {
+        "SaddleMethod".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let tables: serde_json::Map<String, serde_json::Value> = Self::all()
+            .iter()
+            .map(|method| {
+                let settings = match method {
+                    Self::Racp(_) => generator.subschema_for::<Racp>(),
+                    Self::Mcp(_) => generator.subschema_for::<Mcp>(),
+                    Self::Direct(_) => generator.subschema_for::<Direct>(),
+                };
+                (method.name().to_owned(), settings.to_value())
+            })
+            .collect();
+        let names: Vec<&str> = Self::all().iter().map(Self::name).collect();
+        json_schema!({
+            "description": "A method: \"racp\", \"mcp:0\", \"direct:faer\" or { racp = { inner = \"amg\" } }.",
+            "anyOf": [
+                { "type": "string", "pattern": format!("^({})$|^mcp:|^direct:", names.join("|")) },
+                {
+                    "type": "object", "properties": tables, "additionalProperties": false,
+                    "minProperties": 1, "maxProperties": 1
+                }
+            ]
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

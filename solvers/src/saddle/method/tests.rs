@@ -1,0 +1,223 @@
+use super::*;
+use crate::krylov::{Criteria, KrylovChoice, Outcome, System};
+use crate::saddle::oracle::unsymmetric;
+use crate::saddle::samples::{random, trusses};
+use crate::saddle::{Cost, FlowBlocks, SaddleOperator};
+use crate::{Observer, Silent};
+use fracas_operators::laws::{check_preconditioner, probe};
+use fracas_operators::sparse::Triplets;
+use fracas_operators::{Counted, LinearOperator};
+
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+struct Study {
+    methods: Vec<SaddleMethod>,
+}
+
+#[test]
+fn the_settings_tree_reads_from_toml_by_name_or_in_full() {
+    let study: Study = toml::from_str(
+        r#"
+        [[methods]]
+        racp = { augmentation = "face_block", inner = "fsai" }
+        [[methods]]
+        mcp = { gamma = 0.0, inner = { ssor = { omega = 1.2 } } }
+        [[methods]]
+        direct = { backend = "faer" }
+        "#,
+    )
+    .unwrap();
+    assert_eq!(
+        study
+            .methods
+            .iter()
+            .map(|m| m.to_string())
+            .collect::<Vec<_>>(),
+        ["racp", "mcp:0", "direct:faer"]
+    );
+    assert_eq!(study.methods[0].inner().unwrap().name(), "fsai");
+    assert_eq!(
+        study.methods[0].augmentation(),
+        Some(AugmentationChoice::FaceBlock)
+    );
+    let names: Study = toml::from_str(r#"methods = ["racp", "mcp:0", "direct:faer"]"#).unwrap();
+    assert_eq!(names.methods[2], study.methods[2]);
+    let wrong = [
+        (
+            r#"methods = ["racpp"]"#,
+            "unknown method \"racpp\": expected racp",
+        ),
+        (r#"methods = [{ racpp = {} }]"#, "racpp"),
+        (r#"methods = [{ mcp = { gama = 1.0 } }]"#, "gama"),
+        (r#"methods = ["racp:3"]"#, "racp:3"),
+        (r#"methods = ["mcp:-1"]"#, "mcp:-1"),
+        (r#"methods = ["direct:mumps"]"#, "direct:mumps"),
+    ];
+    for (text, expected) in wrong {
+        let error = toml::from_str::<Study>(text).unwrap_err().to_string();
+        assert!(error.contains(expected), "{text}: {error}");
+    }
+}
+
+#[test]
+fn what_is_written_reads_back() {
+    let methods = SaddleMethod::all().to_vec();
+    for method in &methods {
+        assert_eq!(method.to_string().parse::<SaddleMethod>().unwrap(), *method);
+    }
+    let study = Study { methods };
+    let text = toml::to_string(&study).unwrap();
+    assert_eq!(toml::from_str::<Study>(&text).unwrap(), study);
+    let schema = serde_json::to_string(&schemars::schema_for!(SaddleMethod)).unwrap();
+    assert!(
+        SaddleMethod::all()
+            .iter()
+            .all(|m| schema.contains(m.name()))
+    );
+}
+
+#[test]
+fn parts_that_a_method_lacks_are_refused_in_one_sentence() {
+    let direct: SaddleMethod = "direct".parse().unwrap();
+    let error = direct
+        .with_parts(None, Some(InnerChoice::default()))
+        .unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .starts_with("method direct has no inner solver; methods with one: racp, mcp")
+    );
+    let mcp: SaddleMethod = "mcp".parse().unwrap();
+    let error = mcp
+        .with_parts(Some(AugmentationChoice::Local), None)
+        .unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .starts_with("method mcp has no augmentation C; methods with one: racp")
+    );
+    let jacobi: InnerChoice = "jacobi".parse().unwrap();
+    assert_eq!(
+        mcp.with_parts(None, Some(jacobi)).unwrap().inner(),
+        Some(jacobi)
+    );
+}
+
+/// Solves for a known solution with GMRES and returns the iterations.
+fn solves(method: &SaddleMethod, blocks: &SaddleBlocks) -> usize {
+    let operator = SaddleOperator::new(blocks);
+    let m = method.prepare(blocks).unwrap();
+    check_preconditioner(method.name(), &m, None, 0.0).unwrap();
+    let n = blocks.size();
+    let expected: Vec<f64> = probe(n, 5);
+    let mut rhs = vec![0.0; n];
+    operator.apply(&expected, &mut rhs, &mut []);
+    let system = System {
+        operator: &operator,
+        preconditioner: m.as_ref(),
+        rhs: &rhs,
+    };
+    let criteria = Criteria {
+        relative_tolerance: 1e-10,
+        max_iterations: 200,
+    };
+    let mut x = vec![0.0; n];
+    let observer: &mut dyn Observer = &mut Silent;
+    let report = KrylovChoice::default()
+        .method()
+        .solve(&system, &criteria, &mut x, observer)
+        .unwrap();
+    assert_eq!(report.outcome, Outcome::Converged, "{method}");
+    for (x, expected) in x.iter().zip(&expected) {
+        assert!((x - expected).abs() < 1e-6, "{method}: {x} {expected}");
+    }
+    report.iterations
+}
+
+#[test]
+fn every_method_obeys_the_laws_and_solves() {
+    for blocks in [
+        random(24, 8, 0.0, 1),
+        random(24, 8, 0.5, 2),
+        trusses(3, 10.0, false),
+        unsymmetric(random(24, 8, 0.3, 3)),
+    ] {
+        for method in SaddleMethod::all() {
+            let iterations = solves(&method, &blocks);
+            assert!(iterations <= 40, "{method}: {iterations}");
+        }
+        assert_eq!(solves(&"direct:faer".parse().unwrap(), &blocks), 1);
+    }
+}
+
+#[test]
+fn flow_needs_the_direct_solver() {
+    let mut blocks = random(6, 2, 0.0, 7);
+    let diagonal = |rows, cols| {
+        let mut t = Triplets::new((rows, cols));
+        t.add_triplet(0, 0, 1.0);
+        t.to_csr()
+    };
+    blocks.flow = Some(FlowBlocks {
+        q1: diagonal(6, 1),
+        q2: diagonal(1, 6),
+        t: diagonal(1, 1),
+        rhs_p: vec![1.0],
+    });
+    for method in SaddleMethod::all() {
+        let ready = method.ready(&blocks);
+        assert_eq!(ready.is_ok(), method.name() == "direct");
+        if let Err(error) = ready {
+            assert!(
+                error.to_string().contains("take --method direct"),
+                "{error}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_wrong_block_is_named_before_any_method_begins() {
+    let mut blocks = random(6, 2, 0.0, 7);
+    blocks.b2 = Some(Triplets::new((2, 5)).to_csr());
+    for method in SaddleMethod::all() {
+        let error = method.ready(&blocks).err().unwrap();
+        assert!(matches!(error, SetupError::Shape { block: "B2", .. }));
+    }
+}
+
+#[test]
+fn the_cost_of_a_run_is_what_its_counters_say() {
+    let blocks = trusses(3, 10.0, false);
+    let n = blocks.size();
+    let rhs: Vec<f64> = probe(n, 5);
+    for name in ["gmres", "bicgstab"] {
+        let krylov: KrylovChoice = name.parse().unwrap();
+        let operator = Counted::new(SaddleOperator::new(&blocks));
+        let m = Counted::new(SaddleMethod::default().prepare(&blocks).unwrap());
+        let cost = Cost::new(&operator, &m);
+        let system = System {
+            operator: &operator,
+            preconditioner: &m,
+            rhs: &rhs,
+        };
+        let criteria = Criteria {
+            relative_tolerance: 1e-8,
+            max_iterations: 200,
+        };
+        let report = krylov
+            .method()
+            .solve(&system, &criteria, &mut vec![0.0; n], &mut Silent)
+            .unwrap();
+        assert!(report.iterations > 2);
+        let flops = operator.applications() * cost.product_flops
+            + m.applications() * cost.application_flops;
+        // the convention leaves out the true residual at both ends and the correction of a restart
+        let counted = flops as f64 / cost.product_flops as f64;
+        let stated = cost.c_s(report.iterations, &krylov);
+        let allowed = 2.0 * (1.0 + cost.c_app());
+        assert!(
+            counted >= stated && counted <= stated + allowed,
+            "{name}: {counted} {stated}"
+        );
+    }
+}

@@ -1,0 +1,112 @@
+//! The spectrum of M⁻¹𝒜 for any preconditioner of the list.
+
+use super::laboratory::{Stages, simplified, stiffness_condition};
+use super::product::{Preconditioned, energy_scales};
+use super::report::{Eigenvalues, Method, Parts, SpectrumReport};
+use super::{SpectrumRequest, analyse, field_of_values, iterative};
+use crate::direct::DirectChoice;
+use crate::eigen::dense;
+use crate::saddle::{SaddleBlocks, SaddleMethod};
+use crate::{Observer, SetupError};
+use faer::Mat;
+use fracas_operators::Dense;
+
+/// Analyses M⁻¹𝒜 for `method`: [`analyse`] with its C and S̃_u where it is RACP; otherwise the eigenvalues alone, since
+/// no bound is proved. `request` says the dense limit; its modes need RACP.
+///
+/// # Errors
+/// Those of the method; [`SetupError::NotApplicable`] for a preconditioner that is no linear map, and for modes of
+/// anything but RACP.
+pub fn analyse_method(
+    blocks: &SaddleBlocks,
+    method: &SaddleMethod,
+    request: &SpectrumRequest,
+    observer: &mut dyn Observer,
+) -> Result<SpectrumReport, SetupError> {
+    if let SaddleMethod::Racp(racp) = method {
+        let request = SpectrumRequest {
+            augmentation: racp.augmentation,
+            inner: racp.inner,
+            ..request.clone()
+        };
+        return analyse(blocks, &request, observer);
+    }
+    let no = |reason: &str| SetupError::NotApplicable {
+        method: "this spectrum",
+        reason: reason.to_owned(),
+    };
+    if !request.modes.is_empty() {
+        return Err(no("eigenvectors are computed for --method racp only"));
+    }
+    let mut stages = Stages { observer, done: 0 };
+    let (blocks, structure, notes) = simplified(blocks);
+    let m = method.ready(&blocks)?.inverse;
+    if !m.is_linear() {
+        return Err(no(
+            "the preconditioner is no linear map, so it has no eigenvalues; take a V or W cycle",
+        ));
+    }
+    stages.next("preconditioner");
+    let name = |part: Option<String>| part.unwrap_or_else(|| "none".to_owned());
+    let parts = Parts {
+        preconditioner: method.to_string(),
+        augmentation: name(method.augmentation().map(|c| c.to_string())),
+        inner: name(method.inner().map(|inner| inner.to_string())),
+        c_extremes: (f64::NAN, f64::NAN),
+    };
+    let mut report = SpectrumReport::empty(&blocks, parts, notes);
+    report
+        .notes
+        .push("no bound is proved for this method".to_owned());
+    stiffness_condition(
+        &mut report,
+        &blocks,
+        DirectChoice::default().solver()?.as_ref(),
+    );
+    stages.next("condition numbers");
+    let operator = Preconditioned::new(&blocks, m.as_ref());
+    let scales = energy_scales(&blocks, &traction_scales(&blocks));
+    let n = scales.len();
+    let eigenvalues = if n <= request.dense_limit {
+        let product = Dense::of_operator(&operator);
+        let d = &scales;
+        let matrix = Mat::from_fn(n, n, |i, j| d[i] * product.entry(i, j) / d[j]);
+        if !structure.symmetric {
+            report.field_of_values = Some(field_of_values::of_matrix(matrix.as_ref())?);
+        }
+        dense::general_eigenvalues(matrix.as_ref())?
+    } else {
+        report.method = Method::Iterative;
+        let (values, residual) = iterative::outer_eigenvalues(&operator, &scales)?;
+        report.notes.push(format!(
+            "n_u + n_t = {n} is above the dense limit {}: {} outer Ritz values with residuals below {residual:.1e}",
+            request.dense_limit,
+            values.len()
+        ));
+        values
+    };
+    stages.next("eigenvalues");
+    report.judge(Eigenvalues::sorted(eigenvalues), false);
+    Ok(report)
+}
+
+/// `|H_kk| + Σ_i b_ik² / a_ii`: a size of the Schur complement in which tractions are measured; 1 where it vanishes.
+fn traction_scales(blocks: &SaddleBlocks) -> Vec<f64> {
+    let mut scales: Vec<f64> = (0..blocks.n_t())
+        .map(|k| {
+            let h_kk = blocks.h.as_ref().and_then(|h| h.get(k, k));
+            h_kk.map_or(0.0, |h| h.abs())
+        })
+        .collect();
+    for (i, row) in blocks.b1.outer_iterator().enumerate() {
+        if let Some(a_ii) = blocks.a.get(i, i).filter(|a_ii| **a_ii > 0.0) {
+            row.iter().for_each(|(k, b)| scales[k] += b * b / a_ii);
+        }
+    }
+    for scale in &mut scales {
+        if *scale == 0.0 {
+            *scale = 1.0;
+        }
+    }
+    scales
+}
