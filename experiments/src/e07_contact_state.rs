@@ -205,10 +205,16 @@ fn figure(
     let count = |m: &Option<Measured>| m.as_ref().and_then(|m| m.iterations);
     let mut figure = Figure::new(id, "", caption, Axis::linear(label), Axis::linear("n_it"));
     let series: [(&str, Vec<[f64; 2]>); 4] = [
-        ("own rows eliminated, exact S_u", points(&|s| count(&s.exact))),
+        (
+            "own rows eliminated, exact S_u",
+            points(&|s| count(&s.exact)),
+        ),
         ("own rows eliminated, AMG", points(&|s| count(&s.amg))),
         ("the same by SQMR, exact S_u", points(&|s| count(&s.sqmr))),
-        ("every row augmented, exact S_u", points(&|s| count(&s.blind))),
+        (
+            "every row augmented, exact S_u",
+            points(&|s| count(&s.blind)),
+        ),
     ];
     for (name, points) in series {
         if points.len() > 1 {

@@ -2,8 +2,8 @@
 
 use super::hierarchy::{Hierarchy, Level};
 use super::{Amg, Cycle, Smoother};
-use fracas_operators::{Preconditioner, Real};
 use fracas_operators::vector::{axpy, dot, xpby};
+use fracas_operators::{Preconditioner, Real};
 
 /// Smallest over largest eigenvalue of the interval on which a Chebyshev polynomial smooths. Unit: 1.
 const SMOOTHED_SHARE: f64 = 1.0 / 20.0;
@@ -50,13 +50,14 @@ impl<R: Real> Hierarchy<R> {
     pub(super) fn work_len(&self, shape: Shape) -> usize {
         (0..self.levels.len())
             .map(|k| OWN * self.size(k) + visiting(shape.cycle) * self.size(k + 1))
-            .sum()
+            .sum::<usize>()
+            + self.coarsest.work_len()
     }
 
     /// `x ← M⁻¹ b` from level k down.
     pub(super) fn cycle(&self, shape: Shape, k: usize, b: &[R], x: &mut [R], work: &mut [R]) {
         let Some(level) = self.levels.get(k) else {
-            return self.coarsest.solve(b, x);
+            return self.coarsest.solve(b, x, work);
         };
         let n = b.len();
         let (r, work) = work.split_at_mut(n);
@@ -232,7 +233,12 @@ impl<R: Real> Level<R> {
                 // d ← ρ' ρ d + 2 ρ'/δ D⁻¹ r
                 let next = 1.0 / (2.0 * sigma - rho);
                 self.matrix.diagonal_solve(r, z);
-                fracas_operators::vector::axpby(R::of(2.0 * next / radius), z, R::of(next * rho), d);
+                fracas_operators::vector::axpby(
+                    R::of(2.0 * next / radius),
+                    z,
+                    R::of(next * rho),
+                    d,
+                );
                 rho = next;
             }
         }
@@ -251,9 +257,7 @@ impl<R: Real> Level<R> {
                 let fsai = self.fsai.as_ref().map_or(0, |m| m.flops());
                 2 * steps * (fsai + product + 2 * n)
             }
-            Smoother::Chebyshev => {
-                2 * (steps * (product + 12 * n)) + product + n
-            }
+            Smoother::Chebyshev => 2 * (steps * (product + 12 * n)) + product + n,
         }
     }
 }

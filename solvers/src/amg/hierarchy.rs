@@ -1,15 +1,15 @@
 //! From the finest matrix to all levels.
 
 use super::aggregation::Aggregates;
-use super::{Amg, Coarsening, Smoother};
 use super::coarse::{Coarse, NotPositive, coarsen};
-use super::coarsest::Coarsest;
+use super::coarsest::{Coarsest, NoInverse};
 use super::finest::Finest;
 use super::fsai_smoother;
 use super::node_map::NONE;
 use super::summary::{LevelSummary, Summary};
 use super::sweeps::SweepMatrix;
 use super::transfer::Transfer;
+use super::{Amg, Coarsening, Smoother};
 use crate::SetupError;
 use crate::fsai::FsaiInverse;
 use fracas_operators::Real;
@@ -18,7 +18,7 @@ use fracas_operators::Real;
 pub(super) const MOST_LEVELS: usize = 30;
 
 /// Unknowns up to which a level that does not get coarser is solved directly after all.
-const LARGEST_DIRECT: usize = 3000;
+const LARGEST_DIRECT: usize = 30_000;
 
 /// One level that smooths.
 #[derive(Debug)]
@@ -142,10 +142,18 @@ impl<R: Real> Hierarchy<R> {
         });
         names.descend(&coarse, 1);
         let group = K / 3;
-        while 3 * coarse.matrix.rows() > settings.coarsest && levels.len() < MOST_LEVELS {
+        while coarse.goes_on(settings) && levels.len() < MOST_LEVELS {
             let depth = levels.len();
             let bonds = coarse.bonds.as_ref();
-            let step = coarsen(settings, depth, &coarse.matrix, &[], bonds, group, &coarse.modes);
+            let step = coarsen(
+                settings,
+                depth,
+                &coarse.matrix,
+                &[],
+                bonds,
+                group,
+                &coarse.modes,
+            );
             let Some(next) = step.map_err(|NotPositive(row)| names.indefinite(row))? else {
                 break;
             };
@@ -177,10 +185,13 @@ impl<R: Real> Hierarchy<R> {
                 ),
             });
         }
-        let coarsest = Coarsest::new(last).map_err(|row| SetupError::Singular {
-            block: "A",
-            row: Some(names.name(row)),
-            advice: "a rigid-body mode costs no energy: a block of rock is held neither by boundary conditions nor by a fracture".into(),
+        let coarsest = Coarsest::new(last).map_err(|problem| match problem {
+            NoInverse::Failed(error) => error,
+            NoInverse::Singular(row) => SetupError::Singular {
+                block: "A",
+                row: Some(names.name(row)),
+                advice: "a rigid-body mode costs no energy: a block of rock is held neither by boundary conditions nor by a fracture".into(),
+            },
         })?;
         Ok(Self {
             levels,
@@ -200,7 +211,7 @@ impl<R: Real> Hierarchy<R> {
         });
         let last = LevelSummary {
             n: self.coarsest.size(),
-            nnz: self.coarsest.size() * self.coarsest.size(),
+            nnz: self.coarsest.entries(),
             bytes: self.coarsest.bytes(),
         };
         let levels: Vec<LevelSummary> = smoothing.chain([last]).collect();

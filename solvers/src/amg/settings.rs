@@ -65,10 +65,14 @@ pub struct Amg {
     pub sweeps: usize,
     /// Scalars of the hierarchy.
     pub precision: Precision,
-    /// Entries of a node block below this fraction of `√(‖A_ii‖‖A_jj‖)` do not count as connections.
+    /// Entries of a node block below this fraction of `√(‖A_ii‖‖A_jj‖)` do not count as connections in aggregation.
+    /// Classical coarsening keeps what reaches a quarter of the strongest instead.
     pub strength: f64,
     /// Unknowns at which a direct solver takes over.
     pub coarsest: usize,
+    /// Factor on the result. `λ(M⁻¹A)` of a symmetric V-cycle lies in (0, 1]; RACP, unlike conjugate gradients, gains from
+    /// eigenvalues *around* 1, because C⁻¹ has a scale of its own.
+    pub over_correction: f64,
 }
 
 impl Default for Amg {
@@ -81,6 +85,7 @@ impl Default for Amg {
             precision: Precision::default(),
             strength: 0.02,
             coarsest: 500,
+            over_correction: 1.2,
         }
     }
 }

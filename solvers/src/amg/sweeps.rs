@@ -53,7 +53,12 @@ impl<R: Real> SweepMatrix<R> {
         for i in 0..rows {
             let range = offsets[i]..offsets[i + 1];
             row.clear();
-            row.extend(columns[range.clone()].iter().copied().zip(blocks[range.clone()].iter().copied()));
+            row.extend(
+                columns[range.clone()]
+                    .iter()
+                    .copied()
+                    .zip(blocks[range.clone()].iter().copied()),
+            );
             // a stable sort keeps ascending columns within L and U
             row.sort_by_key(|(j, _)| match *j as usize {
                 j if j == i => 1,
@@ -120,6 +125,11 @@ impl<R: Real> SweepMatrix<R> {
     /// Block columns of a row, in the order L, D, U.
     pub(super) fn columns_of(&self, i: usize) -> &[u32] {
         &self.columns[self.offsets[i]..self.offsets[i + 1]]
+    }
+
+    /// Diagonal block of a row.
+    pub(super) fn diagonal(&self, i: usize) -> &[R; 9] {
+        &self.blocks[self.diagonals[i]]
     }
 
     /// Inverse diagonal block of a row.

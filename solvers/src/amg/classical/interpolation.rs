@@ -16,6 +16,9 @@ pub(super) struct Interpolation {
     pub(super) blocks: Vec<[f64; 9]>,
 }
 
+/// Coarse node and block.
+pub(super) type Entry = (u32, [f64; 9]);
+
 /// The identity.
 pub(super) const IDENTITY: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
 
@@ -24,9 +27,9 @@ impl Interpolation {
     pub(super) fn collect<S>(
         n: usize,
         scratch: impl Fn() -> S + Sync + Send,
-        row: impl Fn(&mut S, usize, &mut Vec<(u32, [f64; 9])>) + Sync + Send,
+        row: impl Fn(&mut S, usize, &mut Vec<Entry>) + Sync + Send,
     ) -> Self {
-        let parts: Vec<(Vec<usize>, Vec<(u32, [f64; 9])>)> = (0..n.div_ceil(ROWS_PER_TASK))
+        let parts: Vec<(Vec<usize>, Vec<Entry>)> = (0..n.div_ceil(ROWS_PER_TASK))
             .into_par_iter()
             .map_init(
                 || (scratch(), Vec::new()),
