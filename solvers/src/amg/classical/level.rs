@@ -35,7 +35,8 @@ impl<const K: usize> Step<K> {
     }
 }
 
-/// Coarsens `a + Δ` (block-diagonal Δ, may be empty); `None` when it does not get coarser.
+/// Coarsens `a + Δ` (block-diagonal Δ, may be empty); `None` when it does not get coarser. A coarse row in an error is
+/// named by its fine one.
 pub(super) fn step<R: Real, const K: usize>(
     a: &SweepMatrix<R>,
     defect: &[[f64; 9]],
@@ -76,11 +77,13 @@ pub(super) fn step<R: Real, const K: usize>(
     };
     let patterns = Patterns::new(a, &prolongation.pattern, count);
     let blocks = galerkin::product(a, defect, &prolongation, &patterns);
+    let matrix = coarse_matrix(patterns.coarse(), blocks)
+        .map_err(|NotPositive(row)| NotPositive(3 * coarse.nodes[row / 3] as usize + row % 3))?;
     Ok(Some(Step {
         bonds: bonds.map(|bonds| closest.bonds(bonds)),
         closest,
         prolongation,
-        matrix: coarse_matrix(patterns.coarse(), blocks)?,
+        matrix,
         modes: coarse.nodes.iter().map(|i| modes[*i as usize]).collect(),
         lambda_max: largest_eigenvalue(a),
     }))

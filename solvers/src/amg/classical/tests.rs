@@ -6,7 +6,7 @@ use crate::amg::{Amg, Coarsening, Cycle, Precision, Smoother};
 use crate::eigen::{Ends, LanczosSettings, extreme_eigenvalues};
 use crate::elastic_sample::{clamped_box, cube};
 use crate::krylov::{Cg, Criteria, KrylovMethod, Outcome, System};
-use crate::{DofCoordinate, Silent};
+use crate::{DofCoordinate, SetupError, Silent};
 use faer::linalg::solvers::DenseSolveCore;
 use fracas_operators::laws::{check_preconditioner, probe};
 use fracas_operators::sparse::{Csr, SparseMatrix, Triplets};
@@ -528,5 +528,26 @@ fn blocks_joined_across_a_fracture_keep_to_themselves() {
         let count = iterations(&sum, &m);
         println!("springs {stiffness:e}: {count}");
         assert!(count < 40, "{stiffness:e}: {count}");
+    }
+}
+
+#[test]
+fn an_indefinite_matrix_is_refused_with_a_row() {
+    let (a, coordinates) = cube(7);
+    let mut triplets = Triplets::new((a.rows(), a.rows()));
+    for (value, (i, j)) in a.iter() {
+        let shift = if i == j { 0.4 * value } else { 0.0 };
+        triplets.add_triplet(i as usize, j as usize, value - shift);
+    }
+    let shifted: SparseMatrix<f64> = triplets.to_csr();
+    for smoother in [Smoother::GaussSeidel, Smoother::Fsai] {
+        let settings = Amg {
+            smoother,
+            coarsest: 50,
+            ..classical()
+        };
+        let error = settings.build(&shifted, Some(&coordinates)).unwrap_err();
+        let named = matches!(error, SetupError::NotPositiveDefinite { row, .. } if (1..=a.rows()).contains(&row));
+        assert!(named, "{error}");
     }
 }
