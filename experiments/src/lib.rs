@@ -4,6 +4,7 @@
 pub mod command;
 pub mod e01_checkerboard;
 pub mod e02_spectra;
+pub mod e02b_spectrum_amg;
 pub mod e03_conditioning;
 pub mod e06_c_laboratory;
 pub mod e07_contact_state;

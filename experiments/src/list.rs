@@ -6,6 +6,7 @@ use crate::report::Experiment;
 pub static EXPERIMENTS: &[&dyn Experiment] = &[
     &crate::e01_checkerboard::Checkerboard,
     &crate::e02_spectra::Spectra,
+    &crate::e02b_spectrum_amg::SpectrumAmg,
     &crate::e03_conditioning::Conditioning,
     &crate::e06_c_laboratory::CLaboratory,
     &crate::e07_contact_state::ContactStates,
