@@ -7,6 +7,7 @@ pub mod e02_spectra;
 pub mod e02b_spectrum_amg;
 pub mod e03_conditioning;
 pub mod e04_efficiency;
+pub mod e05_mesh_independence;
 pub mod e06_c_laboratory;
 pub mod e07_contact_state;
 pub mod list;

@@ -9,6 +9,7 @@ pub static EXPERIMENTS: &[&dyn Experiment] = &[
     &crate::e02b_spectrum_amg::SpectrumAmg,
     &crate::e03_conditioning::Conditioning,
     &crate::e04_efficiency::Efficiency,
+    &crate::e05_mesh_independence::MeshIndependence,
     &crate::e06_c_laboratory::CLaboratory,
     &crate::e07_contact_state::ContactStates,
 ];
