@@ -1,10 +1,11 @@
 //! The model: from a fractured scene to the blocks of its saddle point.
 //!
-//! Rooms, each importing only those before it: `units` ◄ `mesh` ◄ {`elasticity`, `contact`} ◄ `scene` ◄ `system` ◄ `matrix_free`; `io` writes.
+//! Rooms, each importing only those before it: `units` ◄ `mesh` ◄ {`elasticity`, `contact`} ◄ `scene` ◄ `system` ◄ {`matrix_free`, `jacobian`}; `io` writes.
 
 pub mod contact;
 pub mod elasticity;
 pub mod io;
+pub mod jacobian;
 pub mod matrix_free;
 pub mod mesh;
 pub mod scene;

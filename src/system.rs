@@ -1,6 +1,6 @@
 //! From a body to its saddle point: `[A B; Bᵀ −H]` with every fracture face in stick.
 
-use crate::contact::{Coupling, JumpStabilization, prescribed_jump};
+use crate::contact::{ContactState, Coupling, JumpStabilization, prescribed_jump};
 use crate::elasticity::{Constraints, Elastic, ElasticityError, lift, loads, reduced, stiffness};
 use crate::mesh::{FractureMesh, HexMesh};
 use crate::scene::{Body, SurfaceTraction};
@@ -54,9 +54,17 @@ impl StickSystem<'_> {
 
     /// H, or `None` where it is absent or has no entries.
     pub fn stabilization(&self) -> Option<SparseMatrix<f64>> {
+        self.stabilization_for(|_| ContactState::Stick)
+    }
+
+    /// H for faces in given states, or `None` where it is absent or has no entries.
+    pub fn stabilization_for(
+        &self,
+        state: impl Fn(usize) -> ContactState,
+    ) -> Option<SparseMatrix<f64>> {
         let h = self
             .stabilization?
-            .assemble(self.mesh, self.fractures, self.materials);
+            .assemble_for(self.mesh, self.fractures, self.materials, state);
         (h.nnz() > 0).then_some(h)
     }
 

@@ -5,6 +5,8 @@ pub mod command;
 pub mod e01_checkerboard;
 pub mod e02_spectra;
 pub mod e03_conditioning;
+pub mod e07_contact_state;
 pub mod list;
+pub mod measure;
 pub mod plot;
 pub mod report;

@@ -1,7 +1,14 @@
-//! Contact on fractures: how tractions push on the body (B) and how spurious traction modes are balanced (H).
+//! Contact on fractures: how tractions push on the body (B), how spurious traction modes are balanced (H), and the
+//! rows of a face that sticks, slips or is open.
 
 mod coupling;
+mod friction;
+mod law;
 mod stabilization;
+mod state;
 
 pub use coupling::{Coupling, prescribed_jump};
-pub use stabilization::{JumpStabilization, Side, side_stiffness};
+pub use friction::Friction;
+pub use law::{FaceLaw, FacePoint, FaceRows};
+pub use stabilization::{JumpStabilization, Side, face_compliance, side_stiffness};
+pub use state::ContactState;

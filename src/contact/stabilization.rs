@@ -1,7 +1,8 @@
 //! The jump stabilization H that balances the checkerboard modes of piecewise-constant tractions.
 
+use super::ContactState;
 use crate::elasticity::Elastic;
-use crate::mesh::{FaceSide, FractureEdge, FractureMesh, HexMesh};
+use crate::mesh::{FaceSide, FractureEdge, FractureFace, FractureMesh, HexMesh};
 use fracas_operators::sparse::{SparseMatrix, Triplets};
 
 /// `H(μ, t) = Σ_e [[μ]]_e · Y⁽ᵉ⁾ · [[t]]_e` over the inner edges e of every fracture.
@@ -59,17 +60,36 @@ impl JumpStabilization {
         fractures: &FractureMesh,
         materials: &[Elastic],
     ) -> SparseMatrix<f64> {
+        self.assemble_for(mesh, fractures, materials, |_| ContactState::Stick)
+    }
+
+    /// Assembles H for faces in given states: an edge couples the components that both of its faces constrain (all
+    /// three between sticking faces, the normal one beside a slipping face, none beside an open face).
+    ///
+    /// H stays symmetric positive semi-definite, and on a plane fracture it penalises no constant.
+    pub fn assemble_for(
+        &self,
+        mesh: &HexMesh,
+        fractures: &FractureMesh,
+        materials: &[Elastic],
+        state: impl Fn(usize) -> ContactState,
+    ) -> SparseMatrix<f64> {
         let n = 3 * fractures.faces.len();
         let mut h = Triplets::new((n, n));
         for edge in &fractures.edges {
             let faces = edge.faces.map(|f| f as usize);
+            let shared = faces.map(|f| state(f).constrained());
+            let shared = shared[0].min(shared[1]);
+            if shared == 0 {
+                continue;
+            }
             let y = self.edge_weight(mesh, fractures, materials, edge);
             for (row, f) in faces.iter().enumerate() {
                 for (column, g) in faces.iter().enumerate() {
                     let sign = if row == column { 1.0 } else { -1.0 };
                     let (r_f, r_g) = (&fractures.faces[*f].frame, &fractures.faces[*g].frame);
-                    for k in 0..3 {
-                        for l in 0..3 {
+                    for k in 0..shared {
+                        for l in 0..shared {
                             let value: f64 = (0..3).map(|j| r_f[k][j] * y[j] * r_g[l][j]).sum();
                             if value != 0.0 {
                                 h.add_triplet(3 * f + k, 3 * g + l, sign * value);
@@ -108,6 +128,20 @@ impl JumpStabilization {
             (1.0 / (k_minus[j] + l_minus[j]) + 1.0 / (k_plus[j] + l_plus[j])) * areas
         })
     }
+}
+
+/// `ω = Σ_a A_a²/A_f · Σ_side 1/k_n` [m/Pa], `k_n = Σ_j n_j² k_j`: the mean jump of a face under a unit normal traction
+/// when each of its corner nodes moves against one element alone.
+pub fn face_compliance(mesh: &HexMesh, materials: &[Elastic], face: &FractureFace) -> f64 {
+    let squares: f64 = face.node_areas.iter().map(|a| a * a).sum();
+    let compliance = |side: FaceSide| {
+        let element = side.element as usize;
+        let material = materials[mesh.regions[element] as usize];
+        let k = side_stiffness(1.0, material, side_of(mesh, element));
+        let n = face.frame[0];
+        1.0 / (0..3).map(|j| n[j] * n[j] * k[j]).sum::<f64>()
+    };
+    squares / face.area * (compliance(face.minus) + compliance(face.plus))
 }
 
 /// Bounding box and volume of an element.

@@ -1,5 +1,6 @@
 //! What a scene becomes: everything that assembly needs, in SI units.
 
+use crate::contact::Friction;
 use crate::elasticity::{Constraints, Elastic};
 use crate::mesh::{Audit, FractureMesh, HexMesh, audit};
 
@@ -28,15 +29,6 @@ impl InitialStress {
     pub fn at(&self, x: [f64; 3]) -> [f64; 6] {
         std::array::from_fn(|i| self.constant[i] + (x[2] - self.reference) * self.gradient[i])
     }
-}
-
-/// Coulomb friction of a fracture: τ_L = c − t_N tan φ.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Friction {
-    /// Friction angle φ [rad].
-    pub angle: f64,
-    /// Cohesion c [Pa].
-    pub cohesion: f64,
 }
 
 /// A fractured body with materials, constraints and loads.

@@ -15,7 +15,8 @@ mod source;
 
 use std::path::Path;
 
-pub use body::{Body, Friction, InitialStress, SurfaceTraction};
+pub use crate::contact::Friction;
+pub use body::{Body, InitialStress, SurfaceTraction};
 pub use error::{Place, Problem, SceneError};
 pub use gallery::{GalleryScene, gallery, named};
 pub use mesh_sections::{

@@ -1,47 +1,43 @@
-//! Algebraic multigrid for vector elasticity.
+//! Algebraic multigrid for vector elasticity on fractured bodies: `z ← M⁻¹ r` by one cycle.
+//!
+//! Nodes are 3×3 blocks on every level (an aggregate of nodes has two: translations and rotations), so one kernel serves
+//! products, sweeps and transfers. The iteration around a hierarchy is in f64, the hierarchy itself in f32 by default.
+//!
+//! | step | file |
+//! |---|---|
+//! | unknowns → nodes, constrained components as empty slots | `node_map` |
+//! | S_u = A + F Fᵀ in node blocks | `finest` |
+//! | near-null space | `rigid_body` |
+//! | strong connections, aggregates | `aggregation` |
+//! | `P_0`, orthonormal on every aggregate | `tentative` |
+//! | `P = (I − ω D⁻¹A) P_0` | `prolongation`, `lambda` |
+//! | `A_c = PᵀA P` | `galerkin`, `coarse` |
+//! | Gauss–Seidel in coloured chunks, products | `sweeps`, `schedule` |
+//! | V, W, K | `cycle` |
 
+mod aggregation;
+mod block;
+mod coarse;
+mod coarsest;
+mod cycle;
+mod finest;
+mod galerkin;
+mod hierarchy;
+mod inverse;
+mod lambda;
+mod node_map;
+mod prolongation;
+mod rigid_body;
+mod rows;
+mod schedule;
+mod scratch;
 mod settings;
+mod shared;
 mod summary;
+mod sweeps;
+mod tentative;
+mod transfer;
 
+pub use inverse::AmgInverse;
 pub use settings::{Amg, Coarsening, Cycle, Precision, Smoother};
 pub use summary::{LevelSummary, Summary};
-
-use crate::{DofCoordinate, SetupError};
-use fracas_operators::Preconditioner;
-use fracas_operators::sparse::SparseMatrix;
-
-impl Amg {
-    /// The hierarchy of a symmetric positive definite `a` whose unknowns live at `coordinates`.
-    pub fn build(
-        &self,
-        _a: &SparseMatrix<f64>,
-        _coordinates: Option<&[DofCoordinate]>,
-    ) -> Result<AmgInverse, SetupError> {
-        Err(SetupError::NotApplicable {
-            method: "amg",
-            reason: "in work".into(),
-        })
-    }
-}
-
-/// One cycle per solve.
-pub struct AmgInverse {}
-
-impl AmgInverse {
-    /// Levels, complexities, bytes.
-    pub fn summary(&self) -> Summary {
-        unimplemented!()
-    }
-}
-
-impl Preconditioner<f64> for AmgInverse {
-    fn size(&self) -> usize {
-        unimplemented!()
-    }
-    fn solve(&self, _r: &[f64], _z: &mut [f64], _work: &mut [f64]) {
-        unimplemented!()
-    }
-    fn flops(&self) -> u64 {
-        unimplemented!()
-    }
-}

@@ -2,7 +2,7 @@
 
 use super::scaling::ScaledInverse;
 use super::{AugmentationMatrix, SaddleBlocks, schur};
-use crate::amg::{self, Amg};
+use crate::amg::{self, Amg, AmgInverse};
 use crate::direct::DirectChoice;
 use crate::fsai::{Fsai, FsaiKind};
 use crate::smoothers::{Jacobi, Ssor};
@@ -59,6 +59,15 @@ impl Default for InnerChoice {
     }
 }
 
+impl From<AmgInverse> for Ready {
+    fn from(inverse: AmgInverse) -> Self {
+        Self {
+            hierarchy: Some(inverse.summary()),
+            inverse: Box::new(inverse),
+        }
+    }
+}
+
 impl InnerChoice {
     /// Plain name.
     pub fn name(self) -> &'static str {
@@ -87,6 +96,14 @@ impl InnerChoice {
             let inverse = schur::exact_inverse(blocks, c, backend.solver()?.as_ref())?;
             return Ok(inverse.into());
         }
+        if let (Self::Amg(settings), true) = (self, c.is_sparse()) {
+            // S_u = A + F Fᵀ is never assembled entry by entry
+            let f = &blocks.b1 * &c.inverse_root()?;
+            let inverse = settings
+                .build_augmented(&blocks.a, &f, blocks.coordinates.as_deref())
+                .map_err(|error| error.in_block("S_u"))?;
+            return Ok(inverse.into());
+        }
         let s_u = schur::primal_schur(&blocks.a, &blocks.b1, c)?;
         self.of_matrix(&s_u, blocks.coordinates.as_deref())
             .map_err(|error| error.in_block("S_u"))
@@ -111,14 +128,7 @@ impl InnerChoice {
             Self::Jacobi(settings) => plain(&settings),
             Self::Ssor(settings) => plain(&settings),
             Self::Fsai(settings) => plain(&settings),
-            Self::Amg(settings) => {
-                let inverse = settings.build(a, coordinates)?;
-                let hierarchy = Some(inverse.summary());
-                Ok(Ready {
-                    inverse: Box::new(inverse),
-                    hierarchy,
-                })
-            }
+            Self::Amg(settings) => Ok(settings.build(a, coordinates)?.into()),
         }
     }
 }

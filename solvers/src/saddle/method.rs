@@ -37,6 +37,16 @@ pub trait SaddleSettings {
         false
     }
 
+    /// True where the method takes flow blocks.
+    fn takes_flow(&self) -> bool {
+        false
+    }
+
+    /// True where the method itself sees to rows that determine their own traction ([`Elimination`]).
+    fn takes_local_rows(&self) -> bool {
+        false
+    }
+
     /// The solver of the displacement block, where there is one.
     fn inner_mut(&mut self) -> Option<&mut InnerChoice> {
         None
@@ -114,20 +124,32 @@ impl SaddleMethod {
         self.settings().name()
     }
 
-    /// Everything that depends on the blocks but not on a right-hand side.
+    /// Everything that depends on the blocks but not on a right-hand side. Slipping and open rows are eliminated alike for
+    /// every method, so that all of them meet the same definite system.
     ///
     /// # Errors
     /// Those of the parts, each with block and row; [`SetupError::NotApplicable`] for flow blocks in a method that solves
     /// for u and t.
     pub fn ready(&self, blocks: &SaddleBlocks) -> Result<Ready, SetupError> {
         blocks.check()?;
-        if blocks.flow.is_some() && !matches!(self, Self::Direct(_)) {
+        let settings = self.settings();
+        if blocks.flow.is_some() && !settings.takes_flow() {
             return Err(SetupError::NotApplicable {
                 method: self.name(),
                 reason: "the system has flow blocks (Q1, Q2, T), this method solves for u and t; take --method direct".into(),
             });
         }
-        self.settings().ready(blocks)
+        if settings.takes_local_rows() {
+            return settings.ready(blocks);
+        }
+        let Some(elimination) = Elimination::new(blocks) else {
+            return settings.ready(blocks);
+        };
+        let Ready { inverse, hierarchy } = settings.ready(&elimination.with_identity())?;
+        Ok(Ready {
+            inverse: Box::new(EliminatedInverse::new(elimination, inverse)),
+            hierarchy,
+        })
     }
 
     /// The choice of C, in methods that make one.

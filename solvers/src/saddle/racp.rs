@@ -2,7 +2,10 @@
 
 use super::inner::Ready;
 use super::method::SaddleSettings;
-use super::{AugmentationChoice, AugmentationMatrix, InnerChoice, SaddleBlocks};
+use super::{
+    AugmentationChoice, AugmentationMatrix, EliminatedInverse, Elimination, InnerChoice,
+    SaddleBlocks,
+};
 use crate::direct::DirectChoice;
 use crate::{Prepare, SetupError};
 use fracas_operators::sparse::{Csr, SparseMatrix};
@@ -82,7 +85,7 @@ impl<S: Preconditioner<f64>> Preconditioner<f64> for RacpInverse<S> {
     }
 }
 
-/// Settings of RACP.
+/// Settings of RACP. Rows that determine their own traction (slip, open) are eliminated first, see [`Elimination`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Racp {
@@ -104,14 +107,28 @@ impl SaddleSettings for Racp {
             InnerChoice::Exact { backend } => backend,
             _ => DirectChoice::default(),
         };
-        let c = self
-            .augmentation
-            .compute(blocks, direct.solver()?.as_ref())?
-            .matrix;
-        let Ready { inverse, hierarchy } = self.inner.prepare(blocks, &c)?;
-        Ok(Ready {
-            inverse: Box::new(RacpInverse::new(blocks.b1.clone(), c, inverse)),
-            hierarchy,
+        let direct = direct.solver()?;
+        let racp = |blocks: &SaddleBlocks| {
+            let c = self.augmentation.compute(blocks, direct.as_ref())?.matrix;
+            let Ready { inverse, hierarchy } = self.inner.prepare(blocks, &c)?;
+            Ok((RacpInverse::new(blocks.b1.clone(), c, inverse), hierarchy))
+        };
+        blocks.check()?;
+        Ok(match Elimination::new(blocks) {
+            Some(elimination) => {
+                let (inner, hierarchy) = racp(elimination.kept())?;
+                Ready {
+                    inverse: Box::new(EliminatedInverse::new(elimination, inner)),
+                    hierarchy,
+                }
+            }
+            None => {
+                let (inverse, hierarchy) = racp(blocks)?;
+                Ready {
+                    inverse: Box::new(inverse),
+                    hierarchy,
+                }
+            }
         })
     }
 
@@ -121,6 +138,10 @@ impl SaddleSettings for Racp {
 
     fn set_augmentation(&mut self, c: AugmentationChoice) -> bool {
         self.augmentation = c;
+        true
+    }
+
+    fn takes_local_rows(&self) -> bool {
         true
     }
 

@@ -119,6 +119,11 @@ impl AugmentationMatrix {
         }
     }
 
+    /// True when C⁻¹ couples no more than the rows of one face.
+    pub fn is_sparse(&self) -> bool {
+        !matches!(self, Self::Dense { .. })
+    }
+
     /// Diagonal entries.
     pub fn diagonal_entries(&self) -> Vec<f64> {
         match self {

@@ -1,0 +1,84 @@
+//! One preconditioned iteration, measured in counts that do not depend on the machine.
+
+use crate::report::Cell;
+use fracas_operators::{LinearOperator, Preconditioner};
+use fracas_solvers::Silent;
+use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
+use fracas_solvers::saddle::{SaddleBlocks, SaddleOperator};
+
+/// Relative residual in the tables of the deck and of the experiments.
+pub const TOLERANCE: f64 = 1e-8;
+
+/// Iterations after which a method counts as failed.
+pub const LIMIT: usize = 1000;
+
+/// How an iteration went.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measured {
+    /// n_it, where the true residual met the tolerance.
+    pub iterations: Option<usize>,
+    /// c_app: flops of M⁻¹ over those of 𝒜.
+    pub c_app: f64,
+    /// The last iterate.
+    pub x: Vec<f64>,
+}
+
+impl Measured {
+    /// Iterates `𝒜 x = rhs` from `start` with the true residual as the judge.
+    pub fn new(
+        blocks: &SaddleBlocks,
+        preconditioner: &dyn Preconditioner<f64>,
+        krylov: KrylovChoice,
+        rhs: &[f64],
+        start: Vec<f64>,
+    ) -> Self {
+        let operator = SaddleOperator::new(blocks);
+        let system = System {
+            operator: &operator,
+            preconditioner,
+            rhs,
+        };
+        let criteria = Criteria {
+            relative_tolerance: TOLERANCE,
+            max_iterations: LIMIT,
+        };
+        let mut x = start;
+        let method = krylov.flexible_for(preconditioner);
+        let result = method
+            .method()
+            .solve(&system, &criteria, &mut x, &mut Silent);
+        Self {
+            iterations: result
+                .ok()
+                .filter(|report| report.outcome == Outcome::Converged)
+                .map(|report| report.iterations),
+            c_app: preconditioner.flops() as f64 / operator.flops().max(1) as f64,
+            x,
+        }
+    }
+
+    /// `C_s = n_it (1 + c_app)`, for methods with one product per iteration.
+    pub fn cost(&self) -> Option<f64> {
+        self.iterations.map(|n| n as f64 * (1.0 + self.c_app))
+    }
+
+    /// n_it for checks: infinite where the method failed.
+    pub fn count(&self) -> f64 {
+        self.iterations.map_or(f64::INFINITY, |n| n as f64)
+    }
+}
+
+/// n_it as a cell, the "X" of the published tables where the method failed.
+pub fn count_cell(measured: Option<&Measured>) -> Cell {
+    match measured.and_then(|m| m.iterations) {
+        Some(n) => n.into(),
+        None => Cell::Failed,
+    }
+}
+
+/// C_s as a cell.
+pub fn cost_cell(measured: Option<&Measured>) -> Cell {
+    measured
+        .and_then(Measured::cost)
+        .map_or(Cell::Failed, Cell::Real)
+}

@@ -1,0 +1,121 @@
+//! One step of coarsening.
+
+use super::Amg;
+use super::aggregation::{Aggregates, aggregate};
+use super::block;
+use super::galerkin::{self, Patterns};
+use super::lambda::largest_eigenvalue;
+use super::prolongation::{self, Prolongation};
+use super::rows::Pattern;
+use super::sweeps::SweepMatrix;
+use super::tentative::Tentative;
+use fracas_operators::Real;
+
+/// Coarse nodes over fine nodes above which coarsening has stagnated. Unit: 1.
+const STAGNATED: f64 = 0.7;
+
+/// What coarsening of one level gives.
+pub(super) struct Coarse<const K: usize> {
+    /// Which aggregate every node joined.
+    pub(super) aggregates: Aggregates,
+    /// Which aggregates belong to one piece of rock; `None` once that no longer matters.
+    pub(super) bonds: Option<Pattern>,
+    /// P.
+    pub(super) prolongation: Prolongation<K>,
+    /// `A_c = PᵀA P`.
+    pub(super) matrix: SweepMatrix<f64>,
+    /// Near-null vectors of `A_c`, three rows per block row.
+    pub(super) modes: Vec<[[f64; K]; 3]>,
+    /// Upper estimate of `λ_max(D⁻¹A)` of the fine matrix.
+    pub(super) lambda_max: f64,
+}
+
+/// A diagonal block of `A_c` that is not positive definite: scalar row.
+pub(super) struct NotPositive(pub(super) usize);
+
+/// Coarsens `a + Δ` (block-diagonal Δ, may be empty) with `group` block rows per node; `None` when it does not get
+/// coarser.
+pub(super) fn coarsen<R: Real, const K: usize>(
+    settings: &Amg,
+    depth: usize,
+    a: &SweepMatrix<R>,
+    defect: &[[f64; 9]],
+    bonds: Option<&Pattern>,
+    group: usize,
+    modes: &[[[f64; K]; 3]],
+) -> Result<Option<Coarse<K>>, NotPositive> {
+    let theta = settings.strength * 0.5_f64.powi(depth as i32);
+    let nodes = a.rows() / group;
+    let coarser = |aggregates: &Aggregates| {
+        aggregates.count > 0 && (aggregates.count as f64) < STAGNATED * nodes as f64
+    };
+    let mut aggregates = aggregate(a, bonds, group, theta);
+    let mut bonds = bonds.filter(|_| coarser(&aggregates));
+    if bonds.is_none() && !coarser(&aggregates) {
+        // every piece of rock is one aggregate: from here on across the fractures
+        aggregates = aggregate(a, None, group, theta);
+    }
+    if !coarser(&aggregates) {
+        return Ok(None);
+    }
+    let lambda_max = largest_eigenvalue(a);
+    let tentative = Tentative::new(&aggregates, group, modes);
+    let pattern = prolongation::pattern(a, group, &aggregates);
+    let prolongation =
+        prolongation::smoothed(a, group, &aggregates, &tentative, pattern, lambda_max);
+    let patterns = Patterns::new(a, &prolongation.pattern, aggregates.count);
+    let blocks = galerkin::product(a, defect, &prolongation, &patterns);
+    let matrix = coarse_matrix(patterns.coarse(), blocks)?;
+    let modes = tentative.coarse.iter();
+    Ok(Some(Coarse {
+        bonds: bonds.take().map(|bonds| aggregates.bonds(bonds)),
+        aggregates,
+        prolongation,
+        matrix,
+        modes: modes
+            .flat_map(|rows| rows.as_chunks::<3>().0.iter().copied())
+            .collect(),
+        lambda_max,
+    }))
+}
+
+/// K×K blocks cut into 3×3 ones; unknowns without a column in P get a diagonal entry that keeps them apart.
+fn coarse_matrix<const K: usize>(
+    pattern: &Pattern,
+    mut nodes: Vec<[[f64; K]; K]>,
+) -> Result<SweepMatrix<f64>, NotPositive> {
+    let parts = K / 3;
+    let rows = parts * pattern.rows();
+    let mut offsets = Vec::with_capacity(rows + 1);
+    offsets.push(0);
+    let mut columns = Vec::with_capacity(parts * parts * nodes.len());
+    let mut blocks: Vec<[f64; 9]> = Vec::with_capacity(columns.capacity());
+    let mut inverses = Vec::with_capacity(rows);
+    for i in 0..pattern.rows() {
+        let range = pattern.offsets[i]..pattern.offsets[i + 1];
+        let own = range.start + pattern.row(i).partition_point(|j| (*j as usize) < i);
+        let largest = (0..K).map(|k| nodes[own][k][k]).fold(0.0, f64::max);
+        for k in 0..K {
+            let row_is_zero = nodes[own][k].iter().all(|v| *v == 0.0);
+            if row_is_zero {
+                nodes[own][k][k] = if largest > 0.0 { largest } else { 1.0 };
+            }
+        }
+        for part in 0..parts {
+            for (j, node) in pattern.row(i).iter().zip(&nodes[range.clone()]) {
+                for other in 0..parts {
+                    columns.push(parts as u32 * j + other as u32);
+                    blocks.push(std::array::from_fn(|k| {
+                        node[3 * part + k / 3][3 * other + k % 3]
+                    }));
+                }
+            }
+            let diagonal: [f64; 9] =
+                std::array::from_fn(|k| nodes[own][3 * part + k / 3][3 * part + k % 3]);
+            let row = 3 * (parts * i + part);
+            inverses.push(block::inverse(&diagonal).map_err(|c| NotPositive(row + c))?);
+            offsets.push(columns.len());
+        }
+    }
+    Ok(SweepMatrix::new(offsets, columns, blocks, inverses))
+}

@@ -1,0 +1,238 @@
+//! The finest level: A, or S_u = A + F Fᵀ, in 3×3 node blocks.
+
+use super::block;
+use super::node_map::{NONE, NodeMap};
+use super::rows::Pattern;
+use super::sweeps::SweepMatrix;
+use crate::SetupError;
+use fracas_operators::sparse::SparseMatrix;
+use fracas_operators::{Real, Shape};
+use rayon::prelude::*;
+
+/// Name of the matrix in messages; the caller knows better.
+const BLOCK: &str = "A";
+
+/// The finest level, ready.
+pub(super) struct Finest<R> {
+    /// Blocks divided by `scale`.
+    pub(super) matrix: SweepMatrix<R>,
+    /// A power of two near the largest diagonal entry of A.
+    pub(super) scale: f64,
+    /// What rounding to R takes from the row sums: `Σ_j (A_ij − Ã_ij)`. Added to the diagonal in coarse products, it keeps
+    /// the energy of translations right to double precision.
+    pub(super) defect: Vec<[f64; 9]>,
+    /// Nodes that A couples, where F Fᵀ adds others.
+    pub(super) bonds: Option<Pattern>,
+}
+
+/// `A + F Fᵀ`, assembled node by node; F is absent for a plain A.
+pub(super) struct Sum<'a> {
+    pub(super) a: &'a SparseMatrix<f64>,
+    /// F and Fᵀ, both by rows.
+    pub(super) factor: Option<(SparseMatrix<f64>, SparseMatrix<f64>)>,
+}
+
+impl<'a> Sum<'a> {
+    /// Checks sizes, storage and numbers.
+    pub(super) fn new(
+        a: &'a SparseMatrix<f64>,
+        factor: Option<&SparseMatrix<f64>>,
+    ) -> Result<Self, SetupError> {
+        let found = Shape::new(a.rows(), a.cols());
+        if !found.is_square() || !a.is_csr() {
+            return Err(SetupError::Shape {
+                block: BLOCK,
+                found,
+                expected: Shape::square(found.rows),
+                reason: "multigrid needs a square matrix stored by rows",
+            });
+        }
+        for (i, row) in a.outer_iterator().enumerate() {
+            if let Some((j, value)) = row.iter().find(|(_, value)| !value.is_finite()) {
+                return Err(SetupError::NotFinite {
+                    block: BLOCK,
+                    row: i + 1,
+                    column: j + 1,
+                    value: *value,
+                });
+            }
+        }
+        let factor = factor.map(|f| {
+            let f = if f.is_csr() { f.clone() } else { f.to_csr() };
+            let transpose = f.transpose_view().to_csr();
+            (f, transpose)
+        });
+        Ok(Self { a, factor })
+    }
+
+    /// Calls `visit(column, value)` for every contribution to row i.
+    #[inline(always)]
+    fn for_each(&self, i: usize, mut visit: impl FnMut(usize, f64)) {
+        let row = |m: &SparseMatrix<f64>, i: usize| m.indptr().outer_inds_sz(i);
+        let range = row(self.a, i);
+        let (columns, values) = (self.a.indices(), self.a.data());
+        for k in range {
+            visit(columns[k] as usize, values[k]);
+        }
+        if let Some((f, transpose)) = &self.factor {
+            for k in row(f, i) {
+                let (t, f_it) = (f.indices()[k] as usize, f.data()[k]);
+                for l in row(transpose, t) {
+                    visit(transpose.indices()[l] as usize, f_it * transpose.data()[l]);
+                }
+            }
+        }
+    }
+
+    /// Node columns of every node row, those of F Fᵀ included.
+    fn pattern(&self, map: &NodeMap) -> Pattern {
+        self.nodes(map, |i, visit| self.for_each(i, |j, _| visit(j)))
+    }
+
+    /// Node columns of every node row of A alone: nodes that an element joins.
+    fn bonds(&self, map: &NodeMap) -> Pattern {
+        self.nodes(map, |i, visit| {
+            let range = self.a.indptr().outer_inds_sz(i);
+            self.a.indices()[range]
+                .iter()
+                .for_each(|j| visit(*j as usize));
+        })
+    }
+
+    fn nodes(&self, map: &NodeMap, row: impl Fn(usize, &mut dyn FnMut(usize)) + Sync) -> Pattern {
+        let slots = map.slots();
+        let scratch = || vec![NONE; map.nodes()];
+        Pattern::collect(map.nodes(), scratch, |node, seen, columns| {
+            let start = columns.len();
+            let mut see = |other: usize| {
+                if seen[other] != node as u32 {
+                    seen[other] = node as u32;
+                    columns.push(other as u32);
+                }
+            };
+            see(node);
+            for i in map.of_node(node).iter().filter(|i| **i != NONE) {
+                row(*i as usize, &mut |j| see(slots[j] as usize / 3));
+            }
+            columns[start..].sort_unstable();
+        })
+    }
+
+    /// Largest diagonal entry of A, for scaling.
+    fn scale(&self) -> f64 {
+        let largest = (0..self.a.rows())
+            .filter_map(|i| self.a.get(i, i))
+            .fold(0.0_f64, |m, v| m.max(*v));
+        if largest > 0.0 {
+            largest.log2().round().exp2()
+        } else {
+            1.0
+        }
+    }
+
+    /// The node blocks. Empty slots get the largest diagonal entry of their node, so that they stay out of everything.
+    ///
+    /// # Errors
+    /// [`SetupError::BadDiagonal`] or [`SetupError::NotPositiveDefinite`] with the row.
+    pub(super) fn blocks<R: Real>(&self, map: &NodeMap) -> Result<Finest<R>, SetupError> {
+        let pattern = self.pattern(map);
+        let scale = self.scale();
+        let mut blocks = vec![[R::zero(); 9]; pattern.columns.len()];
+        let slots = map.slots();
+        let scratch = || (vec![0_u32; map.nodes()], Vec::<[f64; 9]>::new());
+        pattern.fill(&mut blocks, scratch, |nodes, part, (place, row)| {
+            let start = pattern.offsets[nodes.start];
+            for node in nodes {
+                let columns = pattern.row(node);
+                row.clear();
+                row.resize(columns.len(), [0.0; 9]);
+                for (k, j) in columns.iter().enumerate() {
+                    place[*j as usize] = k as u32;
+                }
+                for (c, i) in map.of_node(node).iter().enumerate() {
+                    if *i != NONE {
+                        self.for_each(*i as usize, |j, value| {
+                            let slot = slots[j] as usize;
+                            row[place[slot / 3] as usize][3 * c + slot % 3] += value;
+                        });
+                    }
+                }
+                let own = &mut row[place[node] as usize];
+                let largest = own[0].max(own[4]).max(own[8]);
+                for (c, i) in map.of_node(node).iter().enumerate() {
+                    if *i == NONE {
+                        own[4 * c] = largest;
+                    }
+                }
+                for (target, block) in part[pattern.offsets[node] - start..].iter_mut().zip(&*row) {
+                    *target = block.map(|v| R::of(v / scale));
+                }
+            }
+        });
+        let inverse = inverses(&pattern, &blocks, |row| {
+            map.of_node(row / 3)[row % 3] as usize
+        })?;
+        let matrix = SweepMatrix::new(pattern.offsets, pattern.columns, blocks, inverse);
+        let defect = self.defect(map, &matrix, scale);
+        Ok(Finest {
+            matrix,
+            scale,
+            defect,
+            bonds: self.factor.as_ref().map(|_| self.bonds(map)),
+        })
+    }
+
+    /// `Σ_j (A_ij − Ã_ij)` of every node row, Ã the stored blocks.
+    fn defect<R: Real>(&self, map: &NodeMap, stored: &SweepMatrix<R>, scale: f64) -> Vec<[f64; 9]> {
+        let slots = map.slots();
+        let of_row = |node: usize| {
+            let mut defect = [0.0; 9];
+            for (c, i) in map.of_node(node).iter().enumerate() {
+                if *i != NONE {
+                    let sum = &mut defect[3 * c..][..3];
+                    self.for_each(*i as usize, |j, v| sum[slots[j] as usize % 3] += v / scale);
+                    for (_, block) in stored.row(node) {
+                        (0..3).for_each(|k| sum[k] -= block[3 * c + k].to_f64_exact());
+                    }
+                }
+            }
+            for (c, i) in map.of_node(node).iter().enumerate() {
+                if *i == NONE {
+                    (0..3).for_each(|k| defect[3 * k + c] = 0.0);
+                }
+            }
+            defect
+        };
+        (0..map.nodes()).into_par_iter().map(of_row).collect()
+    }
+}
+
+/// Inverse diagonal blocks; `unknown(row)` names the unknown of a scalar row in errors.
+fn inverses<R: Real>(
+    pattern: &Pattern,
+    blocks: &[[R; 9]],
+    unknown: impl Fn(usize) -> usize,
+) -> Result<Vec<[R; 9]>, SetupError> {
+    let of_row = |i: usize| {
+        let k = pattern.row(i).partition_point(|j| (*j as usize) < i);
+        let own = blocks[pattern.offsets[i] + k].map(R::to_f64_exact);
+        let inverse = block::inverse(&own).map_err(|c| {
+            if own[4 * c] > 0.0 {
+                SetupError::NotPositiveDefinite {
+                    block: BLOCK,
+                    row: unknown(3 * i + c) + 1,
+                    advice: "the 3×3 block of its node has a pivot that is not positive".into(),
+                }
+            } else {
+                SetupError::BadDiagonal {
+                    block: BLOCK,
+                    row: unknown(3 * i + c) + 1,
+                    value: own[4 * c],
+                    method: "amg",
+                }
+            }
+        })?;
+        Ok(inverse.map(R::of))
+    };
+    (0..pattern.rows()).map(of_row).collect()
+}

@@ -1,0 +1,255 @@
+//! The coarse matrix.
+
+use super::prolongation::{Prolongation, add_product};
+use super::rows::{Pattern, ROWS_PER_TASK};
+use super::sweeps::SweepMatrix;
+use fracas_operators::Real;
+use fracas_operators::simd::{Kernel, Lanes, Level};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Tasks whose partial sums are held at once.
+const WAVE: usize = 8;
+
+/// Patterns of `A P` and of `PᵀA P`, which outlive changes of values.
+#[derive(Clone, Debug)]
+pub(super) struct Patterns {
+    product: Pattern,
+    coarse: Pattern,
+}
+
+/// Marks of the columns of one row.
+struct Marks {
+    row: Vec<u32>,
+}
+
+impl Patterns {
+    /// Symbolic products for `aggregates` coarse nodes.
+    pub(super) fn new<R: Real>(
+        a: &SweepMatrix<R>,
+        prolongation: &Pattern,
+        aggregates: usize,
+    ) -> Self {
+        let marks = || Marks {
+            row: vec![u32::MAX; aggregates],
+        };
+        let union = |i: usize,
+                     parts: &mut dyn Iterator<Item = &[u32]>,
+                     marks: &mut Marks,
+                     columns: &mut Vec<u32>| {
+            let start = columns.len();
+            for j in parts.flatten() {
+                if marks.row[*j as usize] != i as u32 {
+                    marks.row[*j as usize] = i as u32;
+                    columns.push(*j);
+                }
+            }
+            columns[start..].sort_unstable();
+        };
+        let product = Pattern::collect(a.rows(), marks, |i, marks, columns| {
+            let mut parts = a
+                .columns_of(i)
+                .iter()
+                .map(|k| prolongation.row(*k as usize));
+            union(i, &mut parts, marks, columns);
+        });
+        let transposed = prolongation.transposed(aggregates);
+        let coarse = Pattern::collect(aggregates, marks, |i, marks, columns| {
+            let mut parts = transposed.row(i).iter().map(|k| product.row(*k as usize));
+            union(i, &mut parts, marks, columns);
+        });
+        Self { product, coarse }
+    }
+
+    /// Pattern of `PᵀA P`, coarse node by coarse node.
+    pub(super) fn coarse(&self) -> &Pattern {
+        &self.coarse
+    }
+}
+
+/// The K×K blocks of `A_c = Pᵀ(A + Δ)P` in the order of [`Patterns::coarse`], Δ the block-diagonal `defect` of rounded rows.
+///
+/// # Cost
+/// `A P` in full, half of `Pᵀ(A P)`: A is symmetric. Tasks sum over their own rows of the fine level; their sums are
+/// added in a fixed order.
+pub(super) fn product<R: Real, const K: usize>(
+    a: &SweepMatrix<R>,
+    defect: &[[f64; 9]],
+    p: &Prolongation<K>,
+    patterns: &Patterns,
+) -> Vec<[[f64; K]; K]> {
+    let coarse = &patterns.coarse;
+    let mut blocks = vec![[[0.0; K]; K]; coarse.columns.len()];
+    let level = Level::best();
+    let tasks: Vec<Range<usize>> = (0..a.rows())
+        .step_by(ROWS_PER_TASK)
+        .map(|start| start..a.rows().min(start + ROWS_PER_TASK))
+        .collect();
+    for wave in tasks.chunks(WAVE) {
+        let sums: Vec<Partial<K>> = wave
+            .par_iter()
+            .map(|rows| {
+                let mut partial = Partial::new(rows.clone(), p, coarse);
+                level.run::<f64>(Accumulate {
+                    a,
+                    defect,
+                    p,
+                    patterns,
+                    rows: rows.clone(),
+                    partial: &mut partial,
+                });
+                partial
+            })
+            .collect();
+        sums.iter()
+            .for_each(|partial| partial.add_to(coarse, &mut blocks));
+    }
+    mirror(coarse, &mut blocks);
+    blocks
+}
+
+/// Sums of one task: the upper part of the coarse rows that its fine rows touch.
+struct Partial<const K: usize> {
+    /// Coarse rows touched, ascending.
+    rows: Vec<u32>,
+    /// Where their sums begin.
+    offsets: Vec<usize>,
+    sums: Vec<[[f64; K]; K]>,
+}
+
+/// First column of the upper part of a coarse row, counted within the row.
+fn upper(coarse: &Pattern, i: u32) -> usize {
+    coarse.row(i as usize).partition_point(|j| *j < i)
+}
+
+impl<const K: usize> Partial<K> {
+    fn new(rows: Range<usize>, p: &Prolongation<K>, coarse: &Pattern) -> Self {
+        let range = p.pattern.offsets[rows.start]..p.pattern.offsets[rows.end];
+        let mut touched = p.pattern.columns[range].to_vec();
+        touched.sort_unstable();
+        touched.dedup();
+        let mut offsets = vec![0];
+        for i in &touched {
+            let length = coarse.row(*i as usize).len() - upper(coarse, *i);
+            offsets.push(offsets[offsets.len() - 1] + length);
+        }
+        Self {
+            sums: vec![[[0.0; K]; K]; offsets[offsets.len() - 1]],
+            rows: touched,
+            offsets,
+        }
+    }
+
+    fn add_to(&self, coarse: &Pattern, blocks: &mut [[[f64; K]; K]]) {
+        for (k, i) in self.rows.iter().enumerate() {
+            let sums = &self.sums[self.offsets[k]..self.offsets[k + 1]];
+            let start = coarse.offsets[*i as usize] + upper(coarse, *i);
+            for (block, sum) in blocks[start..].iter_mut().zip(sums) {
+                for (row, sum) in block.iter_mut().zip(sum) {
+                    row.iter_mut().zip(sum).for_each(|(b, s)| *b += s);
+                }
+            }
+        }
+    }
+}
+
+struct Accumulate<'a, R, const K: usize> {
+    a: &'a SweepMatrix<R>,
+    defect: &'a [[f64; 9]],
+    p: &'a Prolongation<K>,
+    patterns: &'a Patterns,
+    rows: Range<usize>,
+    partial: &'a mut Partial<K>,
+}
+
+impl<R: Real, const K: usize> Kernel<f64> for Accumulate<'_, R, K> {
+    #[inline(always)]
+    fn run<L: Lanes<f64>>(self) {
+        let Self {
+            a,
+            defect,
+            p,
+            patterns,
+            rows,
+            partial,
+        } = self;
+        let coarse = &patterns.coarse;
+        let mut images: Vec<[[f64; K]; 3]> = Vec::new();
+        // where a coarse column stands in the current row of A P
+        let mut place = vec![0_u32; coarse.rows()];
+        for i in rows {
+            let columns = patterns.product.row(i);
+            for (k, j) in columns.iter().enumerate() {
+                place[*j as usize] = k as u32;
+            }
+            // (A P)_i = Σ_k A_ik P_k
+            images.clear();
+            images.resize(columns.len(), [[0.0; K]; 3]);
+            for (k, a_ik) in a.row(i) {
+                for (j, p_kj) in p.row(k) {
+                    add_product(&mut images[place[j] as usize], a_ik, p_kj);
+                }
+            }
+            if let Some(delta) = defect.get(i) {
+                for (j, p_ij) in p.row(i) {
+                    add_product(&mut images[place[j] as usize], delta, p_ij);
+                }
+            }
+            // (A_c)_IJ += P_iIᵀ (A P)_iJ for J ≥ I
+            for (node, p_i) in p.row(i) {
+                let slot = partial.rows.partition_point(|r| (*r as usize) < node);
+                let sums = &mut partial.sums[partial.offsets[slot]..partial.offsets[slot + 1]];
+                let targets = coarse.row(node);
+                let targets = &targets[targets.len() - sums.len()..];
+                let first = columns.partition_point(|j| (*j as usize) < node);
+                let mut t = 0;
+                for (j, image) in columns[first..].iter().zip(&images[first..]) {
+                    while targets[t] != *j {
+                        t += 1;
+                    }
+                    add_transposed_product(&mut sums[t], p_i, image);
+                }
+            }
+        }
+    }
+}
+
+/// `c ← c + pᵀ x` for 3×K blocks p, x.
+#[inline(always)]
+fn add_transposed_product<const K: usize>(
+    c: &mut [[f64; K]; K],
+    p: &[[f64; K]; 3],
+    x: &[[f64; K]; 3],
+) {
+    for r in 0..K {
+        for k in 0..3 {
+            let p_kr = p[k][r];
+            for j in 0..K {
+                c[r][j] += p_kr * x[k][j];
+            }
+        }
+    }
+}
+
+/// Copies the upper part to the lower one and makes the diagonal blocks symmetric to the last bit.
+fn mirror<const K: usize>(coarse: &Pattern, blocks: &mut [[[f64; K]; K]]) {
+    for i in 0..coarse.rows() {
+        for at in coarse.offsets[i]..coarse.offsets[i + 1] {
+            let j = coarse.columns[at] as usize;
+            if j < i {
+                continue;
+            }
+            let block = blocks[at];
+            if let Ok(k) = coarse.row(j).binary_search(&(i as u32)) {
+                let target = &mut blocks[coarse.offsets[j] + k];
+                for r in 0..K {
+                    for c in 0..K {
+                        if j > i || r > c {
+                            target[r][c] = block[c][r];
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

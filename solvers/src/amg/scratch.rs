@@ -1,0 +1,16 @@
+//! Scratch of another precision.
+
+use fracas_operators::Real;
+
+/// Entries of f64 scratch that hold `len` scalars of type R.
+pub(super) fn doubles<R: Real>(len: usize) -> usize {
+    (len * size_of::<R>()).div_ceil(size_of::<f64>())
+}
+
+/// The same memory as scalars of type R.
+pub(super) fn cast<R: Real>(work: &mut [f64]) -> &mut [R] {
+    // SAFETY: R is f64 or f32 (a sealed trait): no stricter alignment, every bit pattern is a number, nothing to drop.
+    let (before, cast, _) = unsafe { work.align_to_mut::<R>() };
+    assert!(before.is_empty());
+    cast
+}

@@ -1,0 +1,390 @@
+//! Gauss–Seidel sweeps and products with one matrix of 3×3 blocks.
+
+use super::schedule::Schedule;
+use super::shared::Shared;
+use fracas_operators::Real;
+use fracas_operators::simd::{Kernel, Lanes, Level, MAX_WIDTH, prefetch};
+use fracas_operators::vector::{for_each_task, for_row_ranges};
+
+/// Rows that are asked for ahead of their use, the same part of each: 3 KiB of f32 of a 3-D stiffness.
+const ROWS_AHEAD: usize = 3;
+
+/// Block rows that one task multiplies.
+const ROWS_PER_TASK: usize = 256;
+
+/// A symmetric matrix `A = L + D + U` of 3×3 blocks, L what a sweep has already visited, U what comes later.
+///
+/// Each row holds L, D, U in this order, so a half sweep reads half the matrix.
+#[derive(Clone, Debug)]
+pub(super) struct SweepMatrix<R> {
+    offsets: Vec<usize>,
+    /// Where the diagonal block of each row lies.
+    diagonals: Vec<usize>,
+    columns: Vec<u32>,
+    /// One block more than stored, zero, so that a register may be loaded from the start of any block.
+    blocks: Vec<[R; 9]>,
+    /// D⁻¹.
+    inverse: Vec<[R; 9]>,
+    schedule: Schedule,
+    level: Level,
+}
+
+/// Which part of the rows.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Part {
+    Lower,
+    Upper,
+    OffDiagonal,
+    All,
+}
+
+impl<R: Real> SweepMatrix<R> {
+    /// From block rows with ascending columns, every diagonal block present, and the inverses of the diagonal blocks.
+    pub(super) fn new(
+        offsets: Vec<usize>,
+        mut columns: Vec<u32>,
+        mut blocks: Vec<[R; 9]>,
+        inverse: Vec<[R; 9]>,
+    ) -> Self {
+        let rows = offsets.len() - 1;
+        let schedule = Schedule::new(&offsets, &columns);
+        let mut diagonals = Vec::with_capacity(rows);
+        let mut row: Vec<(u32, [R; 9])> = Vec::new();
+        for i in 0..rows {
+            let range = offsets[i]..offsets[i + 1];
+            row.clear();
+            row.extend(
+                columns[range.clone()]
+                    .iter()
+                    .copied()
+                    .zip(blocks[range.clone()].iter().copied()),
+            );
+            // a stable sort keeps ascending columns within L and U
+            row.sort_by_key(|(j, _)| match *j as usize {
+                j if j == i => 1,
+                j if schedule.before(j, i) => 0,
+                _ => 2_u8,
+            });
+            for (k, (j, block)) in range.clone().zip(&row) {
+                columns[k] = *j;
+                blocks[k] = *block;
+            }
+            let lower = row.iter().position(|(j, _)| *j as usize == i);
+            diagonals.push(range.start + lower.unwrap_or(0));
+            debug_assert!(lower.is_some(), "row {i} has no diagonal block");
+        }
+        blocks.push([R::zero(); 9]);
+        Self {
+            offsets,
+            diagonals,
+            columns,
+            blocks,
+            inverse,
+            schedule,
+            level: Level::best(),
+        }
+    }
+
+    /// The same matrix in another precision.
+    pub(super) fn cast<S: Real>(&self) -> SweepMatrix<S> {
+        let cast = |blocks: &[[R; 9]]| {
+            let one = |b: &[R; 9]| b.map(|v| S::of(v.to_f64_exact()));
+            blocks.iter().map(one).collect()
+        };
+        SweepMatrix {
+            offsets: self.offsets.clone(),
+            diagonals: self.diagonals.clone(),
+            columns: self.columns.clone(),
+            blocks: cast(&self.blocks),
+            inverse: cast(&self.inverse),
+            schedule: self.schedule.clone(),
+            level: self.level,
+        }
+    }
+
+    /// Block rows.
+    pub(super) fn rows(&self) -> usize {
+        self.inverse.len()
+    }
+
+    /// Stored blocks.
+    pub(super) fn block_count(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// Block columns and blocks of a row, in the order L, D, U.
+    #[inline(always)]
+    pub(super) fn row(&self, i: usize) -> impl Iterator<Item = (usize, &[R; 9])> {
+        let range = self.offsets[i]..self.offsets[i + 1];
+        self.columns[range.clone()]
+            .iter()
+            .map(|j| *j as usize)
+            .zip(&self.blocks[range])
+    }
+
+    /// Block columns of a row, in the order L, D, U.
+    pub(super) fn columns_of(&self, i: usize) -> &[u32] {
+        &self.columns[self.offsets[i]..self.offsets[i + 1]]
+    }
+
+    /// Inverse diagonal block of a row.
+    pub(super) fn inverse(&self, i: usize) -> &[R; 9] {
+        &self.inverse[i]
+    }
+
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.offsets)
+            + size_of_val(&*self.diagonals)
+            + size_of_val(&*self.columns)
+            + size_of_val(&*self.blocks)
+            + size_of_val(&*self.inverse)
+    }
+
+    /// Flops of one product.
+    pub(super) fn product_flops(&self) -> u64 {
+        18 * self.block_count() as u64
+    }
+
+    /// Flops of one sweep: a product with L + U and one with D⁻¹.
+    pub(super) fn sweep_flops(&self) -> u64 {
+        self.product_flops() + 3 * self.rows() as u64
+    }
+
+    /// `x ← (D + L)⁻¹ b`: a forward sweep from x = 0, reading D and L only.
+    pub(super) fn forward_from_zero(&self, b: &[R], x: &mut [R]) {
+        self.sweep(b, x, Part::Lower, false);
+    }
+
+    /// `r ← −U x`, the residual `b − A x` of what [`forward_from_zero`](Self::forward_from_zero) gives.
+    pub(super) fn residual_after_forward(&self, x: &[R], r: &mut [R]) {
+        self.rows_into(x, r, Part::Upper, &|_, sum| sum.map(|v| -v));
+    }
+
+    /// One forward sweep from x.
+    pub(super) fn forward(&self, b: &[R], x: &mut [R]) {
+        self.sweep(b, x, Part::OffDiagonal, false);
+    }
+
+    /// One backward sweep from x.
+    pub(super) fn backward(&self, b: &[R], x: &mut [R]) {
+        self.sweep(b, x, Part::OffDiagonal, true);
+    }
+
+    /// `y ← A x`.
+    pub(super) fn product(&self, x: &[R], y: &mut [R]) {
+        self.rows_into(x, y, Part::All, &|_, sum| sum);
+    }
+
+    /// `r ← b − A x`.
+    pub(super) fn residual(&self, b: &[R], x: &[R], r: &mut [R]) {
+        self.rows_into(x, r, Part::All, &|i, sum| {
+            std::array::from_fn(|c| b[3 * i + c] - sum[c])
+        });
+    }
+
+    /// `z ← D⁻¹ r`.
+    pub(super) fn diagonal_solve(&self, r: &[R], z: &mut [R]) {
+        for_row_ranges(0, 3 * ROWS_PER_TASK, z, &|start, part| {
+            for (k, z) in part.chunks_exact_mut(3).enumerate() {
+                let i = start / 3 + k;
+                z.copy_from_slice(&times(&self.inverse[i], &r[3 * i..]));
+            }
+        });
+    }
+
+    /// Distance in blocks from row i to the row that is wanted soon.
+    #[inline(always)]
+    fn ahead(&self, i: usize, backward: bool) -> usize {
+        let other = if backward {
+            i.saturating_sub(ROWS_AHEAD)
+        } else {
+            (i + ROWS_AHEAD).min(self.rows() - 1)
+        };
+        self.offsets[other].wrapping_sub(self.offsets[i])
+    }
+
+    fn range(&self, i: usize, part: Part) -> [std::ops::Range<usize>; 2] {
+        let (first, middle, last) = (self.offsets[i], self.diagonals[i], self.offsets[i + 1]);
+        match part {
+            Part::Lower => [first..middle, 0..0],
+            Part::Upper => [middle + 1..last, 0..0],
+            Part::OffDiagonal => [first..middle, middle + 1..last],
+            Part::All => [first..last, 0..0],
+        }
+    }
+
+    /// Rows one after the other: `x_i ← D_i⁻¹ (b_i − Σ_part A_ij x_j)`.
+    fn sweep(&self, b: &[R], x: &mut [R], part: Part, backward: bool) {
+        assert!(b.len() == 3 * self.rows() && x.len() == b.len());
+        let shared = Shared::new(x);
+        let groups = self.schedule.groups();
+        for k in 0..groups.len() {
+            let group = &groups[if backward { groups.len() - 1 - k } else { k }];
+            for_each_task(0..group.len(), &|k| {
+                self.level.run(Chunk {
+                    matrix: self,
+                    rows: self.schedule.chunk(group[k]),
+                    part,
+                    backward,
+                    b,
+                    x: &shared,
+                });
+            });
+        }
+    }
+
+    /// `y_i ← finish(i, Σ_part A_ij x_j)` for every row.
+    fn rows_into(
+        &self,
+        x: &[R],
+        y: &mut [R],
+        part: Part,
+        finish: &(impl Fn(usize, [R; 3]) -> [R; 3] + Sync),
+    ) {
+        assert!(x.len() == 3 * self.rows() && y.len() == x.len());
+        for_row_ranges(0, 3 * ROWS_PER_TASK, y, &|start, y| {
+            self.level.run(Rows {
+                matrix: self,
+                first: start / 3,
+                part,
+                x,
+                y,
+                finish,
+            });
+        });
+    }
+}
+
+/// `B v` for a row-major 3×3 block.
+#[inline(always)]
+fn times<R: Real>(b: &[R; 9], v: &[R]) -> [R; 3] {
+    [
+        b[0] * v[0] + b[1] * v[1] + b[2] * v[2],
+        b[3] * v[0] + b[4] * v[1] + b[5] * v[2],
+        b[6] * v[0] + b[7] * v[1] + b[8] * v[2],
+    ]
+}
+
+/// Nine products of each block, summed lane by lane: `b_{rc} x_c` in lane 3r + c.
+struct Sums<L, R> {
+    low: L,
+    high: L,
+    last: R,
+}
+
+impl<R: Real, L: Lanes<R>> Sums<L, R> {
+    #[inline(always)]
+    fn zero() -> Self {
+        Self {
+            low: L::splat(R::zero()),
+            high: L::splat(R::zero()),
+            last: R::zero(),
+        }
+    }
+
+    /// Adds the products of the block at `values[at..]` with x.
+    #[inline(always)]
+    fn add(&mut self, values: &[R], at: usize, x: &[R]) {
+        self.low = L::load(&values[at..]).mul_add(L::repeat(x, 0), self.low);
+        if L::WIDTH == 4 {
+            self.high = L::load(&values[at + 4..]).mul_add(L::repeat(x, 1), self.high);
+        }
+        if L::WIDTH <= 8 {
+            self.last += values[at + 8] * x[2];
+        }
+    }
+
+    /// Row sums.
+    #[inline(always)]
+    fn finish(self) -> [R; 3] {
+        let mut lanes = [R::zero(); 2 * MAX_WIDTH];
+        self.low.store(&mut lanes);
+        if L::WIDTH == 4 {
+            self.high.store(&mut lanes[4..]);
+        }
+        if L::WIDTH <= 8 {
+            lanes[8] = self.last;
+        }
+        [
+            lanes[0] + lanes[1] + lanes[2],
+            lanes[3] + lanes[4] + lanes[5],
+            lanes[6] + lanes[7] + lanes[8],
+        ]
+    }
+}
+
+/// One chunk of a sweep.
+struct Chunk<'a, R> {
+    matrix: &'a SweepMatrix<R>,
+    rows: std::ops::Range<usize>,
+    part: Part,
+    backward: bool,
+    b: &'a [R],
+    x: &'a Shared<'a, R>,
+}
+
+impl<R: Real> Kernel<R> for Chunk<'_, R> {
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) {
+        let matrix = self.matrix;
+        let values = matrix.blocks.as_flattened();
+        for k in 0..self.rows.len() {
+            let i = if self.backward {
+                self.rows.end - 1 - k
+            } else {
+                self.rows.start + k
+            };
+            let ahead = 9_usize.wrapping_mul(matrix.ahead(i, self.backward));
+            let mut sums = Sums::<L, R>::zero();
+            for range in matrix.range(i, self.part) {
+                for k in range {
+                    let at = 9 * k;
+                    prefetch(values, at.wrapping_add(ahead));
+                    // SAFETY: other chunks of this colour write only rows that share no entry with row i.
+                    let x = unsafe { self.x.triple(matrix.columns[k] as usize) };
+                    sums.add(values, at, x);
+                }
+            }
+            let sum = sums.finish();
+            let r = [
+                self.b[3 * i] - sum[0],
+                self.b[3 * i + 1] - sum[1],
+                self.b[3 * i + 2] - sum[2],
+            ];
+            // SAFETY: row i belongs to this chunk alone, and no reference into it is alive.
+            unsafe { self.x.set(i, times(&matrix.inverse[i], &r)) };
+        }
+    }
+}
+
+/// Consecutive rows of a product.
+struct Rows<'a, R, F> {
+    matrix: &'a SweepMatrix<R>,
+    first: usize,
+    part: Part,
+    x: &'a [R],
+    y: &'a mut [R],
+    finish: &'a F,
+}
+
+impl<R: Real, F: Fn(usize, [R; 3]) -> [R; 3]> Kernel<R> for Rows<'_, R, F> {
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) {
+        let matrix = self.matrix;
+        let values = matrix.blocks.as_flattened();
+        for (k, y) in self.y.chunks_exact_mut(3).enumerate() {
+            let i = self.first + k;
+            let ahead = 9 * matrix.ahead(i, false);
+            let mut sums = Sums::<L, R>::zero();
+            for range in matrix.range(i, self.part) {
+                for k in range {
+                    prefetch(values, 9 * k + ahead);
+                    let x = &self.x[3 * matrix.columns[k] as usize..][..3];
+                    sums.add(values, 9 * k, x);
+                }
+            }
+            y.copy_from_slice(&(self.finish)(i, sums.finish()));
+        }
+    }
+}

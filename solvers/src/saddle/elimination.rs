@@ -1,0 +1,294 @@
+//! Contact rows that determine their own traction: eliminated exactly instead of augmented.
+
+use super::SaddleBlocks;
+use fracas_operators::sparse::{Csr, SparseMatrix, Triplets};
+use fracas_operators::{Layout, LinearOperator, Preconditioner};
+
+/// Relative difference of entries that counts as rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// The rows l of `[A B1; B2 −H]` that are no constraint on a jump but a law for their own traction (slip tangentially,
+/// open), and what is left without them:
+/// ```text
+/// t_l = H_ll⁻¹ (B2_l u − H_lk t_k − g_l)
+/// A'  = A + B1_l H_ll⁻¹ B2_l       B1' = B1_k − B1_l H_ll⁻¹ H_lk       f' = f + B1_l H_ll⁻¹ g_l
+/// ```
+/// Row l is one where B2 differs from B1ᵀ, `H_ll ≠ 0`, and no other row holds t_l in H. The sign and the unit of such a row
+/// do not matter. An open face has an empty B2 row and adds nothing to A; a slipping face adds the stiffness across its
+/// direction of slip.
+///
+/// # Shape
+/// What is left keeps its numbering: columns l of B and rows and columns l of H are empty.
+#[derive(Clone, Debug)]
+pub struct Elimination {
+    kept: SaddleBlocks,
+    local: Vec<usize>,
+    diagonal: Vec<f64>,
+    b1_l: Csr<f64>,
+    b2_l: Csr<f64>,
+    h_lk: Csr<f64>,
+    symmetric: bool,
+}
+
+impl Elimination {
+    /// Finds the rows and eliminates them; `None` where there are none.
+    ///
+    /// # Cost
+    /// One transpose of B1; a sparse product and a sum with A where there are such rows.
+    pub fn new(blocks: &SaddleBlocks) -> Option<Self> {
+        let b2 = blocks.b2.as_ref()?;
+        let b1_t: SparseMatrix<f64> = blocks.b1.transpose_view().to_csr();
+        let (local, kept_agree) = local_rows(&b1_t, b2, blocks.h.as_ref());
+        if local.is_empty() {
+            return None;
+        }
+        let h = blocks.h.as_ref()?;
+        let diagonal: Vec<f64> = local
+            .iter()
+            .map(|&i| h.get(i, i).copied().unwrap_or(0.0))
+            .collect();
+        let is_local = marks(&local, blocks.n_t());
+
+        let (b1_l_t, b2_l) = (rows_of(&b1_t, &local), rows_of(b2, &local));
+        let mut scaled = b2_l.clone();
+        for (mut row, h_ii) in scaled.outer_iterator_mut().zip(&diagonal) {
+            row.iter_mut().for_each(|(_, v)| *v /= h_ii);
+        }
+        let b1_l: SparseMatrix<f64> = b1_l_t.transpose_view().to_csr();
+        let (stiffness, stiffness_symmetric) = symmetric_part(&(&b1_l * &scaled));
+        let h_kept = filtered(h, |i, j| !is_local[i] && !is_local[j]);
+        let h_lk = filtered(&rows_of(h, &local), |_, j| !is_local[j]);
+        let symmetric =
+            kept_agree && stiffness_symmetric && h_lk.nnz() == 0 && symmetric_part(&h_kept).1;
+        Some(Self {
+            kept: SaddleBlocks {
+                a: &blocks.a + &stiffness,
+                b1: filtered(&blocks.b1, |_, j| !is_local[j]),
+                b2: None,
+                h: (h_kept.nnz() > 0).then_some(h_kept),
+                rhs_u: blocks.rhs_u.clone(),
+                rhs_t: blocks.rhs_t.clone(),
+                coordinates: blocks.coordinates.clone(),
+                flow: None,
+            },
+            b1_l: Csr::new(b1_l),
+            b2_l: Csr::new(b2_l),
+            h_lk: Csr::new(h_lk),
+            local,
+            diagonal,
+            symmetric,
+        })
+    }
+
+    /// The rows, in ascending order.
+    pub fn rows(&self) -> &[usize] {
+        &self.local
+    }
+
+    /// What a preconditioner is built from: the symmetric part of A', columns k of B1, H without the rows.
+    ///
+    /// B1' differs from B1_k by the coupling `H_lk` (friction); its share `B2_k A'⁻¹ B1_l H_ll⁻¹H_lk` of the Schur
+    /// complement is that of a shear traction in the normal jump, which vanishes on a plane between equal halves.
+    pub fn kept(&self) -> &SaddleBlocks {
+        &self.kept
+    }
+
+    /// [`Self::kept`] with `H_ll = 1`: regular, and what M' makes of a zero in the rows l stays zero.
+    pub(super) fn with_identity(&self) -> SaddleBlocks {
+        let n_t = self.kept.n_t();
+        let mut identity = Triplets::new((n_t, n_t));
+        for &l in &self.local {
+            identity.add_triplet(l, l, 1.0);
+        }
+        let identity = identity.to_csr();
+        SaddleBlocks {
+            h: Some(match &self.kept.h {
+                Some(h) => h + &identity,
+                None => identity,
+            }),
+            ..self.kept.clone()
+        }
+    }
+
+    /// True when the system without the rows is symmetric, so that short recurrences apply from [`Self::start`] on.
+    pub fn is_symmetric(&self) -> bool {
+        self.symmetric
+    }
+
+    /// A start x with a residual that is zero in the rows: `t_l = −H_ll⁻¹ g_l`, all else 0.
+    ///
+    /// Every M⁻¹ of [`EliminatedInverse`] keeps these residuals at zero, and on that subspace 𝒜 is as symmetric as the
+    /// system without the rows.
+    pub fn start(&self, rhs: &[f64]) -> Vec<f64> {
+        let n_u = self.kept.n_u();
+        let mut x = vec![0.0; rhs.len()];
+        for (i, h_ii) in self.local.iter().zip(&self.diagonal) {
+            x[n_u + i] = -rhs[n_u + i] / h_ii;
+        }
+        x
+    }
+}
+
+/// Rows that can be eliminated, and whether all the others have B2 = B1ᵀ.
+fn local_rows(
+    b1_t: &SparseMatrix<f64>,
+    b2: &SparseMatrix<f64>,
+    h: Option<&SparseMatrix<f64>>,
+) -> (Vec<usize>, bool) {
+    let n_t = b1_t.rows();
+    let mut elsewhere = vec![false; n_t];
+    for (value, (i, j)) in h.into_iter().flatten() {
+        elsewhere[j as usize] |= i != j && *value != 0.0;
+    }
+    let differing: Vec<usize> = (0..n_t).filter(|&i| rows_differ(b1_t, b2, i)).collect();
+    let own = |i: usize| {
+        let h_ii = h.and_then(|h| h.get(i, i)).copied().unwrap_or(0.0);
+        h_ii != 0.0 && h_ii.is_finite() && !elsewhere[i]
+    };
+    let local: Vec<usize> = differing.iter().copied().filter(|&i| own(i)).collect();
+    let kept_agree = local.len() == differing.len();
+    (local, kept_agree)
+}
+
+/// Row i of two matrices beyond rounding.
+fn rows_differ(a: &SparseMatrix<f64>, b: &SparseMatrix<f64>, i: usize) -> bool {
+    let entries = |m: &SparseMatrix<f64>| -> Vec<(usize, f64)> {
+        let row = m.outer_view(i);
+        row.iter()
+            .flat_map(|row| row.iter())
+            .map(|(j, v)| (j, *v))
+            .collect()
+    };
+    let (x, y) = (entries(a), entries(b));
+    let size = x.iter().chain(&y).fold(0.0f64, |m, (_, v)| m.max(v.abs()));
+    let value = |row: &[(usize, f64)], j: usize| {
+        row.binary_search_by_key(&j, |(k, _)| *k)
+            .map_or(0.0, |k| row[k].1)
+    };
+    let far = |j: usize| (value(&x, j) - value(&y, j)).abs() > ROUNDING * size;
+    x.iter().chain(&y).any(|(j, _)| far(*j))
+}
+
+/// `marked[i]` for i in `rows`.
+fn marks(rows: &[usize], n: usize) -> Vec<bool> {
+    let mut marked = vec![false; n];
+    rows.iter().for_each(|&i| marked[i] = true);
+    marked
+}
+
+/// The chosen rows, one below the other.
+fn rows_of(matrix: &SparseMatrix<f64>, rows: &[usize]) -> SparseMatrix<f64> {
+    let mut chosen = Triplets::new((rows.len(), matrix.cols()));
+    for (k, &i) in rows.iter().enumerate() {
+        let row = matrix.outer_view(i);
+        for (j, v) in row.iter().flat_map(|row| row.iter()) {
+            chosen.add_triplet(k, j, *v);
+        }
+    }
+    chosen.to_csr()
+}
+
+/// The entries for which `keep(row, column)`.
+fn filtered(matrix: &SparseMatrix<f64>, keep: impl Fn(usize, usize) -> bool) -> SparseMatrix<f64> {
+    let mut left = Triplets::new((matrix.rows(), matrix.cols()));
+    for (i, row) in matrix.outer_iterator().enumerate() {
+        for (j, v) in row.iter().filter(|(j, _)| keep(i, *j)) {
+            left.add_triplet(i, j, *v);
+        }
+    }
+    left.to_csr()
+}
+
+/// `(M + Mᵀ)/2`, symmetric to the last bit, and whether M was symmetric up to rounding.
+fn symmetric_part(matrix: &SparseMatrix<f64>) -> (SparseMatrix<f64>, bool) {
+    let transpose: SparseMatrix<f64> = matrix.transpose_view().to_csr();
+    let largest = |m: &SparseMatrix<f64>| m.data().iter().fold(0.0f64, |s, v| s.max(v.abs()));
+    let skew = matrix - &transpose;
+    let symmetric = largest(&skew) <= ROUNDING * largest(matrix);
+    ((matrix + &transpose).map(|v| 0.5 * v), symmetric)
+}
+
+/// `M⁻¹` of the whole system from one of the system without the rows l:
+/// ```text
+/// w_u = x_u + B1_l H_ll⁻¹ x_l      w_k = x_k      (y_u, y_k) = M'⁻¹ w      y_l = H_ll⁻¹ (B2_l y_u − H_lk y_k − x_l)
+/// ```
+/// so that row l of 𝒜 M⁻¹ is row l of the identity. With exact S_u, `M⁻¹𝒜` has the eigenvalue 1 for every u and every l,
+/// and otherwise those of `(S' + C)⁻¹ (S_12 + H)`, `S' = B_kᵀ A'⁻¹ B_k`, `S_12 = B2_k A'⁻¹ B1'`.
+pub struct EliminatedInverse<M> {
+    elimination: Elimination,
+    inner: M,
+    layout: Layout<2>,
+}
+
+impl<M: Preconditioner<f64>> EliminatedInverse<M> {
+    /// Around an M'⁻¹ for [`Elimination::kept`].
+    pub fn new(elimination: Elimination, inner: M) -> Self {
+        let layout = Layout::new(["u", "t"], [elimination.kept.n_u(), elimination.kept.n_t()]);
+        assert_eq!(inner.size(), layout.len(), "size of M' and unknowns");
+        Self {
+            elimination,
+            inner,
+            layout,
+        }
+    }
+}
+
+impl<M: Preconditioner<f64>> Preconditioner<f64> for EliminatedInverse<M> {
+    fn size(&self) -> usize {
+        self.layout.len()
+    }
+
+    fn solve(&self, x: &[f64], y: &mut [f64], work: &mut [f64]) {
+        let Elimination {
+            local,
+            diagonal,
+            b1_l,
+            b2_l,
+            h_lk,
+            ..
+        } = &self.elimination;
+        let (w, work) = work.split_at_mut(x.len());
+        let (w_l, work) = work.split_at_mut(local.len());
+        let [_, x_t] = self.layout.split(x);
+        w.copy_from_slice(x);
+        let [w_u, w_t] = self.layout.split_mut(w);
+        // w_u = x_u + B1_l H_ll⁻¹ x_l, w_l = 0
+        for ((w_l, h_ll), &l) in w_l.iter_mut().zip(diagonal).zip(local) {
+            *w_l = x_t[l] / h_ll;
+            w_t[l] = 0.0;
+        }
+        b1_l.apply_add(1.0, w_l, w_u, &mut []);
+        // (y_u, y_k) = M'⁻¹ (w_u, x_k)
+        self.inner.solve(w, y, work);
+        let [y_u, y_t] = self.layout.split_mut(y);
+        // y_l = H_ll⁻¹ (B2_l y_u − H_lk y_k − x_l)
+        w_l.iter_mut().zip(local).for_each(|(w, &l)| *w = -x_t[l]);
+        b2_l.apply_add(1.0, y_u, w_l, &mut []);
+        h_lk.apply_add(-1.0, y_t, w_l, &mut []);
+        for ((w_l, h_ll), &l) in w_l.iter().zip(diagonal).zip(local) {
+            y_t[l] = w_l / h_ll;
+        }
+    }
+
+    fn work_len(&self) -> usize {
+        self.size() + self.elimination.local.len() + self.inner.work_len()
+    }
+
+    fn flops(&self) -> u64 {
+        let Elimination {
+            local,
+            b1_l,
+            b2_l,
+            h_lk,
+            ..
+        } = &self.elimination;
+        self.inner.flops() + b1_l.flops() + b2_l.flops() + h_lk.flops() + 2 * local.len() as u64
+    }
+
+    fn is_linear(&self) -> bool {
+        self.inner.is_linear()
+    }
+}
+
+#[cfg(test)]
+mod tests;
