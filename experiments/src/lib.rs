@@ -5,6 +5,7 @@ pub mod command;
 pub mod e01_checkerboard;
 pub mod e02_spectra;
 pub mod e03_conditioning;
+pub mod e06_c_laboratory;
 pub mod e07_contact_state;
 pub mod list;
 pub mod measure;

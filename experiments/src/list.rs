@@ -7,6 +7,7 @@ pub static EXPERIMENTS: &[&dyn Experiment] = &[
     &crate::e01_checkerboard::Checkerboard,
     &crate::e02_spectra::Spectra,
     &crate::e03_conditioning::Conditioning,
+    &crate::e06_c_laboratory::CLaboratory,
     &crate::e07_contact_state::ContactStates,
 ];
 

@@ -90,6 +90,10 @@ impl<P: Preconditioner<f64>, S: Preconditioner<f64>> Preconditioner<f64> for Mcp
     fn is_linear(&self) -> bool {
         self.p.is_linear() && self.s.is_linear()
     }
+
+    fn is_single(&self) -> bool {
+        self.p.is_single() || self.s.is_single()
+    }
 }
 
 /// Settings of the mixed constraint preconditioner.

@@ -83,6 +83,10 @@ impl<S: Preconditioner<f64>> Preconditioner<f64> for RacpInverse<S> {
     fn is_linear(&self) -> bool {
         self.s_u.is_linear()
     }
+
+    fn is_single(&self) -> bool {
+        self.s_u.is_single()
+    }
 }
 
 /// Settings of RACP. Rows that determine their own traction (slip, open) are eliminated first, see [`Elimination`].

@@ -108,6 +108,41 @@ pub fn schur_ends(
     inverse: Option<&dyn Preconditioner<f64>>,
     direct: &dyn DirectSolver,
 ) -> Result<Ends, SetupError> {
+    let unit = vec![1.0; blocks.n_u()];
+    weighted_ends(blocks, c, inverse, direct, unit)
+}
+
+/// Both ends of the spectrum of `D^{-1/2} S_u D^{-1/2}`, D = diag(S_u): what an approximation that starts by scaling sees.
+///
+/// # Errors
+/// [`SetupError`] where S_u is singular.
+pub fn scaled_schur_ends(
+    blocks: &SaddleBlocks,
+    c: &AugmentationMatrix,
+    inverse: Option<&dyn Preconditioner<f64>>,
+    direct: &dyn DirectSolver,
+) -> Result<Ends, SetupError> {
+    // (B C⁻¹ Bᵀ)_ii = ‖row i of B F‖², C⁻¹ = F Fᵀ
+    let scaled = &blocks.b1 * &c.inverse_root()?;
+    let weights = scaled
+        .outer_iterator()
+        .enumerate()
+        .map(|(i, row)| {
+            let added: f64 = row.data().iter().map(|v| v * v).sum();
+            (blocks.a.get(i, i).copied().unwrap_or(0.0) + added).sqrt()
+        })
+        .collect();
+    weighted_ends(blocks, c, inverse, direct, weights)
+}
+
+/// Both ends of the spectrum of `W⁻¹ S_u W⁻¹`, W = diag(weights).
+fn weighted_ends(
+    blocks: &SaddleBlocks,
+    c: &AugmentationMatrix,
+    inverse: Option<&dyn Preconditioner<f64>>,
+    direct: &dyn DirectSolver,
+    weights: Vec<f64>,
+) -> Result<Ends, SetupError> {
     let factorized;
     let inverse = match inverse {
         Some(inverse) => inverse,
@@ -119,13 +154,88 @@ pub fn schur_ends(
     let a = Csr::new(blocks.a.clone());
     let b = Csr::with_transpose(blocks.b1.clone());
     let (mut p, mut q) = (vec![0.0; blocks.n_t()], vec![0.0; blocks.n_t()]);
+    let mut w = vec![0.0; blocks.n_u()];
     let mut s_u = |x: &[f64], y: &mut [f64]| {
-        // y = A x + B C⁻¹ Bᵀ x
-        a.apply(x, y, &mut []);
+        // y = W⁻¹ (A + B C⁻¹ Bᵀ) W⁻¹ x
+        w.iter_mut()
+            .zip(x)
+            .zip(&weights)
+            .for_each(|((w, x), d)| *w = x / d);
+        a.apply(&w, y, &mut []);
         p.fill(0.0);
-        b.apply_adjoint_add(1.0, x, &mut p, &mut []);
+        b.apply_adjoint_add(1.0, &w, &mut p, &mut []);
         c.solve(&p, &mut q, &mut []);
         b.apply_add(1.0, &q, y, &mut []);
+        y.iter_mut().zip(&weights).for_each(|(y, d)| *y /= d);
     };
-    ends(&mut s_u, inverse)
+    let weighted = Weighted {
+        inverse,
+        weights: &weights,
+    };
+    ends(&mut s_u, &weighted)
+}
+
+/// `W S⁻¹ W`.
+struct Weighted<'a> {
+    inverse: &'a dyn Preconditioner<f64>,
+    weights: &'a [f64],
+}
+
+impl Preconditioner<f64> for Weighted<'_> {
+    fn size(&self) -> usize {
+        self.inverse.size()
+    }
+
+    fn solve(&self, r: &[f64], z: &mut [f64], work: &mut [f64]) {
+        let (w, work) = work.split_at_mut(r.len());
+        w.iter_mut()
+            .zip(r)
+            .zip(self.weights)
+            .for_each(|((w, r), d)| *w = r * d);
+        self.inverse.solve(w, z, work);
+        z.iter_mut().zip(self.weights).for_each(|(z, d)| *z *= d);
+    }
+
+    fn work_len(&self) -> usize {
+        self.size() + self.inverse.work_len()
+    }
+
+    fn flops(&self) -> u64 {
+        self.inverse.flops() + 2 * self.size() as u64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::direct::DirectChoice;
+    use crate::eigen::dense;
+    use crate::saddle::AugmentationChoice;
+    use crate::saddle::samples::{random, two_chains};
+    use faer::Mat;
+
+    #[test]
+    fn both_conditions_of_s_u_are_the_dense_ones() {
+        let direct = DirectChoice::Faer.solver().unwrap();
+        for blocks in [random(24, 6, 0.3, 5), two_chains(12, 6, 1e3, false)] {
+            for choice in AugmentationChoice::ALL {
+                let c = choice.compute(&blocks, direct.as_ref()).unwrap().matrix;
+                let s_u = schur::primal_schur(&blocks.a, &blocks.b1, &c).unwrap();
+                let s_u = dense::to_dense(&s_u);
+                let scaled = Mat::from_fn(24, 24, |i, j| {
+                    s_u[(i, j)] / (s_u[(i, i)] * s_u[(j, j)]).sqrt()
+                });
+                let condition = |m: &Mat<f64>| {
+                    let values = dense::symmetric_eigenvalues(m.as_ref()).unwrap();
+                    values[23] / values[0]
+                };
+                let plain = schur_ends(&blocks, &c, None, direct.as_ref()).unwrap();
+                let unit = scaled_schur_ends(&blocks, &c, None, direct.as_ref()).unwrap();
+                for (found, expected) in [(plain, condition(&s_u)), (unit, condition(&scaled))] {
+                    let error = (found.condition() / expected - 1.0).abs();
+                    assert!(error < 1e-8, "{choice}: {error:e}");
+                }
+            }
+        }
+    }
 }
