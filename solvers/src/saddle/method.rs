@@ -2,8 +2,8 @@
 
 use super::inner::Ready;
 use super::{
-    AugmentationChoice, AugmentedLagrangian, BlockDiagonal, BlockTriangular, Direct, InnerChoice,
-    Mcp, Racp, SaddleBlocks, Simple,
+    AugmentationChoice, AugmentedLagrangian, BlockDiagonal, BlockTriangular, Direct,
+    EliminatedInverse, Elimination, InnerChoice, Mcp, Racp, SaddleBlocks, Simple,
 };
 use crate::{Prepare, SetupError};
 use fracas_operators::Preconditioner;
