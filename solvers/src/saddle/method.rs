@@ -53,7 +53,7 @@ pub trait SaddleSettings {
     }
 }
 
-/// Which preconditioner of `𝒜 = [A B1; B2 −H]`. Written as `"mcp"`, `"mcp:0"` (γ), `"direct:faer"` or
+/// Which preconditioner of `𝒜 = [A B1; B2 −H]`. Written as `"mcp"`, `"mcp:0"` (factor of γ), `"direct:faer"` or
 /// `{ mcp = { inner = "amg" } }`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(remote = "Self", rename_all = "snake_case")]
@@ -227,15 +227,15 @@ pub struct UnknownSaddleMethod {
 /// All names, as a list for people.
 fn names() -> String {
     let plain: Vec<&str> = SaddleMethod::all().iter().map(SaddleMethod::name).collect();
-    format!("{}, mcp:GAMMA or direct:BACKEND", plain.join(", "))
+    format!("{}, mcp:FACTOR or direct:BACKEND", plain.join(", "))
 }
 
 impl fmt::Display for SaddleMethod {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Mcp(Mcp {
-                gamma: Some(gamma), ..
-            }) => write!(f, "mcp:{gamma}"),
+            Self::Mcp(Mcp { gamma_factor, .. }) if *gamma_factor != 1.0 => {
+                write!(f, "mcp:{gamma_factor}")
+            }
             Self::Direct(Direct { backend }) if *backend != Default::default() => {
                 write!(f, "direct:{backend}")
             }
@@ -257,8 +257,8 @@ impl FromStr for SaddleMethod {
         match (found.ok_or_else(unknown)?, detail) {
             (method, None) => Ok(method),
             (Self::Mcp(mcp), Some(detail)) => match detail.parse::<f64>() {
-                Ok(gamma) if gamma >= 0.0 && gamma.is_finite() => Ok(Self::Mcp(Mcp {
-                    gamma: Some(gamma),
+                Ok(factor) if factor >= 0.0 && factor.is_finite() => Ok(Self::Mcp(Mcp {
+                    gamma_factor: factor,
                     ..mcp
                 })),
                 _ => Err(unknown()),

@@ -132,7 +132,8 @@ mod tests {
     fn a_matrix_that_no_translation_leaves_without_force_is_remarked_when_it_is_large() {
         for (cells, expected) in [([3, 2, 2], 0), ([8, 7, 7], 1)] {
             let (a, at) = clamped_box(cells, [1.0; 3], |_| 1.0);
-            let bedded = &a + &SparseMatrix::eye(at.len());
+            let identity: SparseMatrix<f64> = SparseMatrix::eye(at.len());
+            let bedded = &a + &identity;
             let remarks = said(&bedded, &at);
             assert_eq!(remarks, vec![Remark::TranslationsCostForce; expected]);
         }
