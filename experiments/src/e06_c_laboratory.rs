@@ -61,8 +61,7 @@ impl Case {
     }
 
     fn blocks(&self, level: Level) -> anyhow::Result<SaddleBlocks> {
-        let entry =
-            named(self.scene).ok_or_else(|| anyhow::anyhow!("no scene {}", self.scene))?;
+        let entry = named(self.scene).ok_or_else(|| anyhow::anyhow!("no scene {}", self.scene))?;
         let scene = match level {
             Level::Smoke => entry.small_scene()?,
             Level::Paper => entry.scene()?,
@@ -107,7 +106,13 @@ fn solved(
         let m = RacpInverse::new(blocks.b1.clone(), c.clone(), inner);
         [&load, &sin].map(|rhs| {
             let zero = vec![0.0; rhs.len()];
-            Some(Measured::new(blocks, &m, KrylovChoice::default(), rhs, zero))
+            Some(Measured::new(
+                blocks,
+                &m,
+                KrylovChoice::default(),
+                rhs,
+                zero,
+            ))
         })
     };
     let amg = match InnerChoice::Amg(Default::default()).prepare(blocks, &c) {

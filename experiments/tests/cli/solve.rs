@@ -11,7 +11,16 @@ use serde_json::Value;
 fn the_solution_solves_the_system_and_the_report_has_its_keys() {
     let folder = system_folder("solution");
     let (system, file) = (folder.to_str().unwrap(), folder.join("x.mtx"));
-    for method in ["racp", "direct"] {
+    for method in [
+        "racp",
+        "mcp",
+        "augmented_lagrangian",
+        "block_diagonal",
+        "block_triangular",
+        "simple",
+        "direct",
+        "direct:faer",
+    ] {
         let ran = fracas(&[
             "solve",
             "--system",

@@ -93,6 +93,23 @@ impl Elimination {
         &self.kept
     }
 
+    /// [`Self::kept`] with `H_ll = 1`: regular, and what M' makes of a zero in the rows l stays zero.
+    pub(super) fn with_identity(&self) -> SaddleBlocks {
+        let n_t = self.kept.n_t();
+        let mut identity = Triplets::new((n_t, n_t));
+        for &l in &self.local {
+            identity.add_triplet(l, l, 1.0);
+        }
+        let identity = identity.to_csr();
+        SaddleBlocks {
+            h: Some(match &self.kept.h {
+                Some(h) => h + &identity,
+                None => identity,
+            }),
+            ..self.kept.clone()
+        }
+    }
+
     /// True when the system without the rows is symmetric, so that short recurrences apply from [`Self::start`] on.
     pub fn is_symmetric(&self) -> bool {
         self.symmetric

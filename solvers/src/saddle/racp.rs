@@ -145,6 +145,10 @@ impl SaddleSettings for Racp {
         true
     }
 
+    fn takes_local_rows(&self) -> bool {
+        true
+    }
+
     fn inner_mut(&mut self) -> Option<&mut InnerChoice> {
         Some(&mut self.inner)
     }
