@@ -62,9 +62,9 @@ impl StickSystem<'_> {
         &self,
         state: impl Fn(usize) -> ContactState,
     ) -> Option<SparseMatrix<f64>> {
-        let h =
-            self.stabilization?
-                .assemble_for(self.mesh, self.fractures, self.materials, state);
+        let h = self
+            .stabilization?
+            .assemble_for(self.mesh, self.fractures, self.materials, state);
         (h.nnz() > 0).then_some(h)
     }
 

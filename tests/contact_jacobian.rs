@@ -52,7 +52,10 @@ fn the_blocks_are_the_derivative_of_the_residual() {
     let (n_u, n_t) = (system.stick().n_u(), system.stick().n_t());
     let states = mixed(n_t / 3);
     let scaled = |n: usize, seed: u64, size: f64| -> Vec<f64> {
-        laws::probe::<f64>(n, seed).iter().map(|v| size * v).collect()
+        laws::probe::<f64>(n, seed)
+            .iter()
+            .map(|v| size * v)
+            .collect()
     };
     let (u, mut t) = (scaled(n_u, 1, 1e-3), scaled(n_t, 2, 1e6));
     t.iter_mut().step_by(3).for_each(|t_n| *t_n = -5e6 - *t_n);

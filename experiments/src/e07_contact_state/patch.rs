@@ -3,12 +3,12 @@
 use fracas::contact::{ContactState, JumpStabilization};
 use fracas::jacobian::{ContactPoint, ContactSystem};
 use fracas::scene::Body;
-use fracas_operators::vector::{axpy, norm2};
 use fracas_operators::LinearOperator;
+use fracas_operators::vector::{axpy, norm2};
+use fracas_solvers::Prepare;
 use fracas_solvers::Silent;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
 use fracas_solvers::saddle::{Racp, SaddleBlocks, SaddleOperator};
-use fracas_solvers::Prepare;
 
 /// Newton steps that a fixed state may take; each step after the first one without new slip squares the error.
 const NEWTON_LIMIT: usize = 12;

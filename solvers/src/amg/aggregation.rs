@@ -48,12 +48,7 @@ struct Strong {
 }
 
 impl Strong {
-    fn new<R: Real>(
-        a: &SweepMatrix<R>,
-        bonds: Option<&Pattern>,
-        group: usize,
-        theta: f64,
-    ) -> Self {
+    fn new<R: Real>(a: &SweepMatrix<R>, bonds: Option<&Pattern>, group: usize, theta: f64) -> Self {
         let nodes = a.rows() / group;
         let square = |block: &[R; 9]| {
             block.iter().fold(0.0, |sum, v| {
@@ -170,6 +165,8 @@ pub(super) fn aggregate<R: Real>(
 /// True when a node is coupled to any other.
 fn has_neighbours<R: Real>(a: &SweepMatrix<R>, group: usize, node: usize) -> bool {
     let zero = [R::zero(); 9];
-    (node * group..(node + 1) * group)
-        .any(|i| a.row(i).any(|(j, block)| j / group != node && *block != zero))
+    (node * group..(node + 1) * group).any(|i| {
+        a.row(i)
+            .any(|(j, block)| j / group != node && *block != zero)
+    })
 }

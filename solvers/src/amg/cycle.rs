@@ -209,7 +209,12 @@ impl<R: Real> Level<R> {
                 // d ← ρ' ρ d + 2 ρ'/δ D⁻¹ r
                 let next = 1.0 / (2.0 * sigma - rho);
                 self.matrix.diagonal_solve(r, z);
-                fracas_operators::vector::axpby(R::of(2.0 * next / radius), z, R::of(next * rho), d);
+                fracas_operators::vector::axpby(
+                    R::of(2.0 * next / radius),
+                    z,
+                    R::of(next * rho),
+                    d,
+                );
                 rho = next;
             }
         }
@@ -224,9 +229,7 @@ impl<R: Real> Level<R> {
             // the first forward sweep and its residual read each half of the matrix once
             Smoother::GaussSeidel if steps == 1 => 2 * sweep,
             Smoother::GaussSeidel => sweep / 2 + (2 * steps - 1) * sweep + product + n,
-            Smoother::Chebyshev | Smoother::Fsai => {
-                2 * (steps * (product + 12 * n)) + product + n
-            }
+            Smoother::Chebyshev | Smoother::Fsai => 2 * (steps * (product + 12 * n)) + product + n,
         }
     }
 }

@@ -93,7 +93,9 @@ impl<'a> Sum<'a> {
     fn bonds(&self, map: &NodeMap) -> Pattern {
         self.nodes(map, |i, visit| {
             let range = self.a.indptr().outer_inds_sz(i);
-            self.a.indices()[range].iter().for_each(|j| visit(*j as usize));
+            self.a.indices()[range]
+                .iter()
+                .for_each(|j| visit(*j as usize));
         })
     }
 
@@ -132,10 +134,7 @@ impl<'a> Sum<'a> {
     ///
     /// # Errors
     /// [`SetupError::BadDiagonal`] or [`SetupError::NotPositiveDefinite`] with the row.
-    pub(super) fn blocks<R: Real>(
-        &self,
-        map: &NodeMap,
-    ) -> Result<Finest<R>, SetupError> {
+    pub(super) fn blocks<R: Real>(&self, map: &NodeMap) -> Result<Finest<R>, SetupError> {
         let pattern = self.pattern(map);
         let scale = self.scale();
         let mut blocks = vec![[R::zero(); 9]; pattern.columns.len()];
@@ -170,7 +169,9 @@ impl<'a> Sum<'a> {
                 }
             }
         });
-        let inverse = inverses(&pattern, &blocks, |row| map.of_node(row / 3)[row % 3] as usize)?;
+        let inverse = inverses(&pattern, &blocks, |row| {
+            map.of_node(row / 3)[row % 3] as usize
+        })?;
         let matrix = SweepMatrix::new(pattern.offsets, pattern.columns, blocks, inverse);
         let defect = self.defect(map, &matrix, scale);
         Ok(Finest {

@@ -33,7 +33,10 @@ impl Patterns {
         let marks = || Marks {
             row: vec![u32::MAX; aggregates],
         };
-        let union = |i: usize, parts: &mut dyn Iterator<Item = &[u32]>, marks: &mut Marks, columns: &mut Vec<u32>| {
+        let union = |i: usize,
+                     parts: &mut dyn Iterator<Item = &[u32]>,
+                     marks: &mut Marks,
+                     columns: &mut Vec<u32>| {
             let start = columns.len();
             for j in parts.flatten() {
                 if marks.row[*j as usize] != i as u32 {
@@ -44,7 +47,10 @@ impl Patterns {
             columns[start..].sort_unstable();
         };
         let product = Pattern::collect(a.rows(), marks, |i, marks, columns| {
-            let mut parts = a.columns_of(i).iter().map(|k| prolongation.row(*k as usize));
+            let mut parts = a
+                .columns_of(i)
+                .iter()
+                .map(|k| prolongation.row(*k as usize));
             union(i, &mut parts, marks, columns);
         });
         let transposed = prolongation.transposed(aggregates);
@@ -95,7 +101,8 @@ pub(super) fn product<R: Real, const K: usize>(
                 partial
             })
             .collect();
-        sums.iter().for_each(|partial| partial.add_to(coarse, &mut blocks));
+        sums.iter()
+            .for_each(|partial| partial.add_to(coarse, &mut blocks));
     }
     mirror(coarse, &mut blocks);
     blocks

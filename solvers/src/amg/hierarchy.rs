@@ -85,10 +85,12 @@ impl<R: Real> Hierarchy<R> {
         if 3 * first.rows() <= settings.coarsest {
             return Self::ending(levels, &first, &names, near_null_space);
         }
-        let indefinite = |names: &Representatives<'_>, row| SetupError::NotPositiveDefinite {
+        let indefinite = |names: &Representatives<'_>, row| {
+            SetupError::NotPositiveDefinite {
             block: "A",
             row: names.name(row),
             advice: "a coarse matrix lost positivity around this row: the matrix is indefinite, or its coordinates are not those of its nodes".into(),
+        }
         };
         let step = coarsen(settings, 0, &first, &defect, bonds.as_ref(), 1, &modes);
         let Some(mut coarse) = step.map_err(|NotPositive(row)| indefinite(&names, row))? else {
@@ -104,7 +106,15 @@ impl<R: Real> Hierarchy<R> {
         while 3 * coarse.matrix.rows() > settings.coarsest && levels.len() < MOST_LEVELS {
             let depth = levels.len();
             let bonds = coarse.bonds.as_ref();
-            let step = coarsen(settings, depth, &coarse.matrix, &[], bonds, group, &coarse.modes);
+            let step = coarsen(
+                settings,
+                depth,
+                &coarse.matrix,
+                &[],
+                bonds,
+                group,
+                &coarse.modes,
+            );
             let Some(next) = step.map_err(|NotPositive(row)| indefinite(&names, row))? else {
                 break;
             };

@@ -17,7 +17,9 @@ const SAFETY: f64 = 1.05;
 pub(super) fn largest_eigenvalue<R: Real>(a: &SweepMatrix<R>) -> f64 {
     let n = 3 * a.rows();
     // a start with a part in every eigenvector, the same on every machine
-    let mut r: Vec<R> = (0..n).map(|i| R::of(0.1 + (1.0 + i as f64 * 1.618).sin())).collect();
+    let mut r: Vec<R> = (0..n)
+        .map(|i| R::of(0.1 + (1.0 + i as f64 * 1.618).sin()))
+        .collect();
     let [mut z, mut p, mut q] = [0; 3].map(|_| vec![R::zero(); n]);
     let (mut diagonal, mut off) = (Vec::new(), Vec::new());
     let (mut beta, mut alpha_before) = (0.0, 1.0);
@@ -64,7 +66,11 @@ fn largest_of_tridiagonal(diagonal: &[f64], off: &[f64]) -> f64 {
     };
     for _ in 0..40 {
         let middle = 0.5 * (low + high);
-        if above(middle) { high = middle } else { low = middle }
+        if above(middle) {
+            high = middle
+        } else {
+            low = middle
+        }
     }
     high
 }

@@ -103,10 +103,7 @@ fn consecutive(coordinates: &[DofCoordinate]) -> (Vec<u32>, Vec<[f64; 3]>) {
 
 /// Nodes of unknowns in any order. Copies of a split node share their position; their unknowns are told apart by which
 /// of them A couples.
-fn by_position(
-    a: &SparseMatrix<f64>,
-    coordinates: &[DofCoordinate],
-) -> (Vec<u32>, Vec<[f64; 3]>) {
+fn by_position(a: &SparseMatrix<f64>, coordinates: &[DofCoordinate]) -> (Vec<u32>, Vec<[f64; 3]>) {
     let key = |i: &u32| {
         let dof = &coordinates[*i as usize];
         (dof.position.map(|x| (x + 0.0).to_bits()), dof.component, *i)

@@ -85,7 +85,9 @@ impl Pattern {
     /// Rows of every column.
     pub(super) fn transposed(&self, columns: usize) -> Self {
         let mut offsets = vec![0; columns + 1];
-        self.columns.iter().for_each(|j| offsets[*j as usize + 1] += 1);
+        self.columns
+            .iter()
+            .for_each(|j| offsets[*j as usize + 1] += 1);
         (0..columns).for_each(|j| offsets[j + 1] += offsets[j]);
         let mut next = offsets.clone();
         let mut rows = vec![0; self.columns.len()];

@@ -92,7 +92,13 @@ mod tests {
         let n = 5000;
         let (mut offsets, mut columns) = (vec![0], Vec::new());
         for i in 0..n {
-            let mut row = [i, (i + 1) % n, (i + n - 1) % n, (i + 900) % n, (i + n - 900) % n];
+            let mut row = [
+                i,
+                (i + 1) % n,
+                (i + n - 1) % n,
+                (i + 900) % n,
+                (i + n - 900) % n,
+            ];
             row.sort_unstable();
             columns.extend(row.map(|j| j as u32));
             offsets.push(columns.len());
@@ -109,7 +115,10 @@ mod tests {
             for j in &columns[offsets[i]..offsets[i + 1]] {
                 let j = *j as usize;
                 let orders = [schedule.before(j, i), schedule.before(i, j)];
-                assert!(i == j || orders[0] != orders[1], "rows {i} and {j} are not ordered");
+                assert!(
+                    i == j || orders[0] != orders[1],
+                    "rows {i} and {j} are not ordered"
+                );
             }
         }
     }

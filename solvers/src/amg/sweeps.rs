@@ -53,7 +53,12 @@ impl<R: Real> SweepMatrix<R> {
         for i in 0..rows {
             let range = offsets[i]..offsets[i + 1];
             row.clear();
-            row.extend(columns[range.clone()].iter().copied().zip(blocks[range.clone()].iter().copied()));
+            row.extend(
+                columns[range.clone()]
+                    .iter()
+                    .copied()
+                    .zip(blocks[range.clone()].iter().copied()),
+            );
             // a stable sort keeps ascending columns within L and U
             row.sort_by_key(|(j, _)| match *j as usize {
                 j if j == i => 1,

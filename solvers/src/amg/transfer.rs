@@ -17,7 +17,11 @@ impl<R: Real> Transfer<R> {
         let parts = K / 3;
         let cut = |block: &[[f64; K]; 3], part: usize, transpose: bool| -> [R; 9] {
             std::array::from_fn(|k| {
-                let (r, c) = if transpose { (k % 3, k / 3) } else { (k / 3, k % 3) };
+                let (r, c) = if transpose {
+                    (k % 3, k / 3)
+                } else {
+                    (k / 3, k % 3)
+                };
                 R::of(block[r][3 * part + c])
             })
         };

@@ -58,10 +58,8 @@ impl Elimination {
         let (stiffness, stiffness_symmetric) = symmetric_part(&(&b1_l * &scaled));
         let h_kept = filtered(h, |i, j| !is_local[i] && !is_local[j]);
         let h_lk = filtered(&rows_of(h, &local), |_, j| !is_local[j]);
-        let symmetric = kept_agree
-            && stiffness_symmetric
-            && h_lk.nnz() == 0
-            && symmetric_part(&h_kept).1;
+        let symmetric =
+            kept_agree && stiffness_symmetric && h_lk.nnz() == 0 && symmetric_part(&h_kept).1;
         Some(Self {
             kept: SaddleBlocks {
                 a: &blocks.a + &stiffness,
@@ -174,10 +172,7 @@ fn rows_of(matrix: &SparseMatrix<f64>, rows: &[usize]) -> SparseMatrix<f64> {
 }
 
 /// The entries for which `keep(row, column)`.
-fn filtered(
-    matrix: &SparseMatrix<f64>,
-    keep: impl Fn(usize, usize) -> bool,
-) -> SparseMatrix<f64> {
+fn filtered(matrix: &SparseMatrix<f64>, keep: impl Fn(usize, usize) -> bool) -> SparseMatrix<f64> {
     let mut left = Triplets::new((matrix.rows(), matrix.cols()));
     for (i, row) in matrix.outer_iterator().enumerate() {
         for (j, v) in row.iter().filter(|(j, _)| keep(i, *j)) {

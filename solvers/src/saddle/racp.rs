@@ -2,7 +2,8 @@
 
 use super::inner::Ready;
 use super::{
-    AugmentationChoice, AugmentationMatrix, EliminatedInverse, Elimination, InnerChoice, SaddleBlocks,
+    AugmentationChoice, AugmentationMatrix, EliminatedInverse, Elimination, InnerChoice,
+    SaddleBlocks,
 };
 use crate::direct::DirectChoice;
 use crate::{Prepare, SetupError};

@@ -25,14 +25,15 @@ fn tangent_error(state: ContactState, point: FacePoint) -> f64 {
     let rows = LAW.rows(state, &point);
     let mut worst: f64 = 0.0;
     for k in 0..3 {
-        let steps = [
-            (1e-5 * tangential_norm(point.jump).max(1e-6), 0),
-            (1e2, 1),
-        ];
+        let steps = [(1e-5 * tangential_norm(point.jump).max(1e-6), 0), (1e2, 1)];
         for (h, which) in steps {
             let moved = |s: f64| {
                 let mut p = point;
-                let v = if which == 0 { &mut p.jump } else { &mut p.traction };
+                let v = if which == 0 {
+                    &mut p.jump
+                } else {
+                    &mut p.traction
+                };
                 v[k] += s;
                 frozen(state, &point, &p)
             };

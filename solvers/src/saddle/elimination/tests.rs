@@ -145,7 +145,9 @@ fn open_faces_do_not_stiffen_and_sliding_ones_only_across_the_slip() {
             let across = |i: usize, f: usize| {
                 -m[1] * entry(&stick.b1, i, 3 * f + 1) + m[0] * entry(&stick.b1, i, 3 * f + 2)
             };
-            let added: f64 = (0..4).map(|f| d / omega * across(i, f) * across(j, f)).sum();
+            let added: f64 = (0..4)
+                .map(|f| d / omega * across(i, f) * across(j, f))
+                .sum();
             let found = entry(&kept.a, i, j) - entry(&stick.a, i, j);
             assert!((found - added).abs() < 1e-13);
             assert_eq!(entry(&kept.a, i, j), entry(&kept.a, j, i));
