@@ -45,8 +45,8 @@ def collect(folder: Path) -> str:
     for table in manifest["tables"]:
         shutil.copy(folder / f"{table['id']}.csv", target)
     for figure in manifest["figures"]:
-        svg = (folder / f"{figure['id']}.svg").read_text()
-        (target / f"{figure['id']}.svg").write_text(slim(svg))
+        name_in_text = f"{figure['id']}.column.svg"
+        (target / name_in_text).write_text(slim((folder / name_in_text).read_text()))
     return name
 
 

@@ -83,6 +83,25 @@ fn the_kernel_has_two_n_minus_one_modes_per_component() {
 }
 
 #[test]
+fn a_cut_fracture_has_the_smallest_singular_value_of_the_chain() {
+    // B of one component is √2 h²/4 · F ⊗ F, FᵀF = tridiag(1, 2, 1): σ_min/σ_max = tan²(π/(2N + 2))
+    for n in [3, 6, 9] {
+        let width = n as f64;
+        let mut grid = BoxGrid::uniform([0.0; 3], [width, width, 4.0], [n, n, 4]);
+        grid.fractures
+            .push(PlaneFracture::through("square", 2, 2.0));
+        let b = blocks(&grid.build().unwrap(), None).b1;
+        let squares = eigenvalues(&b, None, 1.0);
+        let found = (squares[0] / squares.last().unwrap()).sqrt();
+        let expected = (std::f64::consts::PI / (2.0 * width + 2.0)).tan().powi(2);
+        assert!(
+            (found / expected - 1.0).abs() < 1e-9,
+            "N = {n}: {found:e}, expected {expected:e}"
+        );
+    }
+}
+
+#[test]
 fn stabilization_removes_the_kernel() {
     for n in [4, 5, 8] {
         let blocks = blocks(&embedded(n), Some(JumpStabilization::default()));

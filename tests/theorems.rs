@@ -3,6 +3,8 @@
 
 use fracas::contact::JumpStabilization;
 use fracas::scene::{gallery, named};
+use fracas_solvers::direct::DirectChoice;
+use fracas_solvers::eigen::dense::symmetric_eigenvalues;
 use fracas_solvers::saddle::folder::{Manifest, read_folder, write_folder};
 use fracas_solvers::saddle::{AugmentationChoice, InnerChoice, SaddleBlocks};
 use fracas_solvers::spectrum::{SpectrumReport, SpectrumRequest, analyse};
@@ -99,6 +101,71 @@ fn every_eigenvalue_of_every_scene_lies_in_the_proved_region() {
         }
     }
     assert!(judged > 100, "only {judged} spectra were judged");
+}
+
+#[test]
+fn what_dominates_h_keeps_the_exact_spectrum_below_two() {
+    // H ≤ 2 blkdiag(H) and blkdiag(H) ≤ 3 diag(H); λ ≤ max(1, λ_max(Ĥ))
+    for entry in gallery() {
+        let blocks = blocks(entry.name, true);
+        let h = blocks.h.as_ref().unwrap();
+        let diagonal_blocks = h.outer_iterator().enumerate().all(|(i, row)| {
+            row.iter()
+                .all(|(j, v)| i == j || i / 3 != j / 3 || *v == 0.0)
+        });
+        for (choice, limit) in [
+            (AugmentationChoice::FaceBlock, 2.0),
+            (
+                AugmentationChoice::LocalH,
+                if diagonal_blocks { 2.0 } else { 6.0 },
+            ),
+        ] {
+            let report = spectrum(&blocks, choice, "exact").unwrap();
+            let largest = report.re_max.unwrap();
+            assert!(
+                largest <= limit * (1.0 + 1e-9),
+                "{}, {choice}: {largest}",
+                entry.name
+            );
+        }
+    }
+}
+
+#[test]
+fn the_inf_sup_constant_bounds_the_exact_spectrum_from_below() {
+    // β² = λ_min(C₀⁻¹(S + H)), C ≤ κ C₀, C₀ = C_local: λ ≥ min(1, β²/(β² + κ))
+    for with_h in [false, true] {
+        let blocks = blocks("clamped", with_h);
+        let direct = DirectChoice::Auto.solver().unwrap();
+        let compute =
+            |choice: AugmentationChoice| choice.compute(&blocks, &*direct).unwrap().matrix;
+        let c_0 = compute(AugmentationChoice::Local).diagonal_entries();
+        let c = compute(AugmentationChoice::LocalH).diagonal_entries();
+        // S + H
+        let k = compute(AugmentationChoice::ExactH).to_dense();
+        let scaled = faer::Mat::from_fn(c.len(), c.len(), |i, j| {
+            k[(i, j)] / (c_0[i] * c_0[j]).sqrt()
+        });
+        let beta_squared = symmetric_eigenvalues(scaled.as_ref()).unwrap()[0];
+        let kappa = c
+            .iter()
+            .zip(&c_0)
+            .map(|(c, c_0)| c / c_0)
+            .fold(0.0, f64::max);
+        let bound = (beta_squared / (beta_squared + kappa)).min(1.0);
+        let report = spectrum(&blocks, AugmentationChoice::LocalH, "exact").unwrap();
+        let least = report.re_min.unwrap();
+        assert!(
+            least >= bound * (1.0 - 1e-9),
+            "H {with_h}: {least}, bound {bound}"
+        );
+        // With H = 0, κ = 1 and the bound is attained; with H it is no empty statement.
+        if with_h {
+            assert!(bound > 0.3, "{bound}");
+        } else {
+            assert!((least / bound - 1.0).abs() < 1e-6, "{least}, {bound}");
+        }
+    }
 }
 
 #[test]

@@ -312,7 +312,7 @@ impl Experiment for Checkerboard {
                     ratio(&bare),
                 ));
                 if let Some(coarsest) = bare.first() {
-                    figure = figure.slope(2.0, [coarsest[0], 0.6 * coarsest[1]]);
+                    figure = figure.slope(2.0, [coarsest[0], 0.3 * coarsest[1]]);
                 }
                 figure = figure.with(Series::new("through-going, H = 0", Mark::LinePoints, bare));
             }

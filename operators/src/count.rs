@@ -75,4 +75,8 @@ impl<R: Real, M: Preconditioner<R>> Preconditioner<R> for Counted<M> {
     fn is_linear(&self) -> bool {
         self.inner.is_linear()
     }
+
+    fn is_single(&self) -> bool {
+        self.inner.is_single()
+    }
 }

@@ -26,6 +26,12 @@ pub trait Preconditioner<R: Real>: Send + Sync {
     fn is_linear(&self) -> bool {
         true
     }
+
+    /// True when `M⁻¹ r` is rounded to 32 bits: a linear map to seven digits only. GMRES then keeps every `M⁻¹v`
+    /// (FGMRES), because it would lose those digits in `M⁻¹(V y)`.
+    fn is_single(&self) -> bool {
+        false
+    }
 }
 
 macro_rules! forward_preconditioner {
@@ -45,6 +51,9 @@ macro_rules! forward_preconditioner {
             }
             fn is_linear(&self) -> bool {
                 (**self).is_linear()
+            }
+            fn is_single(&self) -> bool {
+                (**self).is_single()
             }
         }
     )*};

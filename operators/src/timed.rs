@@ -78,4 +78,8 @@ impl<R: Real, M: Preconditioner<R>> Preconditioner<R> for Timed<M> {
     fn is_linear(&self) -> bool {
         self.inner.is_linear()
     }
+
+    fn is_single(&self) -> bool {
+        self.inner.is_single()
+    }
 }

@@ -9,6 +9,10 @@ use plotters::style::{BLACK, Color, RGBColor};
 
 /// Page width, in points: a column and a half of a journal.
 const WIDTH: f64 = 560.0;
+/// Width for one of two columns, in points: letters keep their size beside those of the text.
+const COLUMN: f64 = 280.0;
+/// Space that a labelled tick of the horizontal axis takes, in points.
+const TICK_SPACE: f64 = 60.0;
 const TICK_SIZE: f64 = 10.0;
 const LABEL_SIZE: f64 = 11.0;
 const TITLE_SIZE: f64 = 12.0;
@@ -31,6 +35,18 @@ impl Figure {
     /// # Errors
     /// plotters' error; writing into memory gives none.
     pub fn to_svg(&self) -> anyhow::Result<String> {
+        self.to_svg_of(WIDTH)
+    }
+
+    /// The same for one of two columns.
+    ///
+    /// # Errors
+    /// As [`Figure::to_svg`].
+    pub fn to_column_svg(&self) -> anyhow::Result<String> {
+        self.to_svg_of(COLUMN)
+    }
+
+    fn to_svg_of(&self, page_width: f64) -> anyhow::Result<String> {
         let hidden: Vec<usize> = self.series.iter().map(|s| self.hidden(s)).collect();
         let (mut x, mut y) = self.ranges();
         let y_names = matches!(&self.y.scale, Scale::Categories(_));
@@ -49,7 +65,7 @@ impl Figure {
                 LABEL_SIZE + 8.0
             } + widest
                 + 8.0;
-        let width = WIDTH - left - 18.0;
+        let width = page_width - left - 18.0;
         let mut height = match &self.y.scale {
             Scale::Categories(names) => 34.0 * names.len().max(2) as f64,
             _ => 0.62 * width,
@@ -71,10 +87,10 @@ impl Figure {
             x,
             y,
         };
-        let legend = Legend::new(self, &hidden, WIDTH - 30.0);
+        let legend = Legend::new(self, &hidden, page_width - 30.0);
         let below = 43.0;
         let page = top + height + below + legend.height() + 8.0;
-        let svg = draw_page(WIDTH, page, |canvas| {
+        let svg = draw_page(page_width, page, |canvas| {
             frame.grid(canvas, y_names)?;
             frame.regions(canvas)?;
             frame.slopes(canvas)?;
@@ -88,7 +104,7 @@ impl Figure {
                     Anchor::Center,
                 )?;
             }
-            legend.draw(canvas, 0.5 * WIDTH, top + height + below)
+            legend.draw(canvas, 0.5 * page_width, top + height + below)
         })?;
         Ok(svg)
     }
@@ -166,7 +182,8 @@ impl Frame<'_> {
             self.top,
             self.top + self.height,
         );
-        let x_ticks = self.figure.x.ticks(self.x, 8);
+        let most = (self.width / TICK_SPACE).round() as usize;
+        let x_ticks = self.figure.x.ticks(self.x, most.clamp(2, 8));
         let y_ticks = self.figure.y.ticks(self.y, 7);
         let x_names = matches!(self.figure.x.scale, Scale::Categories(_));
         let major = |t: &&Tick| t.label.is_some();

@@ -30,7 +30,7 @@ impl Chapter {
     }
 }
 
-/// Runs an experiment and writes `out/<id>/*.csv *.svg manifest.json`. An experiment that breaks is a chapter too.
+/// Runs an experiment and writes `out/<id>/*.csv *.svg *.column.svg manifest.json`. An experiment that breaks is a chapter too.
 ///
 /// # Errors
 /// Files that cannot be written.
@@ -76,6 +76,8 @@ fn write_findings(
     for figure in &findings.figures {
         write(folder, &format!("{}.csv", figure.id), &figure.to_csv())?;
         write(folder, &format!("{}.svg", figure.id), &figure.to_svg()?)?;
+        let column = format!("{}.column.svg", figure.id);
+        write(folder, &column, &figure.to_column_svg()?)?;
     }
     let mut manifest = serde_json::to_string_pretty(&Manifest::new(experiment, level, findings))?;
     manifest.push('\n');

@@ -14,6 +14,10 @@ use fracas_operators::Real;
 /// Coarse nodes over fine nodes above which coarsening has stagnated. Unit: 1.
 const STAGNATED: f64 = 0.7;
 
+/// Entries of a coarse matrix over those of the fine one above which the prolongation stays unsmoothed: where fractures cut
+/// the rock into pieces of a few elements, smoothing across them fills the coarse matrix and gains little. Unit: 1.
+const FILL: f64 = 0.5;
+
 /// What coarsening of one level gives.
 pub(super) struct Coarse<const K: usize> {
     /// Which aggregate every node joined.
@@ -24,10 +28,24 @@ pub(super) struct Coarse<const K: usize> {
     pub(super) prolongation: Prolongation<K>,
     /// `A_c = PᵀA P`.
     pub(super) matrix: SweepMatrix<f64>,
+    /// True when fractures cut the rock into pieces of a few elements: P is then not smoothed.
+    pub(super) network: bool,
     /// Near-null vectors of `A_c`, three rows per block row.
     pub(super) modes: Vec<[[f64; K]; 3]>,
     /// Upper estimate of `λ_max(D⁻¹A)` of the fine matrix.
     pub(super) lambda_max: f64,
+}
+
+/// Unknowns up to which a network of pieces of rock is solved directly instead of being coarsened further: pieces turn
+/// against each other like gears, which no aggregate of several pieces can do.
+const NETWORK: usize = 16_000;
+
+impl<const K: usize> Coarse<K> {
+    /// True when another level is worth it.
+    pub(super) fn goes_on(&self, settings: &Amg) -> bool {
+        let n = 3 * self.matrix.rows();
+        n > settings.coarsest && !(self.network && n <= NETWORK)
+    }
 }
 
 /// A diagonal block of `A_c` that is not positive definite: scalar row.
@@ -61,14 +79,23 @@ pub(super) fn coarsen<R: Real, const K: usize>(
     let lambda_max = largest_eigenvalue(a);
     let tentative = Tentative::new(&aggregates, group, modes);
     let pattern = prolongation::pattern(a, group, &aggregates);
-    let prolongation =
-        prolongation::smoothed(a, group, &aggregates, &tentative, pattern, lambda_max);
-    let patterns = Patterns::new(a, &prolongation.pattern, aggregates.count);
+    let mut patterns = Patterns::new(a, &pattern, aggregates.count);
+    let entries = K * K * patterns.coarse().columns.len();
+    let network = entries as f64 > FILL * (9 * a.block_count()) as f64;
+    let prolongation = if !network {
+        prolongation::smoothed(a, group, &aggregates, &tentative, pattern, lambda_max)
+    } else {
+        let plain = prolongation::tentative(group, &aggregates, &tentative);
+        patterns = Patterns::new(a, &plain.pattern, aggregates.count);
+        plain
+    };
     let blocks = galerkin::product(a, defect, &prolongation, &patterns);
     let matrix = coarse_matrix(patterns.coarse(), blocks)?;
     let modes = tentative.coarse.iter();
+    let bonds = bonds.take().map(|bonds| aggregates.bonds(bonds));
     Ok(Some(Coarse {
-        bonds: bonds.take().map(|bonds| aggregates.bonds(bonds)),
+        network,
+        bonds,
         aggregates,
         prolongation,
         matrix,

@@ -50,13 +50,14 @@ impl<R: Real> Hierarchy<R> {
     pub(super) fn work_len(&self, shape: Shape) -> usize {
         (0..self.levels.len())
             .map(|k| OWN * self.size(k) + visiting(shape.cycle) * self.size(k + 1))
-            .sum()
+            .sum::<usize>()
+            + self.coarsest.work_len()
     }
 
     /// `x ← M⁻¹ b` from level k down.
     pub(super) fn cycle(&self, shape: Shape, k: usize, b: &[R], x: &mut [R], work: &mut [R]) {
         let Some(level) = self.levels.get(k) else {
-            return self.coarsest.solve(b, x);
+            return self.coarsest.solve(b, x, work);
         };
         let n = b.len();
         let (r, work) = work.split_at_mut(n);

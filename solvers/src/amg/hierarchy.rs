@@ -2,7 +2,7 @@
 
 use super::Amg;
 use super::coarse::{Coarse, NotPositive, coarsen};
-use super::coarsest::Coarsest;
+use super::coarsest::{Coarsest, NoInverse};
 use super::finest::Finest;
 use super::node_map::NONE;
 use super::summary::{LevelSummary, Summary};
@@ -15,7 +15,7 @@ use fracas_operators::Real;
 const MOST_LEVELS: usize = 30;
 
 /// Unknowns up to which a level that does not get coarser is solved directly after all.
-const LARGEST_DIRECT: usize = 3000;
+const LARGEST_DIRECT: usize = 30_000;
 
 /// One level that smooths.
 #[derive(Debug)]
@@ -103,7 +103,7 @@ impl<R: Real> Hierarchy<R> {
             lambda_max: coarse.lambda_max,
         });
         let group = K / 3;
-        while 3 * coarse.matrix.rows() > settings.coarsest && levels.len() < MOST_LEVELS {
+        while coarse.goes_on(settings) && levels.len() < MOST_LEVELS {
             let depth = levels.len();
             let bonds = coarse.bonds.as_ref();
             let step = coarsen(
@@ -145,10 +145,13 @@ impl<R: Real> Hierarchy<R> {
                 ),
             });
         }
-        let coarsest = Coarsest::new(last).map_err(|row| SetupError::Singular {
-            block: "A",
-            row: Some(names.name(row)),
-            advice: "a rigid-body mode costs no energy: a block of rock is held neither by boundary conditions nor by a fracture".into(),
+        let coarsest = Coarsest::new(last).map_err(|problem| match problem {
+            NoInverse::Failed(error) => error,
+            NoInverse::Singular(row) => SetupError::Singular {
+                block: "A",
+                row: Some(names.name(row)),
+                advice: "a rigid-body mode costs no energy: a block of rock is held neither by boundary conditions nor by a fracture".into(),
+            },
         })?;
         Ok(Self {
             levels,
@@ -166,7 +169,7 @@ impl<R: Real> Hierarchy<R> {
         });
         let last = LevelSummary {
             n: self.coarsest.size(),
-            nnz: self.coarsest.size() * self.coarsest.size(),
+            nnz: self.coarsest.entries(),
             bytes: self.coarsest.bytes(),
         };
         let levels: Vec<LevelSummary> = smoothing.chain([last]).collect();

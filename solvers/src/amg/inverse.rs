@@ -19,6 +19,7 @@ pub struct AmgInverse {
     /// What the finest matrix was divided by.
     scale: f64,
     shape: Shape,
+    over_correction: f64,
     hierarchy: Either,
 }
 
@@ -79,6 +80,7 @@ impl Amg {
             map,
             scale,
             shape: Shape::from(self),
+            over_correction: self.over_correction,
             hierarchy,
         })
     }
@@ -143,7 +145,7 @@ impl AmgInverse {
             b[*slot as usize] = R::of(r / size);
         }
         hierarchy.cycle(self.shape, 0, b, x, work);
-        let back = size / self.scale;
+        let back = self.over_correction * size / self.scale;
         for (slot, z) in self.map.slots().iter().zip(z) {
             *z = back * x[*slot as usize].to_f64_exact();
         }
@@ -175,6 +177,10 @@ impl Preconditioner<f64> for AmgInverse {
             Either::Single(hierarchy) => hierarchy.flops(self.shape, 0),
             Either::Double(hierarchy) => hierarchy.flops(self.shape, 0),
         }
+    }
+
+    fn is_single(&self) -> bool {
+        matches!(self.hierarchy, Either::Single(_))
     }
 
     fn is_linear(&self) -> bool {

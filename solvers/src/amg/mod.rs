@@ -17,6 +17,7 @@
 
 mod aggregation;
 mod block;
+mod classical;
 mod coarse;
 mod coarsest;
 mod cycle;

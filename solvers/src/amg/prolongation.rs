@@ -89,6 +89,22 @@ pub(super) fn smoothed<R: Real, const K: usize>(
     Prolongation { pattern, blocks }
 }
 
+/// `P = P_0`.
+pub(super) fn tentative<const K: usize>(
+    group: usize,
+    aggregates: &Aggregates,
+    tentative: &Tentative<K>,
+) -> Prolongation<K> {
+    let rows = tentative.rows.len();
+    let own = |i: usize| Some(aggregates.of[i / group]).filter(|aggregate| *aggregate != NONE);
+    let pattern = Pattern::collect(rows, || (), |i, (), columns| columns.extend(own(i)));
+    let blocks = (0..rows)
+        .filter(|i| own(*i).is_some())
+        .map(|i| tentative.rows[i])
+        .collect();
+    Prolongation { pattern, blocks }
+}
+
 struct Smooth<'a, R, const K: usize> {
     a: &'a SweepMatrix<R>,
     group: usize,

@@ -69,6 +69,9 @@ pub struct Amg {
     pub strength: f64,
     /// Unknowns at which a direct solver takes over.
     pub coarsest: usize,
+    /// Factor on the result. `λ(M⁻¹A)` of a symmetric V-cycle lies in (0, 1]; RACP, unlike conjugate gradients, gains from
+    /// eigenvalues *around* 1, because C⁻¹ has a scale of its own.
+    pub over_correction: f64,
 }
 
 impl Default for Amg {
@@ -81,6 +84,7 @@ impl Default for Amg {
             precision: Precision::default(),
             strength: 0.02,
             coarsest: 500,
+            over_correction: 1.2,
         }
     }
 }

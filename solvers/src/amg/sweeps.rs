@@ -127,6 +127,11 @@ impl<R: Real> SweepMatrix<R> {
         &self.columns[self.offsets[i]..self.offsets[i + 1]]
     }
 
+    /// Diagonal block of a row.
+    pub(super) fn diagonal(&self, i: usize) -> &[R; 9] {
+        &self.blocks[self.diagonals[i]]
+    }
+
     /// Inverse diagonal block of a row.
     pub(super) fn inverse(&self, i: usize) -> &[R; 9] {
         &self.inverse[i]

@@ -140,10 +140,13 @@ impl KrylovChoice {
         }
     }
 
-    /// GMRES becomes FGMRES with the same restart where `preconditioner` is not linear; nothing else changes.
+    /// GMRES becomes FGMRES with the same restart where `preconditioner` is not linear, or only to the digits of f32;
+    /// nothing else changes.
     pub fn flexible_for<R: Real>(self, preconditioner: &dyn Preconditioner<R>) -> Self {
         match self {
-            Self::Gmres(Gmres { restart }) if !preconditioner.is_linear() => {
+            Self::Gmres(Gmres { restart })
+                if !preconditioner.is_linear() || preconditioner.is_single() =>
+            {
                 Self::Fgmres(Fgmres { restart })
             }
             other => other,

@@ -54,6 +54,14 @@ impl SaddleBlocks {
         self.flow.as_ref().map_or(0, |f| f.t.rows())
     }
 
+    /// B2 by rows, also where it is B1ᵀ.
+    pub(super) fn b2_rows(&self) -> SparseMatrix<f64> {
+        match &self.b2 {
+            Some(b2) => b2.clone(),
+            None => self.b1.transpose_view().to_csr(),
+        }
+    }
+
     /// Checks that the shapes of A, B1, B2, H fit, that the blocks are stored by rows and hold no NaN.
     ///
     /// # Errors

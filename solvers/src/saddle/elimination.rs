@@ -271,6 +271,10 @@ impl<M: Preconditioner<f64>> Preconditioner<f64> for EliminatedInverse<M> {
     fn is_linear(&self) -> bool {
         self.inner.is_linear()
     }
+
+    fn is_single(&self) -> bool {
+        self.inner.is_single()
+    }
 }
 
 #[cfg(test)]

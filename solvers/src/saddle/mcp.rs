@@ -1,6 +1,7 @@
 //! The mixed constraint preconditioner: the published standard that RACP is measured against.
 
 use super::inner::Ready;
+use super::method::SaddleSettings;
 use super::schur::primal_schur;
 use super::{AugmentationMatrix, InnerChoice, SaddleBlocks};
 use crate::SetupError;
@@ -89,9 +90,17 @@ impl<P: Preconditioner<f64>, S: Preconditioner<f64>> Preconditioner<f64> for Mcp
     fn is_linear(&self) -> bool {
         self.p.is_linear() && self.s.is_linear()
     }
+
+    fn is_single(&self) -> bool {
+        self.p.is_single() || self.s.is_single()
+    }
 }
 
 /// Settings of the mixed constraint preconditioner.
+///
+/// # Errors
+/// [`SetupError::NotApplicable`] for γ < 0, and for γ = 0 with a singular A; otherwise those of P and of FSAI, with the
+/// name of the block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Mcp {
@@ -109,13 +118,12 @@ pub struct Mcp {
 /// Name of A + γBBᵀ in errors.
 const A_GAMMA: &str = "A + γ B1 B1ᵀ";
 
-impl Mcp {
-    /// P and S̃ for these blocks.
-    ///
-    /// # Errors
-    /// [`SetupError::NotApplicable`] for γ < 0, and for γ = 0 with a singular A; otherwise those of P and of FSAI, with
-    /// the name of the block.
-    pub fn ready(&self, blocks: &SaddleBlocks) -> Result<Ready, SetupError> {
+impl SaddleSettings for Mcp {
+    fn name(&self) -> &'static str {
+        "mcp"
+    }
+
+    fn ready(&self, blocks: &SaddleBlocks) -> Result<Ready, SetupError> {
         let gamma = self.gamma.map_or_else(|| published_gamma(blocks), Ok)?;
         if !(gamma >= 0.0 && gamma.is_finite()) {
             return Err(SetupError::NotApplicable {
@@ -153,6 +161,10 @@ impl Mcp {
             inverse: Box::new(inverse),
             hierarchy: p.hierarchy,
         })
+    }
+
+    fn inner_mut(&mut self) -> Option<&mut InnerChoice> {
+        Some(&mut self.inner)
     }
 }
 

@@ -1,7 +1,10 @@
 //! The list of everything that solves a saddle point: the settings tree behind `solve` and `spectrum`.
 
 use super::inner::Ready;
-use super::{AugmentationChoice, Direct, InnerChoice, Mcp, Racp, SaddleBlocks};
+use super::{
+    AugmentationChoice, AugmentedLagrangian, BlockDiagonal, BlockTriangular, Direct, InnerChoice,
+    Mcp, Racp, SaddleBlocks, Simple,
+};
 use crate::{Prepare, SetupError};
 use fracas_operators::Preconditioner;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -12,6 +15,34 @@ use std::borrow::Cow;
 use std::fmt;
 use std::str::FromStr;
 
+/// What every method of the list knows about itself.
+pub trait SaddleSettings {
+    /// Plain name.
+    fn name(&self) -> &'static str;
+
+    /// Everything that depends on the blocks but not on a right-hand side; the blocks are checked and without flow,
+    /// unless the method takes it.
+    ///
+    /// # Errors
+    /// Those of the parts, each with block and row.
+    fn ready(&self, blocks: &SaddleBlocks) -> Result<Ready, SetupError>;
+
+    /// The choice of C, where one is made.
+    fn augmentation(&self) -> Option<AugmentationChoice> {
+        None
+    }
+
+    /// Takes this C; false where the method has none.
+    fn set_augmentation(&mut self, _c: AugmentationChoice) -> bool {
+        false
+    }
+
+    /// The solver of the displacement block, where there is one.
+    fn inner_mut(&mut self) -> Option<&mut InnerChoice> {
+        None
+    }
+}
+
 /// Which preconditioner of `𝒜 = [A B1; B2 −H]`. Written as `"mcp"`, `"mcp:0"` (γ), `"direct:faer"` or
 /// `{ mcp = { inner = "amg" } }`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -19,8 +50,16 @@ use std::str::FromStr;
 pub enum SaddleMethod {
     /// Reverse augmented constraint preconditioner.
     Racp(Racp),
-    /// Mixed constraint preconditioner on A + γB1B2.
+    /// Mixed constraint preconditioner on A + γBBᵀ.
     Mcp(Mcp),
+    /// Augmented Lagrangian.
+    AugmentedLagrangian(AugmentedLagrangian),
+    /// diag(Â, Ŝ).
+    BlockDiagonal(BlockDiagonal),
+    /// [Â B1; 0 −Ŝ].
+    BlockTriangular(BlockTriangular),
+    /// SIMPLE, or the full block factorization with its Schur complement.
+    Simple(Simple),
     /// Sparse LU of the whole matrix.
     Direct(Direct),
 }
@@ -33,21 +72,46 @@ impl Default for SaddleMethod {
 
 impl SaddleMethod {
     /// Every method with its default settings.
-    pub fn all() -> [Self; 3] {
+    pub fn all() -> [Self; 7] {
         [
             Self::default(),
             Self::Mcp(Mcp::default()),
+            Self::AugmentedLagrangian(AugmentedLagrangian::default()),
+            Self::BlockDiagonal(BlockDiagonal::default()),
+            Self::BlockTriangular(BlockTriangular::default()),
+            Self::Simple(Simple::default()),
             Self::Direct(Direct::default()),
         ]
     }
 
+    /// The settings of the chosen method.
+    pub fn settings(&self) -> &dyn SaddleSettings {
+        match self {
+            Self::Racp(settings) => settings,
+            Self::Mcp(settings) => settings,
+            Self::AugmentedLagrangian(settings) => settings,
+            Self::BlockDiagonal(settings) => settings,
+            Self::BlockTriangular(settings) => settings,
+            Self::Simple(settings) => settings,
+            Self::Direct(settings) => settings,
+        }
+    }
+
+    fn settings_mut(&mut self) -> &mut dyn SaddleSettings {
+        match self {
+            Self::Racp(settings) => settings,
+            Self::Mcp(settings) => settings,
+            Self::AugmentedLagrangian(settings) => settings,
+            Self::BlockDiagonal(settings) => settings,
+            Self::BlockTriangular(settings) => settings,
+            Self::Simple(settings) => settings,
+            Self::Direct(settings) => settings,
+        }
+    }
+
     /// Plain name.
     pub fn name(&self) -> &'static str {
-        match self {
-            Self::Racp(_) => "racp",
-            Self::Mcp(_) => "mcp",
-            Self::Direct(_) => "direct",
-        }
+        self.settings().name()
     }
 
     /// Everything that depends on the blocks but not on a right-hand side.
@@ -63,38 +127,17 @@ impl SaddleMethod {
                 reason: "the system has flow blocks (Q1, Q2, T), this method solves for u and t; take --method direct".into(),
             });
         }
-        match self {
-            Self::Racp(method) => method.ready(blocks),
-            Self::Mcp(method) => method.ready(blocks),
-            Self::Direct(method) => method.ready(blocks),
-        }
+        self.settings().ready(blocks)
     }
 
-    /// The choice of C, in methods that have one.
-    pub fn augmentation_mut(&mut self) -> Option<&mut AugmentationChoice> {
-        match self {
-            Self::Racp(method) => Some(&mut method.augmentation),
-            Self::Mcp(_) | Self::Direct(_) => None,
-        }
-    }
-
-    /// The inner solver, in methods that have one.
-    pub fn inner_mut(&mut self) -> Option<&mut InnerChoice> {
-        match self {
-            Self::Racp(method) => Some(&mut method.inner),
-            Self::Mcp(method) => Some(&mut method.inner),
-            Self::Direct(_) => None,
-        }
-    }
-
-    /// The choice of C, in methods that have one.
-    pub fn augmentation(mut self) -> Option<AugmentationChoice> {
-        self.augmentation_mut().copied()
+    /// The choice of C, in methods that make one.
+    pub fn augmentation(&self) -> Option<AugmentationChoice> {
+        self.settings().augmentation()
     }
 
     /// The inner solver, in methods that have one.
     pub fn inner(mut self) -> Option<InnerChoice> {
-        self.inner_mut().copied()
+        self.settings_mut().inner_mut().copied()
     }
 
     /// The same method with this C and this inner solver, where they are given.
@@ -106,13 +149,16 @@ impl SaddleMethod {
         augmentation: Option<AugmentationChoice>,
         inner: Option<InnerChoice>,
     ) -> Result<Self, NoSuchPart> {
-        if let Some(given) = augmentation {
-            let no_c = self.without("augmentation C", |m| m.augmentation().is_some());
-            *self.augmentation_mut().ok_or(no_c)? = given;
+        if let Some(given) = augmentation
+            && !self.settings_mut().set_augmentation(given)
+        {
+            return Err(self.without("augmentation C", |mut m| {
+                m.settings_mut().set_augmentation(given)
+            }));
         }
         if let Some(given) = inner {
             let no_inner = self.without("inner solver", |m| m.inner().is_some());
-            *self.inner_mut().ok_or(no_inner)? = given;
+            *self.settings_mut().inner_mut().ok_or(no_inner)? = given;
         }
         Ok(self)
     }
@@ -246,6 +292,12 @@ impl JsonSchema for SaddleMethod {
                 let settings = match method {
                     Self::Racp(_) => generator.subschema_for::<Racp>(),
                     Self::Mcp(_) => generator.subschema_for::<Mcp>(),
+                    Self::AugmentedLagrangian(_) => {
+                        generator.subschema_for::<AugmentedLagrangian>()
+                    }
+                    Self::BlockDiagonal(_) => generator.subschema_for::<BlockDiagonal>(),
+                    Self::BlockTriangular(_) => generator.subschema_for::<BlockTriangular>(),
+                    Self::Simple(_) => generator.subschema_for::<Simple>(),
                     Self::Direct(_) => generator.subschema_for::<Direct>(),
                 };
                 (method.name().to_owned(), settings.to_value())

@@ -1,6 +1,9 @@
 //! Saddle points `[A B1; B2 −H]`, their augmentations C and their preconditioners.
 
 pub mod augmentation;
+pub mod augmented_lagrangian;
+pub mod block_diagonal;
+pub mod block_triangular;
 pub mod blocks;
 pub mod cost;
 pub mod elimination;
@@ -17,16 +20,21 @@ pub mod racp;
 pub(crate) mod samples;
 pub(crate) mod scaling;
 pub mod schur;
+pub mod simple;
 mod unit;
 
 pub use crate::DofCoordinate;
 pub use augmentation::{Augmentation, AugmentationChoice, AugmentationMatrix};
+pub use augmented_lagrangian::{AugmentedLagrangian, AugmentedLagrangianInverse};
+pub use block_diagonal::{BlockDiagonal, BlockDiagonalInverse};
+pub use block_triangular::{BlockTriangular, BlockTriangularInverse};
 pub use blocks::{FlowBlocks, SaddleBlocks};
 pub use cost::Cost;
 pub use elimination::{EliminatedInverse, Elimination};
 pub use inner::{InnerChoice, Ready};
 pub use mcp::{Mcp, McpInverse};
-pub use method::{NoSuchPart, SaddleMethod, UnknownSaddleMethod};
+pub use method::{NoSuchPart, SaddleMethod, SaddleSettings, UnknownSaddleMethod};
 pub use monolithic::Direct;
 pub use operator::SaddleOperator;
 pub use racp::{Racp, RacpInverse};
+pub use simple::{Correction, Simple, SimpleInverse};

@@ -2,6 +2,7 @@
 
 use super::SaddleBlocks;
 use super::inner::Ready;
+use super::method::SaddleSettings;
 use crate::SetupError;
 use crate::direct::{DirectChoice, Kind};
 use fracas_operators::Preconditioner;
@@ -20,12 +21,12 @@ pub struct Direct {
     pub backend: DirectChoice,
 }
 
-impl Direct {
-    /// Factorizes 𝒜.
-    ///
-    /// # Errors
-    /// See [`Direct`].
-    pub fn ready(&self, blocks: &SaddleBlocks) -> Result<Ready, SetupError> {
+impl SaddleSettings for Direct {
+    fn name(&self) -> &'static str {
+        "direct"
+    }
+
+    fn ready(&self, blocks: &SaddleBlocks) -> Result<Ready, SetupError> {
         let matrix = blocks.assembled();
         let factors = self
             .backend

@@ -1,6 +1,7 @@
 //! The reverse augmented constraint preconditioner.
 
 use super::inner::Ready;
+use super::method::SaddleSettings;
 use super::{
     AugmentationChoice, AugmentationMatrix, EliminatedInverse, Elimination, InnerChoice,
     SaddleBlocks,
@@ -82,6 +83,10 @@ impl<S: Preconditioner<f64>> Preconditioner<f64> for RacpInverse<S> {
     fn is_linear(&self) -> bool {
         self.s_u.is_linear()
     }
+
+    fn is_single(&self) -> bool {
+        self.s_u.is_single()
+    }
 }
 
 /// Settings of RACP. Rows that determine their own traction (slip, open) are eliminated first, see [`Elimination`].
@@ -96,12 +101,12 @@ pub struct Racp {
     pub inner: InnerChoice,
 }
 
-impl Racp {
-    /// C and S̃_u for these blocks.
-    ///
-    /// # Errors
-    /// Those of the augmentation and of the inner solver, each with block and row.
-    pub fn ready(&self, blocks: &SaddleBlocks) -> Result<Ready, SetupError> {
+impl SaddleSettings for Racp {
+    fn name(&self) -> &'static str {
+        "racp"
+    }
+
+    fn ready(&self, blocks: &SaddleBlocks) -> Result<Ready, SetupError> {
         let direct = match self.inner {
             InnerChoice::Exact { backend } => backend,
             _ => DirectChoice::default(),
@@ -129,6 +134,19 @@ impl Racp {
                 }
             }
         })
+    }
+
+    fn augmentation(&self) -> Option<AugmentationChoice> {
+        Some(self.augmentation)
+    }
+
+    fn set_augmentation(&mut self, c: AugmentationChoice) -> bool {
+        self.augmentation = c;
+        true
+    }
+
+    fn inner_mut(&mut self) -> Option<&mut InnerChoice> {
+        Some(&mut self.inner)
     }
 }
 

@@ -3,7 +3,7 @@
 use super::scaling::ScaledInverse;
 use super::{AugmentationMatrix, SaddleBlocks};
 use crate::SetupError;
-use crate::direct::{DirectSolver, Factorization, Kind};
+use crate::direct::{DirectChoice, DirectSolver, Factorization, Kind};
 use fracas_operators::Preconditioner;
 use fracas_operators::sparse::{SparseMatrix, Triplets};
 
@@ -52,6 +52,47 @@ pub fn exact_inverse(
     let s_u = primal_schur(&blocks.a, &blocks.b1, c)?;
     let inverse = ScaledInverse::new(&s_u, direct, "S_u").map_err(about_s_u)?;
     Ok(Box::new(inverse))
+}
+
+/// Name of [`diagonal_schur`] in errors.
+pub(super) const S_D: &str = "S = H + B2 diag(A)⁻¹B1";
+
+/// `S_D = H + B2 diag(A)⁻¹ B1`, what `H + B2 A⁻¹ B1` becomes for a diagonal A.
+///
+/// # Errors
+/// [`SetupError::BadDiagonal`] naming the row of A that has no positive diagonal entry.
+pub(super) fn diagonal_schur(blocks: &SaddleBlocks) -> Result<SparseMatrix<f64>, SetupError> {
+    let mut scaled = blocks.b1.clone();
+    for (i, mut row) in scaled.outer_iterator_mut().enumerate() {
+        let a_ii = blocks.a.get(i, i).copied().unwrap_or(0.0);
+        if !(a_ii > 0.0 && a_ii.is_finite()) {
+            return Err(SetupError::BadDiagonal {
+                block: "A",
+                row: i + 1,
+                value: a_ii,
+                method: S_D,
+            });
+        }
+        row.iter_mut().for_each(|(_, b)| *b /= a_ii);
+    }
+    let product = &blocks.b2_rows() * &scaled;
+    Ok(match &blocks.h {
+        Some(h) => h + &product,
+        None => product,
+    })
+}
+
+/// `S_D⁻¹` by a sparse LU factorization: H, and so S_D, may be unsymmetric or indefinite.
+///
+/// # Errors
+/// Those of [`diagonal_schur`], and [`SetupError::Singular`] naming S_D.
+pub(super) fn diagonal_schur_inverse(
+    blocks: &SaddleBlocks,
+    direct: DirectChoice,
+) -> Result<Box<dyn Factorization>, SetupError> {
+    let s = diagonal_schur(blocks)?;
+    let symbolic = direct.solver()?.analyze(&s, Kind::General)?;
+    symbolic.factor(&s).map_err(|error| error.in_block(S_D))
 }
 
 /// Names S_u in the failure of a factorization and says what makes it singular.

@@ -114,6 +114,21 @@ fn face_blocks_are_schur_complements_of_their_support_and_lie_below_the_exact_on
 }
 
 #[test]
+fn local_lies_below_the_diagonal_of_the_schur_complement() {
+    for blocks in [random(40, 7, 0.0, 3), two_chains(12, 6, 50.0, false)] {
+        let c = compute(AugmentationChoice::Local, &blocks)
+            .unwrap()
+            .diagonal_entries();
+        let s = compute(AugmentationChoice::Exact, &blocks)
+            .unwrap()
+            .to_dense();
+        for (i, c) in c.iter().enumerate() {
+            assert!(*c > 0.0 && *c <= s[(i, i)] * (1.0 + 1e-12), "row {i}");
+        }
+    }
+}
+
+#[test]
 fn every_c_scales_like_b_squared_over_a() {
     let (alpha, beta) = (3.7e9, 2.3e-2);
     let blocks = random(24, 6, 0.0, 12);

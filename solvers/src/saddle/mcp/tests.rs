@@ -64,7 +64,7 @@ fn exact_parts_have_the_stated_spectrum() {
         );
         // I − γ T(T + H)⁻¹H
         let sum = &t * (inverse(&s) * &full.h);
-        let others = Mat::identity(5, 5) - faer::Scale(gamma) * sum;
+        let others = Mat::<f64>::identity(5, 5) - faer::Scale(gamma) * sum;
         let mut expected = vec![1.0; 12];
         expected.extend(real_eigenvalues(&others));
         let h_max = real_eigenvalues(&full.h).into_iter().fold(0.0, f64::max);

@@ -267,6 +267,64 @@ fn when_beta_u_is_below_twice_alpha_t_no_real_eigenvalue_lies_below_alpha_u() {
     assert_eq!(Bounds::printed(&real).im_max, Some(0.0));
 }
 
+/// `f M⁻¹`.
+struct Scaled<'a>(f64, &'a dyn Preconditioner<f64>);
+
+impl Preconditioner<f64> for Scaled<'_> {
+    fn size(&self) -> usize {
+        self.1.size()
+    }
+    fn solve(&self, r: &[f64], z: &mut [f64], work: &mut [f64]) {
+        self.1.solve(r, z, work);
+        z.iter_mut().for_each(|z| *z *= self.0);
+    }
+    fn work_len(&self) -> usize {
+        self.1.work_len()
+    }
+    fn flops(&self) -> u64 {
+        self.1.flops() + self.size() as u64
+    }
+    fn is_linear(&self) -> bool {
+        self.1.is_linear()
+    }
+}
+
+#[test]
+fn when_alpha_u_is_at_least_two_the_spectrum_is_real() {
+    // H = 0: a non-real λ has |λ|² ≤ Re λ = k/2 and hence k < 2.
+    let direct = DirectChoice::Faer.solver().unwrap();
+    let mut non_real_below = 0;
+    for seed in 0..60 {
+        let blocks = random(
+            6 + seed as usize % 5,
+            1 + seed as usize % 4,
+            0.0,
+            400 + seed,
+        );
+        let c = AugmentationChoice::Local
+            .compute(&blocks, direct.as_ref())
+            .unwrap()
+            .matrix;
+        let choice = inner_of(seed);
+        let inner = choice.prepare(&blocks, &c).unwrap().inverse;
+        let scaled = |factor: f64| {
+            let inner = Scaled(factor, inner.as_ref());
+            let similarity = Similarity::new(&blocks, &c, choice, &inner).unwrap();
+            let values = dense::general_eigenvalues(similarity.matrix().as_ref()).unwrap();
+            let non_real = values
+                .iter()
+                .any(|v| super::super::bounds::is_non_real(v.re, v.im));
+            (similarity.ingredients().unwrap().k.0, non_real)
+        };
+        let (alpha_u, _) = scaled(1.0);
+        let (two, non_real) = scaled(2.0 / alpha_u);
+        assert!((two - 2.0).abs() < 1e-9 && !non_real, "seed {seed}");
+        non_real_below += usize::from(scaled(0.5 / alpha_u).1);
+    }
+    // Not so below: the threshold separates.
+    assert!(non_real_below > 30, "{non_real_below}");
+}
+
 #[test]
 fn conditions_survive_contrast() {
     // Chains of n springs held at one end: κ₂ = known eigenvalues times the contrast.

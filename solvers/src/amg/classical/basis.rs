@@ -1,0 +1,128 @@
+//! Small dense algebra with the modes of a few nodes.
+
+/// What is left of a mode after the earlier ones are taken out, relative to the mode, below which it depends on them.
+/// Unit: 1.
+const DEPENDENT: f64 = 1e-7;
+
+/// Replaces the columns of B by an orthonormal basis of their span, dependent ones by zero: modified Gram–Schmidt, twice.
+pub(super) fn orthonormalise<const K: usize>(b: &mut [[f64; K]]) {
+    let dot = |b: &[[f64; K]], i: usize, j: usize| b.iter().map(|row| row[i] * row[j]).sum::<f64>();
+    for j in 0..K {
+        let before = dot(b, j, j).sqrt();
+        for _ in 0..2 {
+            for i in 0..j {
+                let part = dot(b, i, j);
+                b.iter_mut().for_each(|row| row[j] -= part * row[i]);
+            }
+        }
+        let norm = dot(b, j, j).sqrt();
+        let inverse = if norm > DEPENDENT * before {
+            1.0 / norm
+        } else {
+            0.0
+        };
+        b.iter_mut().for_each(|row| row[j] *= inverse);
+    }
+}
+
+/// Eigenvalue of a Gram matrix, relative to the largest, below which it is taken for zero. Unit: 1.
+const RANK: f64 = 1e-11;
+
+/// The pseudo-inverse of a symmetric positive semidefinite matrix.
+pub(super) fn pseudo_inverse<const K: usize>(n: [[f64; K]; K]) -> [[f64; K]; K] {
+    let (values, vectors) = symmetric_eigen(n);
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    let inverse = values.map(|v| if v > RANK * largest { 1.0 / v } else { 0.0 });
+    std::array::from_fn(|i| {
+        std::array::from_fn(|j| {
+            (0..K)
+                .map(|k| vectors[i][k] * inverse[k] * vectors[j][k])
+                .sum()
+        })
+    })
+}
+
+/// Eigenvalues and eigenvectors (columns) of a symmetric matrix by cyclic Jacobi rotations.
+fn symmetric_eigen<const K: usize>(mut a: [[f64; K]; K]) -> ([f64; K], [[f64; K]; K]) {
+    let mut v: [[f64; K]; K] =
+        std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
+    // quadratic convergence: six sweeps reach rounding for any matrix of this size
+    for _ in 0..10 {
+        let mut rotated = false;
+        for p in 0..K {
+            for q in p + 1..K {
+                let size = f64::EPSILON * (a[p][p] * a[q][q]).abs().sqrt();
+                if a[p][q].abs() <= size.max(f64::MIN_POSITIVE) {
+                    continue;
+                }
+                rotated = true;
+                let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
+                let t = theta.signum() / (theta.abs() + theta.hypot(1.0));
+                let c = 1.0 / t.hypot(1.0);
+                let s = t * c;
+                for row in &mut a {
+                    (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
+                }
+                for k in 0..K {
+                    (a[p][k], a[q][k]) = (c * a[p][k] - s * a[q][k], s * a[p][k] + c * a[q][k]);
+                }
+                for row in &mut v {
+                    (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
+                }
+            }
+        }
+        if !rotated {
+            break;
+        }
+    }
+    (std::array::from_fn(|i| a[i][i]), v)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fracas_operators::laws::probe;
+
+    /// `BᵀB` of random rows.
+    fn gram(rows: usize) -> [[f64; 6]; 6] {
+        let values: Vec<f64> = probe(6 * rows, 3);
+        let b = values.as_chunks::<6>().0;
+        std::array::from_fn(|i| std::array::from_fn(|j| b.iter().map(|r| r[i] * r[j]).sum()))
+    }
+
+    fn product(a: &[[f64; 6]; 6], b: &[[f64; 6]; 6]) -> [[f64; 6]; 6] {
+        std::array::from_fn(|i| std::array::from_fn(|j| (0..6).map(|k| a[i][k] * b[k][j]).sum()))
+    }
+
+    #[test]
+    fn the_pseudo_inverse_obeys_penrose() {
+        for rows in [2, 5, 9, 30] {
+            let n = gram(rows);
+            let x = pseudo_inverse(n);
+            for (left, right) in [
+                (product(&product(&n, &x), &n), n),
+                (product(&product(&x, &n), &x), x),
+            ] {
+                let size = right.iter().flatten().fold(0.0f64, |m, v| m.max(v.abs()));
+                for (l, r) in left.iter().flatten().zip(right.iter().flatten()) {
+                    assert!((l - r).abs() < 1e-9 * size);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn dependent_columns_vanish_and_the_others_are_orthonormal() {
+        let values: Vec<f64> = probe(24, 7);
+        let mut b: Vec<[f64; 4]> = values.as_chunks::<4>().0.to_vec();
+        b.iter_mut().for_each(|row| row[2] = 3.0 * row[0] - row[1]);
+        orthonormalise(&mut b);
+        for i in 0..4 {
+            for j in 0..4 {
+                let dot: f64 = b.iter().map(|row| row[i] * row[j]).sum();
+                let expected = f64::from(u8::from(i == j && i != 2));
+                assert!((dot - expected).abs() < 1e-13);
+            }
+        }
+    }
+}

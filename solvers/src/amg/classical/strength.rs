@@ -1,0 +1,91 @@
+//! Which nodes count as neighbours.
+
+use super::NodeBlocks;
+
+/// Strongest neighbours that a node keeps. Source: the group's published multigrid.
+const KEPT: usize = 40;
+
+/// Part of the strongest connection of either end that a connection needs. Unit: 1.
+/// Source: Ruge & Stüben, *Multigrid Methods* (1987), for problems in three dimensions.
+const RELATIVE: f64 = 0.25;
+
+/// Symmetric graph of the strong connections `s_ij = ‖A_ij‖_F / √(‖A_ii‖_F ‖A_jj‖_F)`.
+#[derive(Clone, Debug)]
+pub(super) struct Strength {
+    offsets: Vec<usize>,
+    neighbours: Vec<u32>,
+    weights: Vec<f64>,
+}
+
+fn norm(block: &[f64; 9]) -> f64 {
+    block.iter().map(|v| v * v).sum::<f64>().sqrt()
+}
+
+impl Strength {
+    /// Connections that reach a quarter of the strongest and belong to the 40 strongest of either end; equals are all
+    /// in or all out. No absolute limit: a node with any neighbour keeps one, and the modes reach it.
+    pub(super) fn new(a: &NodeBlocks) -> Self {
+        Self::above(a, RELATIVE, KEPT)
+    }
+
+    /// Every connection.
+    pub(super) fn complete(a: &NodeBlocks) -> Self {
+        Self::above(a, 0.0, usize::MAX)
+    }
+
+    fn above(a: &NodeBlocks, relative: f64, kept: usize) -> Self {
+        let n = a.len();
+        let own: Vec<f64> = (0..n).map(|i| norm(a.diagonal(i))).collect();
+        let strong = |i: usize| {
+            let own = &own;
+            a.row(i).filter_map(move |(j, block)| {
+                let weight = norm(block) / (own[i] * own[j]).sqrt();
+                (j != i && weight > 0.0).then_some((j, weight))
+            })
+        };
+        let mut row: Vec<f64> = Vec::new();
+        let least: Vec<f64> = (0..n)
+            .map(|i| {
+                row.clear();
+                row.extend(strong(i).map(|entry| entry.1));
+                let strongest = row.iter().copied().fold(0.0, f64::max);
+                if row.len() <= kept {
+                    return relative * strongest;
+                }
+                row.select_nth_unstable_by(kept - 1, |a, b| b.total_cmp(a))
+                    .1
+                    .max(relative * strongest)
+            })
+            .collect();
+        let mut graph = Self {
+            offsets: vec![0],
+            neighbours: Vec::new(),
+            weights: Vec::new(),
+        };
+        for i in 0..n {
+            for (j, weight) in strong(i).filter(|(j, w)| *w >= least[i].min(least[*j])) {
+                graph.neighbours.push(j as u32);
+                graph.weights.push(weight);
+            }
+            graph.offsets.push(graph.neighbours.len());
+        }
+        graph
+    }
+
+    /// Nodes.
+    pub(super) fn len(&self) -> usize {
+        self.offsets.len() - 1
+    }
+
+    /// Neighbours of a node.
+    pub(super) fn neighbours(&self, i: usize) -> &[u32] {
+        &self.neighbours[self.offsets[i]..self.offsets[i + 1]]
+    }
+
+    /// Neighbours of a node with the strength of the connection.
+    pub(super) fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> {
+        let range = self.offsets[i]..self.offsets[i + 1];
+        let neighbours = self.neighbours(i).iter().map(|j| *j as usize);
+        neighbours.zip(self.weights[range].iter().copied())
+    }
+}

@@ -1,0 +1,475 @@
+use super::energy::minimise;
+use super::independent_set::{FINE, splitting};
+use super::least_squares::interpolation;
+use super::*;
+use crate::direct::{DirectChoice, Factorization, Kind};
+use crate::eigen::{Ends, LanczosSettings, extreme_eigenvalues};
+use crate::elastic_sample::{clamped_box, cube};
+use crate::fsai::{Fsai, FsaiInverse};
+use crate::krylov::{Cg, Criteria, KrylovMethod, Outcome, System};
+use crate::{DofCoordinate, Silent};
+use faer::linalg::solvers::DenseSolveCore;
+use fracas_operators::laws::probe;
+use fracas_operators::sparse::{Csr, SparseMatrix};
+use fracas_operators::vector::axpy;
+use fracas_operators::{AdjointOperator, LinearOperator, Preconditioner};
+
+type Modes6 = Vec<[[f64; 6]; 3]>;
+
+/// A matrix of whole triples by nodes.
+fn by_nodes(a: &SparseMatrix<f64>) -> NodeBlocks {
+    let mut nodes = NodeBlocks {
+        offsets: vec![0],
+        columns: vec![],
+        blocks: vec![],
+    };
+    let row = |i: usize| {
+        a.outer_view(i)
+            .map(|r| r.iter().map(|(j, v)| (j, *v)).collect::<Vec<_>>())
+    };
+    for i in 0..a.rows() / 3 {
+        let rows: [_; 3] = std::array::from_fn(|r| row(3 * i + r).unwrap_or_default());
+        let mut columns: Vec<u32> = rows.iter().flatten().map(|e| e.0 as u32 / 3).collect();
+        columns.sort_unstable();
+        columns.dedup();
+        let start = nodes.blocks.len();
+        nodes.blocks.resize(start + columns.len(), [0.0; 9]);
+        for (r, entries) in rows.iter().enumerate() {
+            for (j, value) in entries {
+                let place = columns.partition_point(|c| (*c as usize) < j / 3);
+                nodes.blocks[start + place][3 * r + j % 3] = *value;
+            }
+        }
+        nodes.columns.extend(columns);
+        nodes.offsets.push(nodes.columns.len());
+    }
+    nodes
+}
+
+fn rigid(coordinates: &[DofCoordinate]) -> Modes6 {
+    let of_node = |node: &[DofCoordinate]| {
+        let [x, y, z] = node[0].position;
+        [
+            [1.0, 0.0, 0.0, 0.0, z, -y],
+            [0.0, 1.0, 0.0, -z, 0.0, x],
+            [0.0, 0.0, 1.0, y, -x, 0.0],
+        ]
+    };
+    coordinates.chunks_exact(3).map(of_node).collect()
+}
+
+fn inverses(a: &NodeBlocks) -> Vec<[f64; 9]> {
+    let of_node = |i: usize| {
+        let b = a.diagonal(i);
+        let inverse = faer::Mat::from_fn(3, 3, |r, c| b[3 * r + c])
+            .partial_piv_lu()
+            .inverse();
+        std::array::from_fn(|k| inverse[(k / 3, k % 3)])
+    };
+    (0..a.len()).map(of_node).collect()
+}
+
+/// P entry by entry.
+fn scalar(p: &Interpolation, coarse: usize) -> SparseMatrix<f64> {
+    let (mut offsets, mut columns, mut values) = (vec![0], vec![], vec![]);
+    for i in 0..p.len() {
+        for r in 0..3 {
+            for (j, block) in p.row(i) {
+                columns.extend((0..3).map(|c| (3 * j + c) as u32));
+                values.extend(&block[3 * r..3 * r + 3]);
+            }
+            offsets.push(columns.len());
+        }
+    }
+    SparseMatrix::new((3 * p.len(), 3 * coarse), offsets, columns, values)
+}
+
+/// `tr(PᵀA P)`.
+fn energy(a: &SparseMatrix<f64>, p: &SparseMatrix<f64>) -> f64 {
+    let entry = |i: u32, j: u32| p.get(i as usize, j as usize).copied().unwrap_or(0.0);
+    (a * p).iter().map(|(v, (i, j))| v * entry(i, j)).sum()
+}
+
+type Sample = (&'static str, SparseMatrix<f64>, Vec<DofCoordinate>);
+
+fn samples(cells: usize) -> Vec<Sample> {
+    let name = |name, (a, coordinates)| (name, a, coordinates);
+    let layers = |c: [usize; 3]| {
+        if (c[2] / 3).is_multiple_of(2) {
+            1.0
+        } else {
+            1e3
+        }
+    };
+    let noise: Vec<f64> = probe(cells * cells * cells, 5);
+    let random = |c: [usize; 3]| 10f64.powf(4.0 * noise[c[0] + cells * (c[1] + cells * c[2])]);
+    vec![
+        name("cube", cube(cells)),
+        name("layers", clamped_box([cells; 3], [1.0; 3], layers)),
+        name(
+            "flat elements",
+            clamped_box([cells; 3], [1.0, 1.0, 0.1], |_| 1.0),
+        ),
+        name("random contrast", clamped_box([cells; 3], [1.0; 3], random)),
+        name("far from the origin", {
+            let (a, mut coordinates) = cube(cells);
+            coordinates.iter_mut().for_each(|c| c.position[0] += 300.0);
+            (a, coordinates)
+        }),
+    ]
+}
+
+#[test]
+fn coarse_nodes_are_independent_and_maximal() {
+    for (name, a, _) in samples(7) {
+        let graph = Strength::new(&by_nodes(&a));
+        let split = splitting(&graph);
+        for i in 0..graph.len() {
+            let coarse = |j: &u32| split.number[*j as usize] != FINE;
+            assert!(
+                graph
+                    .neighbours(i)
+                    .iter()
+                    .all(|j| graph.neighbours(*j as usize).contains(&(i as u32)))
+            );
+            let beside = graph.neighbours(i).iter().any(coarse);
+            assert!(
+                !graph.neighbours(i).is_empty() && beside != coarse(&(i as u32)),
+                "{name}"
+            );
+        }
+        let numbers: Vec<u32> = split
+            .nodes
+            .iter()
+            .map(|i| split.number[*i as usize])
+            .collect();
+        assert!(
+            numbers
+                .iter()
+                .enumerate()
+                .all(|(k, number)| k == *number as usize)
+        );
+    }
+}
+
+/// Largest part of the modes of a node that P misses, and the largest row.
+fn missed(p: &Interpolation, nodes: &[u32], modes: &Modes6) -> (f64, f64) {
+    let (mut worst, mut largest) = (0.0f64, 0.0f64);
+    for i in 0..p.len() {
+        let norm = p
+            .row(i)
+            .flat_map(|(_, b)| b)
+            .map(|v| v * v)
+            .sum::<f64>()
+            .sqrt();
+        largest = largest.max(norm);
+        for r in 0..3 {
+            for k in 0..6 {
+                let term = |(j, b): (usize, &[f64; 9])| {
+                    let v = &modes[nodes[j] as usize];
+                    (0..3).map(|c| b[3 * r + c] * v[c][k]).sum::<f64>()
+                };
+                let sum: f64 = p.row(i).map(term).sum();
+                let size = modes[i].iter().map(|row| row[k].abs()).fold(1.0, f64::max);
+                worst = worst.max((sum - modes[i][r][k]).abs() / size);
+            }
+        }
+    }
+    (worst, largest)
+}
+
+#[test]
+fn p_reproduces_the_modes_and_is_the_identity_on_coarse_nodes() {
+    for (name, a, coordinates) in samples(7) {
+        let (nodes, modes) = (by_nodes(&a), rigid(&coordinates));
+        let coarse = coarsen(&nodes, &inverses(&nodes), &modes);
+        let p = &coarse.interpolation;
+        let (worst, largest) = missed(p, &coarse.nodes, &modes);
+        assert!(worst < 1e-9, "{name}: {worst:e}");
+        assert!(
+            largest <= 10.0 + 1e-12 && 8 * coarse.nodes.len() < 3 * p.len(),
+            "{name}"
+        );
+        for (k, i) in coarse.nodes.iter().enumerate() {
+            let row: Vec<_> = p.row(*i as usize).collect();
+            assert_eq!(row, [(k, &interpolation::IDENTITY)]);
+        }
+    }
+}
+
+#[test]
+fn a_row_that_would_be_too_large_is_scaled_to_norm_ten() {
+    // a chain of nodes that bend away from the line through the coarse ones: rotations about it cannot be carried
+    let n = 9;
+    let mut triplets = fracas_operators::sparse::Triplets::new((3 * n, 3 * n));
+    for i in 0..3 * n {
+        triplets.add_triplet(i, i, 2.0);
+        if i + 3 < 3 * n {
+            triplets.add_triplet(i, i + 3, -1.0);
+            triplets.add_triplet(i + 3, i, -1.0);
+        }
+    }
+    let nodes = by_nodes(&triplets.to_csr());
+    let graph = Strength::new(&nodes);
+    let split = splitting(&graph);
+    let position = |i: usize| {
+        let off = if split.number[i] == FINE {
+            1.0
+        } else {
+            1e-3 * (i * i) as f64
+        };
+        [i as f64, off, 0.0]
+    };
+    let coordinates: Vec<DofCoordinate> = (0..3 * n)
+        .map(|i| DofCoordinate {
+            position: position(i / 3),
+            component: (i % 3) as u8,
+        })
+        .collect();
+    let modes = rigid(&coordinates);
+    let p = interpolation([&graph; 2], &split, &modes);
+    let (worst, largest) = missed(&p, &split.nodes, &modes);
+    assert!((largest - 10.0).abs() < 1e-9 && worst > 1e-3);
+}
+
+#[test]
+fn held_components_and_lonely_nodes_are_not_interpolated() {
+    let (a, coordinates) = cube(4);
+    let held = [4, 40, 125];
+    let mut triplets = fracas_operators::sparse::Triplets::new((a.rows() + 3, a.rows() + 3));
+    for (value, (i, j)) in a.iter() {
+        let kept = i == j || !(held.contains(&i) || held.contains(&j));
+        triplets.add_triplet(i as usize, j as usize, if kept { *value } else { 0.0 });
+    }
+    (a.rows()..a.rows() + 3).for_each(|i| triplets.add_triplet(i, i, 1.0));
+    let nodes = by_nodes(&triplets.to_csr());
+    let mut modes = rigid(&coordinates);
+    modes.push([[1.0; 6]; 3]);
+    held.iter()
+        .for_each(|i| modes[*i as usize / 3][*i as usize % 3] = [0.0; 6]);
+    let coarse = coarsen(&nodes, &inverses(&nodes), &modes);
+    let p = &coarse.interpolation;
+    assert!(p.columns_of(nodes.len() - 1).is_empty());
+    for i in held.map(|i| i as usize) {
+        let number = coarse.nodes.iter().position(|c| *c as usize == i / 3);
+        for node in
+            (0..p.len()).filter(|node| Some(*node) != number.map(|k| coarse.nodes[k] as usize))
+        {
+            for (j, block) in p.row(node) {
+                let row = node == i / 3;
+                let column = Some(j) == number;
+                let values = (0..3).map(|k| match (row, column) {
+                    (true, _) => block[3 * (i % 3) + k],
+                    (_, true) => block[3 * k + i % 3],
+                    _ => 0.0,
+                });
+                assert!(values.into_iter().all(|v| v.abs() < 1e-12));
+            }
+        }
+    }
+}
+
+#[test]
+fn energy_falls_with_every_step_to_the_constrained_minimum() {
+    for (name, a, coordinates) in samples(5) {
+        let (nodes, modes) = (by_nodes(&a), rigid(&coordinates));
+        let graph = Strength::new(&nodes);
+        let split = splitting(&graph);
+        let start = interpolation([&graph; 2], &split, &modes);
+        let inverse = inverses(&nodes);
+        let after = |steps| {
+            let mut p = start.clone();
+            minimise(&nodes, &inverse, &split, &modes, &mut p, steps);
+            p
+        };
+        let energies: Vec<f64> = (0..6)
+            .map(|k| energy(&a, &scalar(&after(k), split.nodes.len())))
+            .collect();
+        assert!(
+            energies.windows(2).all(|e| e[1] < e[0]),
+            "{name}: {energies:?}"
+        );
+        assert!(energies[1] < 0.97 * energies[0], "{name}: {energies:?}");
+        // at the minimum every fine row of A P, on the pattern of P, is a combination of the modes: (A P)_i = X V_Cᵀ
+        let p = after(300);
+        let image = &a * &scalar(&p, split.nodes.len());
+        for i in (0..p.len()).filter(|i| split.number[*i] == FINE) {
+            let columns = p.columns_of(i);
+            let of =
+                |k: usize, m: usize| modes[split.nodes[columns[k / 3] as usize] as usize][k % 3][m];
+            let v = faer::Mat::from_fn(3 * columns.len(), 6, of);
+            let svd = v.thin_svd().unwrap();
+            let basis: Vec<usize> = (0..6.min(3 * columns.len()))
+                .filter(|m| svd.S().column_vector()[*m] > 1e-9 * svd.S().column_vector()[0])
+                .collect();
+            for r in 0..3 {
+                let row: Vec<f64> = (0..3 * columns.len())
+                    .map(|k| {
+                        image
+                            .get(3 * i + r, 3 * columns[k / 3] as usize + k % 3)
+                            .copied()
+                            .unwrap_or(0.0)
+                    })
+                    .collect();
+                let mut rest = row.clone();
+                for m in &basis {
+                    let part: f64 = (0..row.len()).map(|k| row[k] * svd.U()[(k, *m)]).sum();
+                    (0..row.len()).for_each(|k| rest[k] -= part * svd.U()[(k, *m)]);
+                }
+                let size = nodes.diagonal(i)[0];
+                assert!(
+                    rest.iter().all(|v| v.abs() < 1e-5 * size),
+                    "{name} {i} {rest:?}"
+                );
+            }
+        }
+        assert!(missed(&p, &split.nodes, &modes).0 < 1e-9, "{name}");
+        assert_eq!((&p.offsets, &p.columns), (&start.offsets, &start.columns));
+    }
+}
+
+#[test]
+fn one_and_two_threads_give_the_same_bits() {
+    let (a, coordinates) = cube(9);
+    let (nodes, modes) = (by_nodes(&a), rigid(&coordinates));
+    let inverse = inverses(&nodes);
+    let run = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        let coarse = pool.install(|| coarsen(&nodes, &inverse, &modes));
+        let bits: Vec<u64> = coarse
+            .interpolation
+            .blocks
+            .as_flattened()
+            .iter()
+            .map(|v| v.to_bits())
+            .collect();
+        (coarse.nodes, coarse.interpolation.columns, bits)
+    };
+    assert!(run(1) == run(2));
+}
+
+/// A hierarchy in plain f64 with the damped FSAI, V(1,1).
+struct Multigrid {
+    levels: Vec<(Csr<f64>, Csr<f64>, FsaiInverse<f64>)>,
+    coarsest: Box<dyn Factorization>,
+}
+
+impl Multigrid {
+    fn new(a: &SparseMatrix<f64>, mut modes: Modes6, most_levels: usize) -> Self {
+        let (mut a, mut levels) = (a.clone(), vec![]);
+        while a.rows() > 500 && levels.len() + 1 < most_levels {
+            let nodes = by_nodes(&a);
+            let coarse = coarsen(&nodes, &inverses(&nodes), &modes);
+            let p = scalar(&coarse.interpolation, coarse.nodes.len());
+            let next = &p.transpose_view().to_csr() * &(&a * &p);
+            modes = coarse.nodes.iter().map(|i| modes[*i as usize]).collect();
+            let a_level = Csr::new(a);
+            let smoother = Fsai::adaptive(10, 1, 1e-3).build(a_level.matrix()).unwrap();
+            let smoother = smoother.damped(&a_level).unwrap();
+            levels.push((a_level, Csr::with_transpose(p), smoother));
+            a = next;
+        }
+        let direct = DirectChoice::Faer.solver().unwrap();
+        let coarsest = direct.analyze(&a, Kind::Spd).unwrap().factor(&a).unwrap();
+        Self { levels, coarsest }
+    }
+
+    fn cycle(&self, k: usize, b: &[f64], x: &mut [f64]) {
+        let solve = |m: &dyn Preconditioner<f64>, r: &[f64], z: &mut [f64]| {
+            m.solve(r, z, &mut vec![0.0; m.work_len()]);
+        };
+        let Some((a, p, smoother)) = self.levels.get(k) else {
+            return solve(&self.coarsest, b, x);
+        };
+        let residual = |x: &[f64]| {
+            let mut r = b.to_vec();
+            a.apply_add(-1.0, x, &mut r, &mut []);
+            r
+        };
+        solve(smoother, b, x);
+        let mut b_c = vec![0.0; p.shape().cols];
+        let mut x_c = b_c.clone();
+        p.apply_adjoint_add(1.0, &residual(x), &mut b_c, &mut []);
+        self.cycle(k + 1, &b_c, &mut x_c);
+        p.apply_add(1.0, &x_c, x, &mut []);
+        let mut z = vec![0.0; x.len()];
+        solve(smoother, &residual(x), &mut z);
+        axpy(1.0, &z, x);
+    }
+}
+
+impl Preconditioner<f64> for Multigrid {
+    fn size(&self) -> usize {
+        self.levels[0].0.shape().rows
+    }
+    fn solve(&self, r: &[f64], z: &mut [f64], _work: &mut [f64]) {
+        self.cycle(0, r, z);
+    }
+    fn flops(&self) -> u64 {
+        0
+    }
+}
+
+#[test]
+fn two_grids_converge_with_a_bound_that_the_mesh_does_not_change() {
+    // M⁻¹A has its eigenvalues in (0, 1], and 1 − λ_min is the contraction of one cycle
+    let smallest = |cells: usize| {
+        let (a, coordinates) = cube(cells);
+        let m = Multigrid::new(&a, rigid(&coordinates), 2);
+        let operator = Csr::new(a);
+        let mut apply = |x: &[f64], y: &mut [f64]| operator.apply(x, y, &mut []);
+        // pencil (M⁻¹, A⁻¹) turned round: K = A M⁻¹ A, M = A has the same eigenvalues; here through z = M⁻¹ r
+        let mut solve = |r: &[f64], z: &mut [f64]| m.solve(r, z, &mut []);
+        let settings = LanczosSettings {
+            tolerance: 1e-3,
+            max_steps: 60,
+            ends: Ends::Both,
+        };
+        let n = operator.shape().rows;
+        let (low, high) = extreme_eigenvalues(n, &mut apply, Some(&mut solve), settings).unwrap();
+        assert!(high.value < 1.0 + 1e-6, "{high:?}");
+        low.value
+    };
+    let values = [6, 9, 12].map(smallest);
+    println!("{values:?}");
+    assert!(values.iter().all(|v| *v > 0.3), "{values:?}");
+}
+
+/// Conjugate gradients to 1e-6 under a constant load.
+fn iterations(a: &SparseMatrix<f64>, m: &dyn Preconditioner<f64>) -> usize {
+    let operator = Csr::new(a.clone());
+    let rhs = vec![1.0; a.rows()];
+    let system = System {
+        operator: &operator,
+        preconditioner: m,
+        rhs: &rhs,
+    };
+    let criteria = Criteria {
+        relative_tolerance: 1e-6,
+        max_iterations: 500,
+    };
+    let mut x = vec![0.0; rhs.len()];
+    let mut work = vec![0.0; Cg {}.work_len(&system, &criteria)];
+    let report = Cg {}
+        .solve_in(&system, &criteria, &mut x, &mut Silent, &mut work)
+        .unwrap();
+    assert_eq!(report.outcome, Outcome::Converged);
+    report.iterations
+}
+
+#[test]
+fn a_cube_needs_no_more_iterations_than_the_published_twenty() {
+    for (name, a, coordinates) in samples(14) {
+        let m = Multigrid::new(&a, rigid(&coordinates), 10);
+        let count = iterations(&a, &m);
+        println!("{name}: {count}");
+        let most = match name {
+            "cube" | "far from the origin" => 20,
+            _ => 43,
+        };
+        assert!(count <= most, "{name}: {count}");
+    }
+}
