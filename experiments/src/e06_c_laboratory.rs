@@ -109,7 +109,13 @@ fn solved(
         let m = RacpInverse::new(blocks.b1.clone(), c.clone(), inner);
         [&load, &sin].map(|rhs| {
             let zero = vec![0.0; rhs.len()];
-            Some(Measured::new(blocks, &m, KrylovChoice::default(), rhs, zero))
+            Some(Measured::new(
+                blocks,
+                &m,
+                KrylovChoice::default(),
+                rhs,
+                zero,
+            ))
         })
     };
     let amg = match InnerChoice::Amg(Default::default()).prepare(blocks, &c) {
@@ -276,7 +282,7 @@ impl Experiment for CLaboratory {
         "C = sγI with γ = ‖B‖²/‖A‖ and s = 10⁻⁴…10⁴ against local, local_h, face_block, exact and exact_h; `clamped` with and \
          without H, `layered` (stiffness contrast 1000), `stretched` (cells of 1:50). κ(S_u) by Lanczos, also after \
          symmetric scaling to a unit diagonal; GMRES(100) to a true residual of 1e-8 under the physical load and b_i = sin i, \
-         with exact S_u, FGMRES(100) with AMG (whose cycle runs in f32)."
+         with exact S_u, and with AMG (flexible there: its cycle runs in f32)."
     }
 
     fn expect(&self) -> &'static str {
