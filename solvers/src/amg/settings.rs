@@ -32,9 +32,9 @@ pub enum Smoother {
 #[serde(rename_all = "snake_case")]
 pub enum Cycle {
     /// Once.
+    #[default]
     V,
     /// Twice.
-    #[default]
     W,
     /// As a preconditioner of two steps of flexible conjugate gradients (not a linear map).
     K,
