@@ -59,7 +59,8 @@ fn the_solution_solves_the_system_and_the_report_has_its_keys() {
             (&"converged".into(), &"sin(i)".into())
         );
         let x = read_vector(&file).unwrap();
-        let operator = SaddleOperator::new(&read_folder(&folder).unwrap().blocks);
+        let blocks = read_folder(&folder).unwrap().blocks;
+        let operator = SaddleOperator::new(&blocks);
         let mut r: Vec<f64> = (1..=6).map(|i| f64::from(i).sin()).collect();
         let norm = r.iter().map(|b| b * b).sum::<f64>().sqrt();
         operator.apply_add(-1.0, &x, &mut r, &mut []);

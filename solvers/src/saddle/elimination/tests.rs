@@ -8,7 +8,7 @@ use crate::{Prepare, Silent};
 use faer::Mat;
 use fracas_operators::laws::{check_preconditioner, probe};
 use fracas_operators::vector::norm2;
-use fracas_operators::{Dense, Shape};
+use fracas_operators::{Dense, LinearOperator, Preconditioner, Shape};
 
 /// What the rows of a face do: (state of the face, tan φ).
 #[derive(Clone, Copy)]
