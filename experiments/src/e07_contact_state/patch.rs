@@ -121,7 +121,7 @@ impl<'a> Laboratory<'a> {
     fn fluid(&self, states: &[ContactState]) -> Vec<f64> {
         let b1 = &self.system.stick().b1;
         let pressure = |k: usize| match states[k / 3] {
-            ContactState::Open if k % 3 == 0 => OVERPRESSURE * self.stick_t[k].abs(),
+            ContactState::Open if k.is_multiple_of(3) => OVERPRESSURE * self.stick_t[k].abs(),
             _ => 0.0,
         };
         b1.outer_iterator()

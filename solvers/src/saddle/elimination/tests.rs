@@ -35,7 +35,7 @@ fn in_states(stick: &SaddleBlocks, faces: &[Face], omega: f64) -> SaddleBlocks {
     };
     let constrained = |k: usize| match faces[k / 3] {
         Face::Stick => true,
-        Face::Slip(..) => k % 3 == 0,
+        Face::Slip(..) => k.is_multiple_of(3),
         Face::Open => false,
     };
     let h = |k: usize, l: usize| -> f64 {
@@ -46,7 +46,7 @@ fn in_states(stick: &SaddleBlocks, faces: &[Face], omega: f64) -> SaddleBlocks {
         let law = match faces[k / 3] {
             _ if constrained(k) => 0.0,
             _ if k == l => omega,
-            Face::Slip(m, _, slope) if l == k - k % 3 => omega * slope * m[k % 3 - 1],
+            Face::Slip(m, _, slope) if l == 3 * (k / 3) => omega * slope * m[k % 3 - 1],
             _ => 0.0,
         };
         form + law
