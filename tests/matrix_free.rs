@@ -12,7 +12,8 @@ fn matrix_free_and_assembled_saddle_points_agree_on_every_scene() {
     for entry in gallery() {
         let body = entry.small_scene().unwrap().build().unwrap();
         for stabilization in [None, Some(JumpStabilization::default())] {
-            let assembled = SaddleOperator::new(&body.saddle_blocks(stabilization).unwrap());
+            let blocks = body.saddle_blocks(stabilization).unwrap();
+            let assembled = SaddleOperator::new(&blocks);
             let free = MatrixFreeSaddle::<f64>::new(&body.stick_system(stabilization)).unwrap();
             let free = free.operator();
             laws::check_operator(entry.name, &free, None).unwrap();

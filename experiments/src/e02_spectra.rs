@@ -144,7 +144,7 @@ fn strip(id: &str, caption: &str, reports: &[SpectrumReport]) -> Figure {
 }
 
 /// Eigenvalues in the complex plane over the proved region.
-fn plane(id: &str, caption: &str, report: &SpectrumReport) -> Figure {
+pub(crate) fn plane(id: &str, caption: &str, report: &SpectrumReport) -> Figure {
     let points = report.eigenvalues.iter().map(|(re, im)| [re, im]).collect();
     let mut figure = Figure::complex_plane(id, "", caption, &[("eigenvalues", points)]);
     let Bounds {

@@ -1,6 +1,7 @@
 //! e03: conditioning of A and S_u on analogues of the published tests A, B and C.
 
 use crate::plot::{Axis, Figure, Mark, Series};
+use crate::published::TESTS;
 use crate::report::{Check, Experiment, Findings, Level, Table};
 use fracas::contact::JumpStabilization;
 use fracas::scene::named;
@@ -13,36 +14,6 @@ use std::ops::ControlFlow;
 /// Does the augmentation make A worse or better conditioned?
 #[derive(Debug)]
 pub struct Conditioning;
-
-/// A published test: the deck's n_u and n_t, and the scene that stands for it.
-struct Published {
-    test: &'static str,
-    scene: &'static str,
-    n_u: usize,
-    n_t: usize,
-}
-
-/// The deck, slide on the conditioning of A and S_u; the meshes are not public.
-const TESTS: [Published; 3] = [
-    Published {
-        test: "A",
-        scene: "analogue_a",
-        n_u: 218_790,
-        n_t: 6_336,
-    },
-    Published {
-        test: "B",
-        scene: "analogue_b",
-        n_u: 194_208,
-        n_t: 6_936,
-    },
-    Published {
-        test: "C",
-        scene: "analogue_c",
-        n_u: 379_983,
-        n_t: 167_799,
-    },
-];
 
 /// Unknowns from which an analogue counts as one.
 const ENOUGH: usize = 20_000;
@@ -139,24 +110,24 @@ impl Experiment for Conditioning {
                 let matrix = choice.compute(&blocks, &*direct)?.matrix;
                 let s_u = schur_ends(&blocks, &matrix, None, &*direct)?;
                 if c == 0 {
-                    bars.push((format!("{}: A", test.test), kappa_a));
+                    bars.push((format!("{}: A", test.name), kappa_a));
                     findings.checks.push(Check::holds(
                         format!(
                             "{}: A is {}",
                             test.scene,
-                            if test.test == "A" {
+                            if test.name == "A" {
                                 "singular"
                             } else {
                                 "regular"
                             }
                         ),
-                        if test.test == "A" {
+                        if test.name == "A" {
                             "singular"
                         } else {
                             "regular"
                         },
                         format!("dim ker A = {}", a.kernel),
-                        singular == (test.test == "A"),
+                        singular == (test.name == "A"),
                     ));
                     findings.checks.push(Check::holds(
                         format!("{}: S_u is regular", test.scene),
@@ -165,9 +136,9 @@ impl Experiment for Conditioning {
                         s_u.condition().is_finite(),
                     ));
                 }
-                bars.push((format!("{}: S_u, {choice}", test.test), s_u.condition()));
+                bars.push((format!("{}: S_u, {choice}", test.name), s_u.condition()));
                 table.push([
-                    test.test.into(),
+                    test.name.into(),
                     n_u.into(),
                     n_t.into(),
                     percent(n_t, n_u).into(),
@@ -193,10 +164,10 @@ impl Experiment for Conditioning {
                 .iter()
                 .rev()
                 .enumerate()
-                .filter(|(_, (name, _))| name.starts_with(test.test))
+                .filter(|(_, (name, _))| name.starts_with(test.name))
                 .map(|(height, (_, kappa))| [*kappa, height as f64])
                 .collect();
-            let name = format!("analogue of test {}", test.test);
+            let name = format!("analogue of test {}", test.name);
             figure = figure.with(Series::new(&name, Mark::Points, points));
         }
         findings.figures.push(figure);

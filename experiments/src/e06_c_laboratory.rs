@@ -23,6 +23,9 @@ struct Case {
     with_h: bool,
 }
 
+/// Layers of a stiffness contrast of 1000.
+const CONTRAST: &str = "layered";
+
 /// B has full rank in `clamped`, so that it can do without H; the others need it.
 const CASES: [Case; 4] = [
     Case {
@@ -34,7 +37,7 @@ const CASES: [Case; 4] = [
         with_h: true,
     },
     Case {
-        scene: "layered",
+        scene: CONTRAST,
         with_h: true,
     },
     Case {
@@ -61,8 +64,7 @@ impl Case {
     }
 
     fn blocks(&self, level: Level) -> anyhow::Result<SaddleBlocks> {
-        let entry =
-            named(self.scene).ok_or_else(|| anyhow::anyhow!("no scene {}", self.scene))?;
+        let entry = named(self.scene).ok_or_else(|| anyhow::anyhow!("no scene {}", self.scene))?;
         let scene = match level {
             Level::Smoke => entry.small_scene()?,
             Level::Paper => entry.scene()?,
@@ -107,7 +109,13 @@ fn solved(
         let m = RacpInverse::new(blocks.b1.clone(), c.clone(), inner);
         [&load, &sin].map(|rhs| {
             let zero = vec![0.0; rhs.len()];
-            Some(Measured::new(blocks, &m, KrylovChoice::default(), rhs, zero))
+            Some(Measured::new(
+                blocks,
+                &m,
+                KrylovChoice::default(),
+                rhs,
+                zero,
+            ))
         })
     };
     let amg = match InnerChoice::Amg(Default::default()).prepare(blocks, &c) {
@@ -127,38 +135,97 @@ fn solved(
 
 const INNERS: [&str; 2] = ["exact S_u", "AMG for S_u"];
 
-/// n_it against κ(S_u): the curve of γ, a mark per rule.
-fn pareto(case: &Case, number: usize, inner: usize, rows: &[Solved]) -> Figure {
+impl Solved {
+    fn iterations(&self, inner: usize) -> Option<f64> {
+        let n = self.counts[inner][0].as_ref()?.iterations?;
+        Some(n as f64)
+    }
+
+    /// s, where C = sγI.
+    fn factor(&self) -> Option<f64> {
+        match self.choice {
+            AugmentationChoice::GlobalTimes(factor) => Some(factor),
+            _ => None,
+        }
+    }
+}
+
+/// Place in the palette of a rule: shapes that stay visible one on top of the other.
+fn tone(rule: AugmentationChoice) -> usize {
+    match rule {
+        AugmentationChoice::LocalH => 6,
+        AugmentationChoice::FaceBlock => 3,
+        AugmentationChoice::Exact => 5,
+        AugmentationChoice::ExactH => 4,
+        _ => 2,
+    }
+}
+
+/// n_it against κ(S_u): a curve of s per inner solver, a mark per rule and inner solver.
+fn pareto(case: &Case, number: usize, rows: &[Solved]) -> Figure {
     let caption = format!(
-        "{}, {}: iterations under the physical load against the condition number of S_u; the line is C = sγI from \
-         s = 10⁴ (left) to 10⁻⁴.",
+        "{}: iterations under the physical load against the condition number of S_u. Curves: C = sγI from s = 10⁴ (upper \
+         left) to 10⁻⁴; marks: C by a rule, the lower one of a pair with exact S_u, the upper one with AMG. Values of s \
+         that did not converge are left out.",
         case.name(),
-        INNERS[inner]
     );
-    let word = if inner == 0 { "exact" } else { "amg" };
-    let mut figure = Figure::new(
-        &format!("e06_pareto_{number}_{word}"),
-        "",
-        &caption,
-        Axis::log("κ(S_u)"),
-        Axis::log("n_it"),
+    let id = format!("e06_pareto_{number}");
+    let (x, y) = (Axis::log("κ(S_u)"), Axis::log("n_it"));
+    let mut figure = Figure::new(&id, "", &caption, x, y);
+    for (inner, name) in INNERS.iter().enumerate() {
+        let curve = rows
+            .iter()
+            .filter(|s| s.factor().is_some())
+            .filter_map(|s| Some([s.kappa, s.iterations(inner)?]))
+            .collect();
+        let name = format!("sγI, {name}");
+        figure = figure.with(Series::new(&name, Mark::LinePoints, curve).tone(inner));
+    }
+    // face_block below local_h
+    for choice in [
+        AugmentationChoice::Local,
+        AugmentationChoice::FaceBlock,
+        AugmentationChoice::LocalH,
+        AugmentationChoice::ExactH,
+        AugmentationChoice::Exact,
+    ] {
+        let points: Vec<[f64; 2]> = rows
+            .iter()
+            .filter(|s| s.choice == choice)
+            .flat_map(|s| [0, 1].map(|inner| Some([s.kappa, s.iterations(inner)?])))
+            .flatten()
+            .collect();
+        if !points.is_empty() {
+            let series = Series::new(choice.name(), Mark::Points, points);
+            figure = figure.with(series.tone(tone(choice)));
+        }
+    }
+    figure
+}
+
+/// n_it against s, and what local_h takes without a sweep.
+fn sweep(case: &Case, number: usize, rows: &[Solved]) -> Figure {
+    let caption = format!(
+        "{}: iterations under the physical load for C = sγI; dashed: C = local_h.",
+        case.name()
     );
-    let point = |s: &Solved| -> Option<[f64; 2]> {
-        let n = s.counts[inner][0].as_ref()?.iterations?;
-        Some([s.kappa, n as f64])
-    };
-    let curve: Vec<[f64; 2]> = rows
-        .iter()
-        .filter(|s| matches!(s.choice, AugmentationChoice::GlobalTimes(_)))
-        .filter_map(point)
-        .collect();
-    figure = figure.with(Series::new("sγI", Mark::LinePoints, curve));
-    for s in rows {
-        if !matches!(s.choice, AugmentationChoice::GlobalTimes(_)) {
-            let points: Vec<[f64; 2]> = point(s).into_iter().collect();
-            if !points.is_empty() {
-                figure = figure.with(Series::new(s.choice.name(), Mark::Points, points));
-            }
+    let id = format!("e06_sweep_{number}");
+    let (x, y) = (Axis::log("s"), Axis::log("n_it"));
+    let mut figure = Figure::new(&id, "", &caption, x, y);
+    for (inner, name) in INNERS.iter().enumerate() {
+        let curve = rows
+            .iter()
+            .filter_map(|s| Some([s.factor()?, s.iterations(inner)?]))
+            .collect();
+        let name = format!("sγI, {name}");
+        figure = figure.with(Series::new(&name, Mark::LinePoints, curve).tone(inner));
+    }
+    for (inner, name) in INNERS.iter().enumerate() {
+        let local_h = rows.iter().find(|s| s.choice == AugmentationChoice::LocalH);
+        if let Some(n) = local_h.and_then(|s| s.iterations(inner)) {
+            let line = vec![[FACTORS[0], n], [FACTORS[FACTORS.len() - 1], n]];
+            let name = format!("local_h, {name}");
+            figure = figure.with(Series::new(&name, Mark::Dashed, line).tone(inner));
         }
     }
     figure
@@ -185,6 +252,19 @@ fn row(case: &Case, blocks: &SaddleBlocks, s: &Solved) -> [Cell; 11] {
     ]
 }
 
+/// The row of a choice that does not apply.
+fn failed(case: &Case, blocks: &SaddleBlocks, choice: AugmentationChoice) -> Vec<Cell> {
+    let mut cells: Vec<Cell> = vec![
+        case.name().into(),
+        blocks.n_u().into(),
+        blocks.n_t().into(),
+        choice.name().into(),
+        Cell::Missing,
+    ];
+    cells.extend(std::iter::repeat_n(Cell::Failed, 6));
+    cells
+}
+
 impl Experiment for CLaboratory {
     fn id(&self) -> &'static str {
         "e06"
@@ -202,7 +282,7 @@ impl Experiment for CLaboratory {
         "C = sγI with γ = ‖B‖²/‖A‖ and s = 10⁻⁴…10⁴ against local, local_h, face_block, exact and exact_h; `clamped` with and \
          without H, `layered` (stiffness contrast 1000), `stretched` (cells of 1:50). κ(S_u) by Lanczos, also after \
          symmetric scaling to a unit diagonal; GMRES(100) to a true residual of 1e-8 under the physical load and b_i = sin i, \
-         with exact S_u and with AMG."
+         with exact S_u, and with AMG (flexible there: its cycle runs in f32)."
     }
 
     fn expect(&self) -> &'static str {
@@ -256,17 +336,16 @@ impl Experiment for CLaboratory {
                         table.push(row(case, &blocks, &s));
                         rows.push(s);
                     }
-                    Err(reason) => findings
-                        .notes
-                        .push(format!("{}, C = {choice}: {reason}.", case.name())),
+                    Err(reason) => {
+                        table.rows.push(failed(case, &blocks, *choice));
+                        let note = format!("{}, C = {choice}: {reason}.", case.name());
+                        findings.notes.push(note);
+                    }
                 }
             }
             findings.checks.extend(checks(case, &rows));
-            for inner in 0..INNERS.len() {
-                findings
-                    .figures
-                    .push(pareto(case, number + 1, inner, &rows));
-            }
+            findings.figures.push(sweep(case, number + 1, &rows));
+            findings.figures.push(pareto(case, number + 1, &rows));
         }
         findings.tables.push(table);
         Ok(findings)
@@ -274,7 +353,65 @@ impl Experiment for CLaboratory {
 }
 
 fn checks(case: &Case, rows: &[Solved]) -> Vec<Check> {
-    let find = |choice: AugmentationChoice| rows.iter().find(|s| s.choice == choice);
-    let _ = (case, find);
-    Vec::new()
+    let (exact, amg) = (0, 1);
+    let name = case.name();
+    let rule = |choice: AugmentationChoice| rows.iter().find(|s| s.choice == choice);
+    let count = |choice, inner| rule(choice).map_or(f64::INFINITY, |s| s.count(inner));
+    let kappa = |choice| rule(choice).map_or(f64::NAN, |s| s.kappa);
+    let sweep: Vec<&Solved> = rows
+        .iter()
+        .filter(|s| matches!(s.choice, AugmentationChoice::GlobalTimes(_)))
+        .collect();
+    let best = |inner: usize| {
+        sweep
+            .iter()
+            .map(|s| s.count(inner))
+            .fold(f64::INFINITY, f64::min)
+    };
+    let smallest = AugmentationChoice::GlobalTimes(FACTORS[0]);
+    let local_h = AugmentationChoice::LocalH;
+    let mut checks = vec![
+        Check::at_least(
+            format!("{name}: κ(S_u) of s = 10⁻⁴ over that of local_h"),
+            1e3,
+            kappa(smallest) / kappa(local_h),
+        ),
+        Check::at_most(
+            format!("{name}, AMG: n_it of local_h over the best of all sγI"),
+            1.5,
+            count(local_h, amg) / best(amg),
+        ),
+    ];
+    if case.with_h {
+        checks.push(Check::at_least(
+            format!("{name}, exact S_u: n_it of s = 10⁻⁴ over local_h (a C below H buys nothing)"),
+            1.2,
+            count(smallest, exact) / count(local_h, exact),
+        ));
+    } else {
+        checks.push(Check::holds(
+            format!("{name}, exact S_u: n_it never grows when s falls"),
+            "as stated",
+            format!(
+                "{:?}",
+                sweep.iter().map(|s| s.count(exact)).collect::<Vec<_>>()
+            ),
+            sweep
+                .windows(2)
+                .all(|w| w[1].count(exact) <= w[0].count(exact)),
+        ));
+        checks.push(Check::at_most(
+            format!("{name}, exact S_u and C = BᵀA⁻¹B: n_it (theorem 1: two eigenvalues)"),
+            3.0,
+            count(AugmentationChoice::Exact, exact),
+        ));
+    }
+    if case.scene == CONTRAST {
+        checks.push(Check::at_least(
+            format!("{name}, exact S_u: n_it of the best sγI over local_h"),
+            1.5,
+            best(exact) / count(local_h, exact),
+        ));
+    }
+    checks
 }

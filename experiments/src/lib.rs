@@ -4,10 +4,15 @@
 pub mod command;
 pub mod e01_checkerboard;
 pub mod e02_spectra;
+pub mod e02b_spectrum_amg;
 pub mod e03_conditioning;
+pub mod e04_efficiency;
+pub mod e05_mesh_independence;
 pub mod e06_c_laboratory;
 pub mod e07_contact_state;
 pub mod list;
 pub mod measure;
 pub mod plot;
+pub mod published;
 pub mod report;
+pub mod trial;

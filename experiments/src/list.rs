@@ -6,7 +6,10 @@ use crate::report::Experiment;
 pub static EXPERIMENTS: &[&dyn Experiment] = &[
     &crate::e01_checkerboard::Checkerboard,
     &crate::e02_spectra::Spectra,
+    &crate::e02b_spectrum_amg::SpectrumAmg,
     &crate::e03_conditioning::Conditioning,
+    &crate::e04_efficiency::Efficiency,
+    &crate::e05_mesh_independence::MeshIndependence,
     &crate::e06_c_laboratory::CLaboratory,
     &crate::e07_contact_state::ContactStates,
 ];

@@ -1,10 +1,10 @@
 //! One preconditioned iteration, measured in counts that do not depend on the machine.
 
 use crate::report::Cell;
-use fracas_operators::{LinearOperator, Preconditioner};
+use fracas_operators::Preconditioner;
 use fracas_solvers::Silent;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
-use fracas_solvers::saddle::{SaddleBlocks, SaddleOperator};
+use fracas_solvers::saddle::{Cost, SaddleBlocks, SaddleOperator};
 
 /// Relative residual in the tables of the deck and of the experiments.
 pub const TOLERANCE: f64 = 1e-8;
@@ -13,14 +13,12 @@ pub const TOLERANCE: f64 = 1e-8;
 pub const LIMIT: usize = 1000;
 
 /// How an iteration went.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
     /// n_it, where the true residual met the tolerance.
     pub iterations: Option<usize>,
-    /// c_app: flops of M⁻¹ over those of 𝒜.
-    pub c_app: f64,
-    /// The last iterate.
-    pub x: Vec<f64>,
+    /// C_s, where the true residual met the tolerance.
+    pub cost: Option<f64>,
 }
 
 impl Measured {
@@ -47,19 +45,15 @@ impl Measured {
         let result = method
             .method()
             .solve(&system, &criteria, &mut x, &mut Silent);
+        let iterations = result
+            .ok()
+            .filter(|report| report.outcome == Outcome::Converged)
+            .map(|report| report.iterations);
+        let cost = Cost::new(&operator, preconditioner);
         Self {
-            iterations: result
-                .ok()
-                .filter(|report| report.outcome == Outcome::Converged)
-                .map(|report| report.iterations),
-            c_app: preconditioner.flops() as f64 / operator.flops().max(1) as f64,
-            x,
+            iterations,
+            cost: iterations.map(|n| cost.c_s(n, &method)),
         }
-    }
-
-    /// `C_s = n_it (1 + c_app)`, for methods with one product per iteration.
-    pub fn cost(&self) -> Option<f64> {
-        self.iterations.map(|n| n as f64 * (1.0 + self.c_app))
     }
 
     /// n_it for checks: infinite where the method failed.
@@ -79,6 +73,6 @@ pub fn count_cell(measured: Option<&Measured>) -> Cell {
 /// C_s as a cell.
 pub fn cost_cell(measured: Option<&Measured>) -> Cell {
     measured
-        .and_then(Measured::cost)
+        .and_then(|m| m.cost)
         .map_or(Cell::Failed, Cell::Real)
 }

@@ -44,8 +44,14 @@ fn available_bytes() -> Option<u64> {
 }
 
 /// High-water mark of the resident set [bytes], where the system tells (Linux).
-pub(super) fn peak_bytes() -> Option<u64> {
+pub(crate) fn peak_bytes() -> Option<u64> {
     kibibytes("/proc/self/status", "VmHWM:")
+}
+
+/// Lets the high-water mark start again from what is resident now, where the system allows it (Linux).
+pub(crate) fn reset_peak() {
+    // elsewhere the mark is that of the whole process, as before
+    let _ = std::fs::write("/proc/self/clear_refs", "5");
 }
 
 /// Value of a line `key 123 kB` [bytes].

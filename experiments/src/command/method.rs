@@ -21,7 +21,7 @@ pub(super) struct Method {
 fn help() -> String {
     let names: Vec<&str> = SaddleMethod::all().iter().map(SaddleMethod::name).collect();
     format!(
-        "What preconditions the whole system: {}; also mcp:GAMMA, direct:faer, direct:umfpack",
+        "What preconditions the whole system: {}; also mcp:FACTOR (of the published γ; 0 takes A itself), direct:faer, direct:umfpack",
         names.join(", ")
     )
 }

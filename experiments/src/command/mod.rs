@@ -6,7 +6,7 @@
 mod check;
 mod export;
 mod list;
-mod memory;
+pub(crate) mod memory;
 mod method;
 mod modes;
 mod output;

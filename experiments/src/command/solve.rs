@@ -113,14 +113,15 @@ impl Solve {
         let method = self.method.chosen()?;
         output::try_files(self.json.iter().chain(&self.solution))?;
         let mut progress = Progress::new();
-        let loaded = self.source.load(&mut progress)?;
+        let mut loaded = self.source.load(&mut progress)?;
         // a foreign system keeps its units, and its residual is measured in them
         let unit = self.traction_unit.unwrap_or(if loaded.is_ours {
             loaded.blocks.traction_unit()
         } else {
             1.0
         });
-        let blocks = &loaded.blocks.in_traction_unit(unit);
+        loaded.blocks = loaded.blocks.into_traction_unit(unit);
+        let blocks = &loaded.blocks;
         let (rhs, b) = self.right_hand_side(&loaded, blocks, &mut progress);
 
         let start = Instant::now();

@@ -1,6 +1,7 @@
 //! The `fracas` binary, as its users see it: status, standard output, standard error, files.
 
 mod bad_input;
+mod breakdowns;
 mod check;
 mod modes;
 mod pipe;

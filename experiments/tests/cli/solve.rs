@@ -11,7 +11,16 @@ use serde_json::Value;
 fn the_solution_solves_the_system_and_the_report_has_its_keys() {
     let folder = system_folder("solution");
     let (system, file) = (folder.to_str().unwrap(), folder.join("x.mtx"));
-    for method in ["racp", "direct"] {
+    for method in [
+        "racp",
+        "mcp",
+        "augmented_lagrangian",
+        "block_diagonal",
+        "block_triangular",
+        "simple",
+        "direct",
+        "direct:faer",
+    ] {
         let ran = fracas(&[
             "solve",
             "--system",
@@ -50,7 +59,8 @@ fn the_solution_solves_the_system_and_the_report_has_its_keys() {
             (&"converged".into(), &"sin(i)".into())
         );
         let x = read_vector(&file).unwrap();
-        let operator = SaddleOperator::new(&read_folder(&folder).unwrap().blocks);
+        let blocks = read_folder(&folder).unwrap().blocks;
+        let operator = SaddleOperator::new(&blocks);
         let mut r: Vec<f64> = (1..=6).map(|i| f64::from(i).sin()).collect();
         let norm = r.iter().map(|b| b * b).sum::<f64>().sqrt();
         operator.apply_add(-1.0, &x, &mut r, &mut []);

@@ -115,6 +115,36 @@ impl<R: Real> AdjointOperator<R> for Csr<R> {
     }
 }
 
+/// Somebody else's rows as an operator.
+///
+/// # Cost
+/// As [`Csr`].
+#[derive(Clone, Copy, Debug)]
+pub struct CsrView<'a, R>(&'a SparseMatrix<R>);
+
+impl<'a, R: Real> CsrView<'a, R> {
+    /// A matrix stored by rows.
+    pub fn new(matrix: &'a SparseMatrix<R>) -> Self {
+        assert!(matrix.is_csr(), "the matrix must be stored by rows");
+        Self(matrix)
+    }
+}
+
+impl<R: Real> LinearOperator<R> for CsrView<'_, R> {
+    fn shape(&self) -> Shape {
+        Shape::new(self.0.rows(), self.0.cols())
+    }
+
+    fn apply_add(&self, alpha: R, x: &[R], y: &mut [R], _work: &mut [R]) {
+        assert_product(self.shape(), x, y);
+        rows_add(self.0, alpha, x, y);
+    }
+
+    fn flops(&self) -> u64 {
+        2 * (self.0.nnz() + self.0.rows()) as u64
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -5,7 +5,7 @@ mod csr;
 mod diagonal;
 
 pub use block3::Block3;
-pub use csr::Csr;
+pub use csr::{Csr, CsrView};
 pub use diagonal::Diagonal;
 
 /// A sparse matrix in compressed rows or columns: 32-bit indices, 64-bit offsets.

@@ -12,7 +12,7 @@ use super::tentative::Tentative;
 use fracas_operators::Real;
 
 /// Coarse nodes over fine nodes above which coarsening has stagnated. Unit: 1.
-const STAGNATED: f64 = 0.7;
+pub(super) const STAGNATED: f64 = 0.7;
 
 /// Entries of a coarse matrix over those of the fine one above which the prolongation stays unsmoothed: where fractures cut
 /// the rock into pieces of a few elements, smoothing across them fills the coarse matrix and gains little. Unit: 1.
@@ -107,7 +107,7 @@ pub(super) fn coarsen<R: Real, const K: usize>(
 }
 
 /// K×K blocks cut into 3×3 ones; unknowns without a column in P get a diagonal entry that keeps them apart.
-fn coarse_matrix<const K: usize>(
+pub(super) fn coarse_matrix<const K: usize>(
     pattern: &Pattern,
     mut nodes: Vec<[[f64; K]; K]>,
 ) -> Result<SweepMatrix<f64>, NotPositive> {

@@ -2,8 +2,8 @@
 
 use super::hierarchy::{Hierarchy, Level};
 use super::{Amg, Cycle, Smoother};
-use fracas_operators::Real;
 use fracas_operators::vector::{axpy, dot, xpby};
+use fracas_operators::{Preconditioner, Real};
 
 /// Smallest over largest eigenvalue of the interval on which a Chebyshev polynomial smooths. Unit: 1.
 const SMOOTHED_SHARE: f64 = 1.0 / 20.0;
@@ -166,10 +166,16 @@ impl<R: Real> Level<R> {
                     matrix.residual(b, x, r);
                 }
             }
-            Smoother::Chebyshev | Smoother::Fsai => {
+            Smoother::Chebyshev => {
                 x.fill(R::zero());
                 r.copy_from_slice(b);
                 self.chebyshev(shape.sweeps, x, r, own);
+            }
+            Smoother::Fsai => {
+                x.fill(R::zero());
+                r.copy_from_slice(b);
+                self.richardson(shape.sweeps, b, x, r, own);
+                matrix.residual(b, x, r);
             }
         }
     }
@@ -180,10 +186,27 @@ impl<R: Real> Level<R> {
             Smoother::GaussSeidel => {
                 (0..shape.sweeps).for_each(|_| self.matrix.backward(b, x));
             }
-            Smoother::Chebyshev | Smoother::Fsai => {
+            Smoother::Chebyshev => {
                 self.matrix.residual(b, x, r);
                 self.chebyshev(shape.sweeps, x, r, own);
             }
+            Smoother::Fsai => {
+                self.matrix.residual(b, x, r);
+                self.richardson(shape.sweeps, b, x, r, own);
+            }
+        }
+    }
+
+    /// `x ← x + ωGᵀG r` and `r ← b − A x` in turn; r arrives as the residual of x and leaves one step behind it.
+    fn richardson(&self, steps: usize, b: &[R], x: &mut [R], r: &mut [R], own: &mut [R]) {
+        let Some(fsai) = &self.fsai else { return };
+        let (z, work) = own.split_at_mut(r.len());
+        for step in 0..steps {
+            if step > 0 {
+                self.matrix.residual(b, x, r);
+            }
+            fsai.solve(r, z, work);
+            axpy(R::one(), z, x);
         }
     }
 
@@ -230,7 +253,11 @@ impl<R: Real> Level<R> {
             // the first forward sweep and its residual read each half of the matrix once
             Smoother::GaussSeidel if steps == 1 => 2 * sweep,
             Smoother::GaussSeidel => sweep / 2 + (2 * steps - 1) * sweep + product + n,
-            Smoother::Chebyshev | Smoother::Fsai => 2 * (steps * (product + 12 * n)) + product + n,
+            Smoother::Fsai => {
+                let fsai = self.fsai.as_ref().map_or(0, |m| m.flops());
+                2 * steps * (fsai + product + 2 * n)
+            }
+            Smoother::Chebyshev => 2 * (steps * (product + 12 * n)) + product + n,
         }
     }
 }

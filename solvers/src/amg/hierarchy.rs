@@ -1,18 +1,21 @@
 //! From the finest matrix to all levels.
 
-use super::Amg;
+use super::aggregation::Aggregates;
 use super::coarse::{Coarse, NotPositive, coarsen};
 use super::coarsest::{Coarsest, NoInverse};
 use super::finest::Finest;
+use super::fsai_smoother;
 use super::node_map::NONE;
 use super::summary::{LevelSummary, Summary};
 use super::sweeps::SweepMatrix;
 use super::transfer::Transfer;
+use super::{Amg, Coarsening, Smoother};
 use crate::SetupError;
+use crate::fsai::FsaiInverse;
 use fracas_operators::Real;
 
 /// Levels beyond which coarsening has plainly failed.
-const MOST_LEVELS: usize = 30;
+pub(super) const MOST_LEVELS: usize = 30;
 
 /// Unknowns up to which a level that does not get coarser is solved directly after all.
 const LARGEST_DIRECT: usize = 30_000;
@@ -24,6 +27,8 @@ pub(super) struct Level<R> {
     pub(super) transfer: Transfer<R>,
     /// Upper estimate of `λ_max(D⁻¹A)`.
     pub(super) lambda_max: f64,
+    /// `ωGᵀG`, if that smooths.
+    pub(super) fsai: Option<FsaiInverse<R>>,
 }
 
 /// All levels, finest first, and the direct solver below them.
@@ -35,16 +40,28 @@ pub(super) struct Hierarchy<R> {
 }
 
 /// A block row of the finest level that stands for each block row of a coarser one, to name rows in errors.
-struct Representatives<'a> {
+pub(super) struct Representatives<'a> {
     rows: Vec<u32>,
     unknown: &'a dyn Fn(usize) -> usize,
 }
 
-impl Representatives<'_> {
+impl<'a> Representatives<'a> {
+    /// The block rows of the finest level; `unknown(row)` names the unknown in a scalar row of it.
+    pub(super) fn new(rows: usize, unknown: &'a dyn Fn(usize) -> usize) -> Self {
+        Self {
+            rows: (0..rows as u32).collect(),
+            unknown,
+        }
+    }
+
     fn descend<const K: usize>(&mut self, coarse: &Coarse<K>, group: usize) {
-        let parts = K / 3;
-        let mut next = vec![0; coarse.aggregates.count * parts];
-        for (node, aggregate) in coarse.aggregates.of.iter().enumerate().rev() {
+        self.adopt(&coarse.aggregates, group, K / 3);
+    }
+
+    /// Goes down from nodes of `group` block rows to aggregates of `parts`.
+    pub(super) fn adopt(&mut self, aggregates: &Aggregates, group: usize, parts: usize) {
+        let mut next = vec![0; aggregates.count * parts];
+        for (node, aggregate) in aggregates.of.iter().enumerate().rev() {
             if *aggregate != NONE {
                 next[*aggregate as usize * parts..][..parts].fill(self.rows[node * group]);
             }
@@ -55,6 +72,34 @@ impl Representatives<'_> {
     /// Unknown of the finest level, from 1, for a scalar row.
     fn name(&self, row: usize) -> usize {
         (self.unknown)(3 * self.rows[row / 3] as usize + row % 3) + 1
+    }
+
+    /// A coarse diagonal block that is not positive definite.
+    pub(super) fn indefinite(&self, row: usize) -> SetupError {
+        SetupError::NotPositiveDefinite {
+            block: "A",
+            row: self.name(row),
+            advice: "a coarse matrix lost positivity around this row: the matrix is indefinite, or its coordinates are not those of its nodes".into(),
+        }
+    }
+
+    /// FSAI of this level's matrix, if that is to smooth.
+    pub(super) fn smoother<S: Real, R: Real>(
+        &self,
+        settings: &Amg,
+        a: &SweepMatrix<S>,
+    ) -> Result<Option<FsaiInverse<R>>, SetupError> {
+        if settings.smoother != Smoother::Fsai {
+            return Ok(None);
+        }
+        let named = |error| match error {
+            SetupError::NotPositiveDefinite { block, row, advice } => {
+                let row = self.name(row - 1);
+                SetupError::NotPositiveDefinite { block, row, advice }
+            }
+            other => other,
+        };
+        fsai_smoother::smoother(a).map(Some).map_err(named)
     }
 }
 
@@ -71,37 +116,31 @@ impl<R: Real> Hierarchy<R> {
         near_null_space: &'static str,
         unknown: &dyn Fn(usize) -> usize,
     ) -> Result<Self, SetupError> {
+        if settings.coarsening == Coarsening::Classical {
+            return Self::classical(settings, finest, &modes, near_null_space, unknown);
+        }
         let Finest {
             matrix: first,
             defect,
             bonds,
             ..
         } = finest;
-        let mut names = Representatives {
-            rows: (0..first.rows() as u32).collect(),
-            unknown,
-        };
+        let mut names = Representatives::new(first.rows(), unknown);
         let mut levels = Vec::new();
         if 3 * first.rows() <= settings.coarsest {
             return Self::ending(levels, &first, &names, near_null_space);
         }
-        let indefinite = |names: &Representatives<'_>, row| {
-            SetupError::NotPositiveDefinite {
-            block: "A",
-            row: names.name(row),
-            advice: "a coarse matrix lost positivity around this row: the matrix is indefinite, or its coordinates are not those of its nodes".into(),
-        }
-        };
         let step = coarsen(settings, 0, &first, &defect, bonds.as_ref(), 1, &modes);
-        let Some(mut coarse) = step.map_err(|NotPositive(row)| indefinite(&names, row))? else {
+        let Some(mut coarse) = step.map_err(|NotPositive(row)| names.indefinite(row))? else {
             return Self::ending(levels, &first, &names, near_null_space);
         };
-        names.descend(&coarse, 1);
         levels.push(Level {
+            fsai: names.smoother(settings, &first)?,
             matrix: first,
             transfer: Transfer::new(&coarse.prolongation, coarse.aggregates.count),
             lambda_max: coarse.lambda_max,
         });
+        names.descend(&coarse, 1);
         let group = K / 3;
         while coarse.goes_on(settings) && levels.len() < MOST_LEVELS {
             let depth = levels.len();
@@ -115,21 +154,22 @@ impl<R: Real> Hierarchy<R> {
                 group,
                 &coarse.modes,
             );
-            let Some(next) = step.map_err(|NotPositive(row)| indefinite(&names, row))? else {
+            let Some(next) = step.map_err(|NotPositive(row)| names.indefinite(row))? else {
                 break;
             };
-            names.descend(&next, group);
             levels.push(Level {
+                fsai: names.smoother(settings, &coarse.matrix)?,
                 matrix: coarse.matrix.cast(),
                 transfer: Transfer::new(&next.prolongation, next.aggregates.count),
                 lambda_max: next.lambda_max,
             });
+            names.descend(&next, group);
             coarse = next;
         }
         Self::ending(levels, &coarse.matrix, &names, near_null_space)
     }
 
-    fn ending<S: Real>(
+    pub(super) fn ending<S: Real>(
         levels: Vec<Level<R>>,
         last: &SweepMatrix<S>,
         names: &Representatives<'_>,
@@ -165,7 +205,9 @@ impl<R: Real> Hierarchy<R> {
         let smoothing = self.levels.iter().map(|level| LevelSummary {
             n: 3 * level.matrix.rows(),
             nnz: 9 * level.matrix.block_count(),
-            bytes: level.matrix.bytes() + level.transfer.bytes(),
+            bytes: level.matrix.bytes()
+                + level.transfer.bytes()
+                + level.fsai.as_ref().map_or(0, FsaiInverse::bytes),
         });
         let last = LevelSummary {
             n: self.coarsest.size(),

@@ -13,6 +13,8 @@
 //! | `P = (I − ω D⁻¹A) P_0` | `prolongation`, `lambda` |
 //! | `A_c = PᵀA P` | `galerkin`, `coarse` |
 //! | Gauss–Seidel in coloured chunks, products | `sweeps`, `schedule` |
+//! | FSAI as smoother | `fsai_smoother` |
+//! | coarse nodes that are fine ones | `classical` |
 //! | V, W, K | `cycle` |
 
 mod aggregation;
@@ -22,6 +24,7 @@ mod coarse;
 mod coarsest;
 mod cycle;
 mod finest;
+mod fsai_smoother;
 mod galerkin;
 mod hierarchy;
 mod inverse;

@@ -32,9 +32,9 @@ pub enum Smoother {
 #[serde(rename_all = "snake_case")]
 pub enum Cycle {
     /// Once.
+    #[default]
     V,
     /// Twice.
-    #[default]
     W,
     /// As a preconditioner of two steps of flexible conjugate gradients (not a linear map).
     K,
@@ -65,7 +65,8 @@ pub struct Amg {
     pub sweeps: usize,
     /// Scalars of the hierarchy.
     pub precision: Precision,
-    /// Entries of a node block below this fraction of `√(‖A_ii‖‖A_jj‖)` do not count as connections.
+    /// Entries of a node block below this fraction of `√(‖A_ii‖‖A_jj‖)` do not count as connections in aggregation.
+    /// Classical coarsening keeps what reaches a quarter of the strongest instead.
     pub strength: f64,
     /// Unknowns at which a direct solver takes over.
     pub coarsest: usize,

@@ -47,7 +47,7 @@ impl<const K: usize> Tentative<K> {
 }
 
 /// `B = Q R`: overwrites the rows of B by those of Q and returns R. Dependent columns of Q become zero.
-fn orthonormalise<const K: usize>(b: &mut [[f64; K]]) -> [[f64; K]; K] {
+pub(super) fn orthonormalise<const K: usize>(b: &mut [[f64; K]]) -> [[f64; K]; K] {
     let dot = |b: &[[f64; K]], i: usize, j: usize| b.iter().map(|row| row[i] * row[j]).sum::<f64>();
     let mut r = [[0.0; K]; K];
     for j in 0..K {

@@ -66,6 +66,11 @@ impl<R: Real> FsaiInverse<R> {
         FsaiInverse::of_factor(self.g.matrix().map(|value| S::of(value.to_f64_exact())))
     }
 
+    /// Bytes of G and Gᵀ.
+    pub(crate) fn bytes(&self) -> usize {
+        2 * self.g.nnz() * (size_of::<R>() + size_of::<u32>())
+    }
+
     /// G, with its transpose for adjoint products.
     pub fn g(&self) -> &Csr<R> {
         &self.g

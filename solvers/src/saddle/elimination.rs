@@ -1,8 +1,11 @@
 //! Contact rows that determine their own traction: eliminated exactly instead of augmented.
 
+mod inverse;
+
+pub use inverse::EliminatedInverse;
+
 use super::SaddleBlocks;
 use fracas_operators::sparse::{Csr, SparseMatrix, Triplets};
-use fracas_operators::{Layout, LinearOperator, Preconditioner};
 
 /// Relative difference of entries that counts as rounding.
 const ROUNDING: f64 = 1e-12;
@@ -91,6 +94,23 @@ impl Elimination {
     /// complement is that of a shear traction in the normal jump, which vanishes on a plane between equal halves.
     pub fn kept(&self) -> &SaddleBlocks {
         &self.kept
+    }
+
+    /// [`Self::kept`] with `H_ll = 1`: regular, and what M' makes of a zero in the rows l stays zero.
+    pub(super) fn with_identity(&self) -> SaddleBlocks {
+        let n_t = self.kept.n_t();
+        let mut identity = Triplets::new((n_t, n_t));
+        for &l in &self.local {
+            identity.add_triplet(l, l, 1.0);
+        }
+        let identity = identity.to_csr();
+        SaddleBlocks {
+            h: Some(match &self.kept.h {
+                Some(h) => h + &identity,
+                None => identity,
+            }),
+            ..self.kept.clone()
+        }
     }
 
     /// True when the system without the rows is symmetric, so that short recurrences apply from [`Self::start`] on.
@@ -189,92 +209,6 @@ fn symmetric_part(matrix: &SparseMatrix<f64>) -> (SparseMatrix<f64>, bool) {
     let skew = matrix - &transpose;
     let symmetric = largest(&skew) <= ROUNDING * largest(matrix);
     ((matrix + &transpose).map(|v| 0.5 * v), symmetric)
-}
-
-/// `M⁻¹` of the whole system from one of the system without the rows l:
-/// ```text
-/// w_u = x_u + B1_l H_ll⁻¹ x_l      w_k = x_k      (y_u, y_k) = M'⁻¹ w      y_l = H_ll⁻¹ (B2_l y_u − H_lk y_k − x_l)
-/// ```
-/// so that row l of 𝒜 M⁻¹ is row l of the identity. With exact S_u, `M⁻¹𝒜` has the eigenvalue 1 for every u and every l,
-/// and otherwise those of `(S' + C)⁻¹ (S_12 + H)`, `S' = B_kᵀ A'⁻¹ B_k`, `S_12 = B2_k A'⁻¹ B1'`.
-pub struct EliminatedInverse<M> {
-    elimination: Elimination,
-    inner: M,
-    layout: Layout<2>,
-}
-
-impl<M: Preconditioner<f64>> EliminatedInverse<M> {
-    /// Around an M'⁻¹ for [`Elimination::kept`].
-    pub fn new(elimination: Elimination, inner: M) -> Self {
-        let layout = Layout::new(["u", "t"], [elimination.kept.n_u(), elimination.kept.n_t()]);
-        assert_eq!(inner.size(), layout.len(), "size of M' and unknowns");
-        Self {
-            elimination,
-            inner,
-            layout,
-        }
-    }
-}
-
-impl<M: Preconditioner<f64>> Preconditioner<f64> for EliminatedInverse<M> {
-    fn size(&self) -> usize {
-        self.layout.len()
-    }
-
-    fn solve(&self, x: &[f64], y: &mut [f64], work: &mut [f64]) {
-        let Elimination {
-            local,
-            diagonal,
-            b1_l,
-            b2_l,
-            h_lk,
-            ..
-        } = &self.elimination;
-        let (w, work) = work.split_at_mut(x.len());
-        let (w_l, work) = work.split_at_mut(local.len());
-        let [_, x_t] = self.layout.split(x);
-        w.copy_from_slice(x);
-        let [w_u, w_t] = self.layout.split_mut(w);
-        // w_u = x_u + B1_l H_ll⁻¹ x_l, w_l = 0
-        for ((w_l, h_ll), &l) in w_l.iter_mut().zip(diagonal).zip(local) {
-            *w_l = x_t[l] / h_ll;
-            w_t[l] = 0.0;
-        }
-        b1_l.apply_add(1.0, w_l, w_u, &mut []);
-        // (y_u, y_k) = M'⁻¹ (w_u, x_k)
-        self.inner.solve(w, y, work);
-        let [y_u, y_t] = self.layout.split_mut(y);
-        // y_l = H_ll⁻¹ (B2_l y_u − H_lk y_k − x_l)
-        w_l.iter_mut().zip(local).for_each(|(w, &l)| *w = -x_t[l]);
-        b2_l.apply_add(1.0, y_u, w_l, &mut []);
-        h_lk.apply_add(-1.0, y_t, w_l, &mut []);
-        for ((w_l, h_ll), &l) in w_l.iter().zip(diagonal).zip(local) {
-            y_t[l] = w_l / h_ll;
-        }
-    }
-
-    fn work_len(&self) -> usize {
-        self.size() + self.elimination.local.len() + self.inner.work_len()
-    }
-
-    fn flops(&self) -> u64 {
-        let Elimination {
-            local,
-            b1_l,
-            b2_l,
-            h_lk,
-            ..
-        } = &self.elimination;
-        self.inner.flops() + b1_l.flops() + b2_l.flops() + h_lk.flops() + 2 * local.len() as u64
-    }
-
-    fn is_linear(&self) -> bool {
-        self.inner.is_linear()
-    }
-
-    fn is_single(&self) -> bool {
-        self.inner.is_single()
-    }
 }
 
 #[cfg(test)]

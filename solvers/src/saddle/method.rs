@@ -2,8 +2,8 @@
 
 use super::inner::Ready;
 use super::{
-    AugmentationChoice, AugmentedLagrangian, BlockDiagonal, BlockTriangular, Direct, InnerChoice,
-    Mcp, Racp, SaddleBlocks, Simple,
+    AugmentationChoice, AugmentedLagrangian, BlockDiagonal, BlockTriangular, Direct,
+    EliminatedInverse, Elimination, InnerChoice, Mcp, Racp, SaddleBlocks, Simple,
 };
 use crate::{Prepare, SetupError};
 use fracas_operators::Preconditioner;
@@ -37,13 +37,23 @@ pub trait SaddleSettings {
         false
     }
 
+    /// True where the method takes flow blocks.
+    fn takes_flow(&self) -> bool {
+        false
+    }
+
+    /// True where the method itself sees to rows that determine their own traction ([`Elimination`]).
+    fn takes_local_rows(&self) -> bool {
+        false
+    }
+
     /// The solver of the displacement block, where there is one.
     fn inner_mut(&mut self) -> Option<&mut InnerChoice> {
         None
     }
 }
 
-/// Which preconditioner of `𝒜 = [A B1; B2 −H]`. Written as `"mcp"`, `"mcp:0"` (γ), `"direct:faer"` or
+/// Which preconditioner of `𝒜 = [A B1; B2 −H]`. Written as `"mcp"`, `"mcp:0"` (factor of γ), `"direct:faer"` or
 /// `{ mcp = { inner = "amg" } }`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(remote = "Self", rename_all = "snake_case")]
@@ -114,20 +124,32 @@ impl SaddleMethod {
         self.settings().name()
     }
 
-    /// Everything that depends on the blocks but not on a right-hand side.
+    /// Everything that depends on the blocks but not on a right-hand side. Slipping and open rows are eliminated alike for
+    /// every method, so that all of them meet the same definite system.
     ///
     /// # Errors
     /// Those of the parts, each with block and row; [`SetupError::NotApplicable`] for flow blocks in a method that solves
     /// for u and t.
     pub fn ready(&self, blocks: &SaddleBlocks) -> Result<Ready, SetupError> {
         blocks.check()?;
-        if blocks.flow.is_some() && !matches!(self, Self::Direct(_)) {
+        let settings = self.settings();
+        if blocks.flow.is_some() && !settings.takes_flow() {
             return Err(SetupError::NotApplicable {
                 method: self.name(),
                 reason: "the system has flow blocks (Q1, Q2, T), this method solves for u and t; take --method direct".into(),
             });
         }
-        self.settings().ready(blocks)
+        if settings.takes_local_rows() {
+            return settings.ready(blocks);
+        }
+        let Some(elimination) = Elimination::new(blocks) else {
+            return settings.ready(blocks);
+        };
+        let Ready { inverse, hierarchy } = settings.ready(&elimination.with_identity())?;
+        Ok(Ready {
+            inverse: Box::new(EliminatedInverse::new(elimination, inverse)),
+            hierarchy,
+        })
     }
 
     /// The choice of C, in methods that make one.
@@ -205,15 +227,15 @@ pub struct UnknownSaddleMethod {
 /// All names, as a list for people.
 fn names() -> String {
     let plain: Vec<&str> = SaddleMethod::all().iter().map(SaddleMethod::name).collect();
-    format!("{}, mcp:GAMMA or direct:BACKEND", plain.join(", "))
+    format!("{}, mcp:FACTOR or direct:BACKEND", plain.join(", "))
 }
 
 impl fmt::Display for SaddleMethod {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Mcp(Mcp {
-                gamma: Some(gamma), ..
-            }) => write!(f, "mcp:{gamma}"),
+            Self::Mcp(Mcp { gamma_factor, .. }) if *gamma_factor != 1.0 => {
+                write!(f, "mcp:{gamma_factor}")
+            }
             Self::Direct(Direct { backend }) if *backend != Default::default() => {
                 write!(f, "direct:{backend}")
             }
@@ -235,8 +257,8 @@ impl FromStr for SaddleMethod {
         match (found.ok_or_else(unknown)?, detail) {
             (method, None) => Ok(method),
             (Self::Mcp(mcp), Some(detail)) => match detail.parse::<f64>() {
-                Ok(gamma) if gamma >= 0.0 && gamma.is_finite() => Ok(Self::Mcp(Mcp {
-                    gamma: Some(gamma),
+                Ok(factor) if factor >= 0.0 && factor.is_finite() => Ok(Self::Mcp(Mcp {
+                    gamma_factor: factor,
                     ..mcp
                 })),
                 _ => Err(unknown()),

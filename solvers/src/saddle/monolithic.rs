@@ -36,4 +36,12 @@ impl SaddleSettings for Direct {
             .map_err(|error| error.in_block("[A B1; B2 −H]"))?;
         Ok((factors as Box<dyn Preconditioner<f64>>).into())
     }
+
+    fn takes_flow(&self) -> bool {
+        true
+    }
+
+    fn takes_local_rows(&self) -> bool {
+        true
+    }
 }

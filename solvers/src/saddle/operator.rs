@@ -2,7 +2,7 @@
 
 use super::SaddleBlocks;
 use fracas_operators::operator::assert_product;
-use fracas_operators::sparse::{Csr, SparseMatrix};
+use fracas_operators::sparse::{Csr, CsrView, SparseMatrix};
 use fracas_operators::{BlockOperator, Layout, LinearOperator, Shape};
 
 /// `𝒜 = [A B1; B2 −H]`, or `[A B1 Q1; B2 −H 0; Q2 0 T]` with flow, ready for products.
@@ -10,38 +10,45 @@ use fracas_operators::{BlockOperator, Layout, LinearOperator, Shape};
 /// # Cost
 /// One product: `2 (nnz A + nnz B1 + nnz B2 + nnz H)` flops. B1ᵀ is stored so that both couplings run by rows.
 #[derive(Clone, Debug)]
-pub struct SaddleOperator {
-    a: Csr<f64>,
-    b1: Csr<f64>,
-    b2: Csr<f64>,
-    h: Option<Csr<f64>>,
-    flow: Option<FlowOperators>,
+pub struct SaddleOperator<'a> {
+    a: CsrView<'a, f64>,
+    b1: CsrView<'a, f64>,
+    b2: SecondCoupling<'a>,
+    h: Option<CsrView<'a, f64>>,
+    flow: Option<FlowOperators<'a>>,
+}
+
+/// B2: given, or B1ᵀ stored by rows.
+#[derive(Clone, Debug)]
+enum SecondCoupling<'a> {
+    Given(CsrView<'a, f64>),
+    Transposed(Csr<f64>),
 }
 
 #[derive(Clone, Debug)]
-struct FlowOperators {
-    q1: Csr<f64>,
-    q2: Csr<f64>,
-    t: Csr<f64>,
+struct FlowOperators<'a> {
+    q1: CsrView<'a, f64>,
+    q2: CsrView<'a, f64>,
+    t: CsrView<'a, f64>,
 }
 
-impl SaddleOperator {
-    /// Copies the blocks.
-    pub fn new(blocks: &SaddleBlocks) -> Self {
+impl<'a> SaddleOperator<'a> {
+    /// Borrows the blocks.
+    pub fn new(blocks: &'a SaddleBlocks) -> Self {
         let flow = blocks.flow.as_ref().map(|f| FlowOperators {
-            q1: Csr::new(f.q1.clone()),
-            q2: Csr::new(f.q2.clone()),
-            t: Csr::new(f.t.clone()),
+            q1: CsrView::new(&f.q1),
+            q2: CsrView::new(&f.q2),
+            t: CsrView::new(&f.t),
         });
-        let b2 = blocks
-            .b2
-            .clone()
-            .unwrap_or_else(|| blocks.b1.transpose_view().to_csr());
+        let b2 = match &blocks.b2 {
+            Some(b2) => SecondCoupling::Given(CsrView::new(b2)),
+            None => SecondCoupling::Transposed(Csr::new(blocks.b1.transpose_view().to_csr())),
+        };
         Self {
-            a: Csr::new(blocks.a.clone()),
-            b1: Csr::new(blocks.b1.clone()),
-            b2: Csr::new(b2),
-            h: blocks.h.clone().map(Csr::new),
+            a: CsrView::new(&blocks.a),
+            b1: CsrView::new(&blocks.b1),
+            b2,
+            h: blocks.h.as_ref().map(CsrView::new),
             flow,
         }
     }
@@ -49,12 +56,16 @@ impl SaddleOperator {
     /// `[A B1; B2 −H]` without flow.
     fn two_fields(&self) -> BlockOperator<'_, f64, 2> {
         let layout = Layout::new(["u", "t"], [self.b1.shape().rows, self.b1.shape().cols]);
+        let b2: &dyn LinearOperator<f64> = match &self.b2 {
+            SecondCoupling::Given(b2) => b2,
+            SecondCoupling::Transposed(b2) => b2,
+        };
         BlockOperator::new(
             layout,
             [
                 [Some((1.0, &self.a)), Some((1.0, &self.b1))],
                 [
-                    Some((1.0, &self.b2)),
+                    Some((1.0, b2)),
                     self.h
                         .as_ref()
                         .map(|h| (-1.0, h as &dyn LinearOperator<f64>)),
@@ -69,7 +80,7 @@ impl SaddleOperator {
     }
 }
 
-impl LinearOperator<f64> for SaddleOperator {
+impl LinearOperator<f64> for SaddleOperator<'_> {
     fn shape(&self) -> Shape {
         let n_p = self.flow.as_ref().map_or(0, |f| f.t.shape().rows);
         Shape::square(self.mechanical() + n_p)

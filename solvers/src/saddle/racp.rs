@@ -14,7 +14,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// `M⁻¹ = [I 0; C⁻¹Bᵀ I] · diag(S̃_u⁻¹, −C⁻¹) · [I BC⁻¹; 0 I]`, the inverse of `[A B; Bᵀ −C]` when
-/// `S̃_u = S_u = A + B C⁻¹ Bᵀ`. B is B1, also where B2 ≠ B1ᵀ.
+/// `S̃_u = S_u = A + B C⁻¹ Bᵀ`. B is B1, also where B2 ≠ B1ᵀ; rows of slip and opening are eliminated around it
+/// ([`EliminatedInverse`]).
 ///
 /// # Cost
 /// One solve with S̃_u, two with C, one product with B and one with Bᵀ.
@@ -142,6 +143,10 @@ impl SaddleSettings for Racp {
 
     fn set_augmentation(&mut self, c: AugmentationChoice) -> bool {
         self.augmentation = c;
+        true
+    }
+
+    fn takes_local_rows(&self) -> bool {
         true
     }
 

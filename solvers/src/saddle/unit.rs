@@ -29,13 +29,16 @@ impl SaddleBlocks {
     /// 1 of an empty column.
     #[must_use]
     pub fn in_traction_unit(&self, unit: f64) -> Self {
-        let scaled = |matrix: &SparseMatrix<f64>, factor: f64| matrix.map(|v| v * factor);
-        Self {
-            b1: scaled(&self.b1, unit),
-            b2: self.b2.as_ref().map(|b2| scaled(b2, unit)),
-            h: self.h.as_ref().map(|h| scaled(h, unit * unit)),
-            rhs_t: self.rhs_t.iter().map(|g| g * unit).collect(),
-            ..self.clone()
-        }
+        self.clone().into_traction_unit(unit)
+    }
+
+    /// As [`in_traction_unit`](Self::in_traction_unit), without a second copy of the blocks.
+    #[must_use]
+    pub fn into_traction_unit(mut self, unit: f64) -> Self {
+        self.b1.map_inplace(|v| v * unit);
+        self.b2.iter_mut().for_each(|b2| b2.map_inplace(|v| v * unit));
+        self.h.iter_mut().for_each(|h| h.map_inplace(|v| v * (unit * unit)));
+        self.rhs_t.iter_mut().for_each(|g| *g *= unit);
+        self
     }
 }

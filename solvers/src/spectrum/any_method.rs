@@ -6,13 +6,14 @@ use super::report::{Eigenvalues, Method, Parts, SpectrumReport};
 use super::{SpectrumRequest, analyse, field_of_values, iterative};
 use crate::direct::DirectChoice;
 use crate::eigen::dense;
-use crate::saddle::{SaddleBlocks, SaddleMethod};
+use crate::saddle::{Elimination, SaddleBlocks, SaddleMethod};
 use crate::{Observer, SetupError};
 use faer::Mat;
 use fracas_operators::Dense;
 
-/// Analyses M⁻¹𝒜 for `method`: [`analyse`] with its C and S̃_u where it is RACP; otherwise the eigenvalues alone, since
-/// no bound is proved. `request` says the dense limit; its modes need RACP.
+/// Analyses M⁻¹𝒜 for `method`: [`analyse`] with its C and S̃_u where it is RACP; otherwise, and where RACP eliminates rows
+/// of slip and opening, the eigenvalues alone, since no bound is proved. `request` says the dense limit; its modes need
+/// RACP without such rows.
 ///
 /// # Errors
 /// Those of the method; [`SetupError::NotApplicable`] for a preconditioner that is no linear map, and for modes of
@@ -23,7 +24,8 @@ pub fn analyse_method(
     request: &SpectrumRequest,
     observer: &mut dyn Observer,
 ) -> Result<SpectrumReport, SetupError> {
-    if let SaddleMethod::Racp(racp) = method {
+    let eliminated = Elimination::new(blocks).map_or(0, |e| e.rows().len());
+    if let (SaddleMethod::Racp(racp), 0) = (method, eliminated) {
         let request = SpectrumRequest {
             augmentation: racp.augmentation,
             inner: racp.inner,
@@ -36,7 +38,9 @@ pub fn analyse_method(
         reason: reason.to_owned(),
     };
     if !request.modes.is_empty() {
-        return Err(no("eigenvectors are computed for --method racp only"));
+        return Err(no(
+            "eigenvectors are computed for --method racp only, and for systems without rows of slip or opening",
+        ));
     }
     let mut stages = Stages { observer, done: 0 };
     let (blocks, structure, notes) = simplified(blocks);
@@ -58,6 +62,11 @@ pub fn analyse_method(
     report
         .notes
         .push("no bound is proved for this method".to_owned());
+    if eliminated > 0 && matches!(method, SaddleMethod::Racp(_)) {
+        report.notes.push(format!(
+            "{eliminated} rows determine their own traction (slip, open); they are eliminated and count as eigenvalues 1"
+        ));
+    }
     stiffness_condition(
         &mut report,
         &blocks,

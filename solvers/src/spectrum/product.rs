@@ -7,12 +7,12 @@ use fracas_operators::{LinearOperator, Preconditioner, Shape};
 
 /// `y = M⁻¹ 𝒜 x`, 𝒜 assembled.
 pub(super) struct Preconditioned<'a> {
-    saddle: SaddleOperator,
+    saddle: SaddleOperator<'a>,
     m: &'a dyn Preconditioner<f64>,
 }
 
 impl<'a> Preconditioned<'a> {
-    pub(super) fn new(blocks: &SaddleBlocks, m: &'a dyn Preconditioner<f64>) -> Self {
+    pub(super) fn new(blocks: &'a SaddleBlocks, m: &'a dyn Preconditioner<f64>) -> Self {
         let saddle = SaddleOperator::new(blocks);
         assert_eq!(
             saddle.shape(),

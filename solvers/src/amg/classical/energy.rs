@@ -1,10 +1,10 @@
 //! Energy minimisation of P.
 
 use super::NodeBlocks;
-use super::basis::orthonormalise;
 use super::independent_set::{FINE, Splitting};
 use super::interpolation::Interpolation;
 use super::least_squares::Modes;
+use crate::amg::tentative::orthonormalise;
 use fracas_operators::vector::{axpy, dot, xpby};
 use rayon::prelude::*;
 
@@ -84,7 +84,7 @@ impl<'a, const K: usize> Constrained<'a, K> {
         let of_column = |j: &u32| modes[splitting.nodes[*j as usize] as usize];
         let mut basis: Vec<[[f64; K]; 3]> = p.columns.iter().map(of_column).collect();
         for_rows(&p.offsets, &mut basis, &|_, rows| {
-            orthonormalise(rows.as_flattened_mut())
+            orthonormalise(rows.as_flattened_mut());
         });
         Self {
             a,

@@ -7,14 +7,17 @@ const ROWS_PER_TASK: usize = 256;
 
 /// P in 3×3 blocks, row-major: rows are fine nodes, columns coarse nodes.
 #[derive(Clone, Debug)]
-pub(in crate::amg) struct Interpolation {
+pub(super) struct Interpolation {
     /// Where the rows begin (fine nodes + 1).
-    pub(in crate::amg) offsets: Vec<usize>,
+    pub(super) offsets: Vec<usize>,
     /// Coarse nodes, ascending within a row.
-    pub(in crate::amg) columns: Vec<u32>,
+    pub(super) columns: Vec<u32>,
     /// P_ij.
-    pub(in crate::amg) blocks: Vec<[f64; 9]>,
+    pub(super) blocks: Vec<[f64; 9]>,
 }
+
+/// Coarse node and block.
+pub(super) type Entry = (u32, [f64; 9]);
 
 /// The identity.
 pub(super) const IDENTITY: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
@@ -24,9 +27,9 @@ impl Interpolation {
     pub(super) fn collect<S>(
         n: usize,
         scratch: impl Fn() -> S + Sync + Send,
-        row: impl Fn(&mut S, usize, &mut Vec<(u32, [f64; 9])>) + Sync + Send,
+        row: impl Fn(&mut S, usize, &mut Vec<Entry>) + Sync + Send,
     ) -> Self {
-        let parts: Vec<(Vec<usize>, Vec<(u32, [f64; 9])>)> = (0..n.div_ceil(ROWS_PER_TASK))
+        let parts: Vec<(Vec<usize>, Vec<Entry>)> = (0..n.div_ceil(ROWS_PER_TASK))
             .into_par_iter()
             .map_init(
                 || (scratch(), Vec::new()),
@@ -61,11 +64,6 @@ impl Interpolation {
     /// Fine nodes.
     pub(super) fn len(&self) -> usize {
         self.offsets.len() - 1
-    }
-
-    /// Coarse nodes of a row.
-    pub(super) fn columns_of(&self, i: usize) -> &[u32] {
-        &self.columns[self.offsets[i]..self.offsets[i + 1]]
     }
 
     /// Coarse nodes and blocks of a row.

@@ -1,17 +1,19 @@
 //! Interpolation that reproduces the modes.
 
-use super::basis::{orthonormalise, pseudo_inverse};
 use super::independent_set::{FINE, Splitting};
-use super::interpolation::{IDENTITY, Interpolation};
+use super::interpolation::{Entry, IDENTITY, Interpolation};
+use super::pseudo_inverse::pseudo_inverse;
 use super::strength::Strength;
+use crate::amg::tentative::orthonormalise;
 
 /// Connections between a fine node and the coarse ones it interpolates from: at most 2, up to 4 where these do not do.
 /// Source: the group's published multigrid.
 const DISTANCES: std::ops::RangeInclusive<u8> = 2..=4;
 
 /// Coarse nodes that a row takes, strongest first. Three that are not on a line reproduce rigid motions; with more of
-/// them the smallest row spreads and its energy falls. Measured on clamped boxes of 20³ elements, conjugate gradients to
-/// 1e-6 with 4, 8, 12 nodes: cube 11, 10, 9; layers of contrast 1000 20, 17, 18; elements 10:10:1 120, 80, 70.
+/// them the smallest row spreads and its energy falls. Measured with every connection above 0.01 and no energy minimisation,
+/// clamped boxes of 20³ elements, conjugate gradients to 1e-6 with as few as do (from 4), at least 8, at least 12 nodes:
+/// layers of contrast 1000 20, 17, 18; elements 10:10:1 120, 80, 70; with 4, 6, 12 on a cube 11, 10, 9.
 const MOST: usize = 8;
 
 /// Part of the modes at a node that may be left over. Unit: 1.
@@ -21,7 +23,7 @@ const LEFT_OVER: f64 = 1e-8;
 const LARGEST: f64 = 10.0;
 
 /// The modes at the nodes, three rows each.
-pub(in crate::amg) type Modes<const K: usize> = [[[f64; K]; 3]];
+pub(super) type Modes<const K: usize> = [[[f64; K]; 3]];
 
 /// P with `P V_c = V` on every fine node that can have it: from the coarse nodes C of node i nearest by strength w,
 /// `P_iC = V_i (V_CᵀW V_C)⁺ V_CᵀW`, the smallest such row in the norm of W⁻¹.
@@ -115,7 +117,7 @@ impl<const K: usize> Search<K> {
         splitting: &Splitting,
         modes: &Modes<K>,
         i: usize,
-        out: &mut Vec<(u32, [f64; 9])>,
+        out: &mut Vec<Entry>,
     ) {
         for (graph, limit) in graphs
             .iter()
@@ -142,7 +144,7 @@ impl<const K: usize> Search<K> {
     }
 
     /// Writes `P_iC` for the coarse nodes C; returns what is left over of the modes and `‖P_iC‖_F`.
-    fn fit(&mut self, modes: &Modes<K>, i: usize, out: &mut Vec<(u32, [f64; 9])>) -> (f64, f64) {
+    fn fit(&mut self, modes: &Modes<K>, i: usize, out: &mut Vec<Entry>) -> (f64, f64) {
         let coarse = &self.coarse;
         // modes in a basis of their own around node i: rotations about far axes become rotations
         self.local.clear();

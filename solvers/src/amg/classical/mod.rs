@@ -5,22 +5,25 @@
 //! | strong connections between nodes | `strength` |
 //! | coarse nodes: a maximal independent set | `independent_set` |
 //! | P that reproduces the modes | `least_squares` |
-//! | P of least energy among those | `energy` |
+//! | P of less energy among those | `energy` |
+//! | `A_c = PᵀA P` | `level`, `hierarchy` |
 
-mod basis;
 mod energy;
+mod hierarchy;
 mod independent_set;
 mod interpolation;
 mod least_squares;
+mod level;
 mod nodes;
+mod pseudo_inverse;
 mod strength;
 #[cfg(test)]
 mod tests;
 
-pub(super) use interpolation::Interpolation;
-pub(super) use least_squares::Modes;
-pub(super) use nodes::NodeBlocks;
-
+use super::rows::Pattern;
+use interpolation::Interpolation;
+use least_squares::Modes;
+use nodes::NodeBlocks;
 use strength::Strength;
 
 /// Steps of energy minimisation. Two take most of what can be gained on the pattern of P.
@@ -28,27 +31,28 @@ const ENERGY_STEPS: usize = 2;
 
 /// A coarse level.
 #[derive(Clone, Debug)]
-pub(super) struct Coarse {
+struct Coarse {
     /// Coarse nodes, ascending.
-    pub(super) nodes: Vec<u32>,
+    nodes: Vec<u32>,
     /// P.
-    pub(super) interpolation: Interpolation,
+    interpolation: Interpolation,
 }
 
 /// Coarse nodes and P for a symmetric matrix by nodes, the inverses of its diagonal blocks, and its near-null modes.
 ///
 /// `P V_c = V` with the modes V of the fine nodes and V_c of the coarse ones, except where a row would exceed norm 10.
 /// Components that no mode moves are not interpolated. The same bits for any number of threads.
-pub(super) fn coarsen<const K: usize>(
+fn coarsen<const K: usize>(
     a: &NodeBlocks,
     inverse: &[[f64; 9]],
+    bonds: Option<&Pattern>,
     modes: &Modes<K>,
 ) -> Coarse {
     assert!(a.len() == modes.len() && a.len() == inverse.len());
-    let graph = Strength::new(a);
+    let graph = Strength::new(a, bonds);
     let splitting = independent_set::splitting(&graph);
-    let mut interpolation =
-        least_squares::interpolation([&graph, &Strength::complete(a)], &splitting, modes);
+    let graphs = [&graph, &Strength::complete(a)];
+    let mut interpolation = least_squares::interpolation(graphs, &splitting, modes);
     energy::minimise(
         a,
         inverse,

@@ -1,17 +1,40 @@
 //! A symmetric matrix by nodes.
 
+use crate::amg::sweeps::SweepMatrix;
+use fracas_operators::Real;
+
 /// Rows of 3×3 blocks, row-major, every diagonal block present; columns ascend within a row.
 #[derive(Clone, Debug)]
-pub(in crate::amg) struct NodeBlocks {
+pub(super) struct NodeBlocks {
     /// Where the rows begin (nodes + 1).
-    pub(in crate::amg) offsets: Vec<usize>,
+    pub(super) offsets: Vec<usize>,
     /// Nodes, row after row.
-    pub(in crate::amg) columns: Vec<u32>,
+    pub(super) columns: Vec<u32>,
     /// A_ij.
-    pub(in crate::amg) blocks: Vec<[f64; 9]>,
+    pub(super) blocks: Vec<[f64; 9]>,
 }
 
 impl NodeBlocks {
+    /// The matrix of a level, in f64.
+    pub(super) fn of_level<R: Real>(a: &SweepMatrix<R>) -> Self {
+        let mut nodes = Self {
+            offsets: vec![0],
+            columns: Vec::with_capacity(a.block_count()),
+            blocks: Vec::with_capacity(a.block_count()),
+        };
+        let mut row: Vec<(usize, &[R; 9])> = Vec::new();
+        for i in 0..a.rows() {
+            row.clear();
+            row.extend(a.row(i));
+            row.sort_unstable_by_key(|entry| entry.0);
+            nodes.columns.extend(row.iter().map(|entry| entry.0 as u32));
+            let blocks = row.iter().map(|entry| entry.1.map(R::to_f64_exact));
+            nodes.blocks.extend(blocks);
+            nodes.offsets.push(nodes.columns.len());
+        }
+        nodes
+    }
+
     /// Nodes.
     pub(super) fn len(&self) -> usize {
         self.offsets.len() - 1

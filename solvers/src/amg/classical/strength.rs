@@ -1,6 +1,7 @@
 //! Which nodes count as neighbours.
 
 use super::NodeBlocks;
+use crate::amg::rows::Pattern;
 
 /// Strongest neighbours that a node keeps. Source: the group's published multigrid.
 const KEPT: usize = 40;
@@ -23,24 +24,26 @@ fn norm(block: &[f64; 9]) -> f64 {
 
 impl Strength {
     /// Connections that reach a quarter of the strongest and belong to the 40 strongest of either end; equals are all
-    /// in or all out. No absolute limit: a node with any neighbour keeps one, and the modes reach it.
-    pub(super) fn new(a: &NodeBlocks) -> Self {
-        Self::above(a, RELATIVE, KEPT)
+    /// in or all out. No absolute limit: a node with any neighbour keeps one, and the modes reach it. With `bonds`, only
+    /// nodes that share one count: those on the two sides of a fracture may turn against each other.
+    pub(super) fn new(a: &NodeBlocks, bonds: Option<&Pattern>) -> Self {
+        Self::above(a, bonds, RELATIVE, KEPT)
     }
 
     /// Every connection.
     pub(super) fn complete(a: &NodeBlocks) -> Self {
-        Self::above(a, 0.0, usize::MAX)
+        Self::above(a, None, 0.0, usize::MAX)
     }
 
-    fn above(a: &NodeBlocks, relative: f64, kept: usize) -> Self {
+    fn above(a: &NodeBlocks, bonds: Option<&Pattern>, relative: f64, kept: usize) -> Self {
         let n = a.len();
         let own: Vec<f64> = (0..n).map(|i| norm(a.diagonal(i))).collect();
         let strong = |i: usize| {
             let own = &own;
             a.row(i).filter_map(move |(j, block)| {
                 let weight = norm(block) / (own[i] * own[j]).sqrt();
-                (j != i && weight > 0.0).then_some((j, weight))
+                let bonded = bonds.is_none_or(|b| b.row(i).binary_search(&(j as u32)).is_ok());
+                (j != i && weight > 0.0 && bonded).then_some((j, weight))
             })
         };
         let mut row: Vec<f64> = Vec::new();

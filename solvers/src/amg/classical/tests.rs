@@ -2,17 +2,16 @@ use super::energy::minimise;
 use super::independent_set::{FINE, splitting};
 use super::least_squares::interpolation;
 use super::*;
-use crate::direct::{DirectChoice, Factorization, Kind};
+use crate::amg::{Amg, Coarsening, Cycle, Precision, Smoother};
 use crate::eigen::{Ends, LanczosSettings, extreme_eigenvalues};
 use crate::elastic_sample::{clamped_box, cube};
-use crate::fsai::{Fsai, FsaiInverse};
 use crate::krylov::{Cg, Criteria, KrylovMethod, Outcome, System};
 use crate::{DofCoordinate, Silent};
 use faer::linalg::solvers::DenseSolveCore;
-use fracas_operators::laws::probe;
-use fracas_operators::sparse::{Csr, SparseMatrix};
-use fracas_operators::vector::axpy;
-use fracas_operators::{AdjointOperator, LinearOperator, Preconditioner};
+use fracas_operators::laws::{check_preconditioner, probe};
+use fracas_operators::sparse::{Csr, SparseMatrix, Triplets};
+use fracas_operators::vector::dot;
+use fracas_operators::{LinearOperator, Preconditioner};
 
 type Modes6 = Vec<[[f64; 6]; 3]>;
 
@@ -122,7 +121,7 @@ fn samples(cells: usize) -> Vec<Sample> {
 #[test]
 fn coarse_nodes_are_independent_and_maximal() {
     for (name, a, _) in samples(7) {
-        let graph = Strength::new(&by_nodes(&a));
+        let graph = Strength::new(&by_nodes(&a), None);
         let split = splitting(&graph);
         for i in 0..graph.len() {
             let coarse = |j: &u32| split.number[*j as usize] != FINE;
@@ -182,7 +181,7 @@ fn missed(p: &Interpolation, nodes: &[u32], modes: &Modes6) -> (f64, f64) {
 fn p_reproduces_the_modes_and_is_the_identity_on_coarse_nodes() {
     for (name, a, coordinates) in samples(7) {
         let (nodes, modes) = (by_nodes(&a), rigid(&coordinates));
-        let coarse = coarsen(&nodes, &inverses(&nodes), &modes);
+        let coarse = coarsen(&nodes, &inverses(&nodes), None, &modes);
         let p = &coarse.interpolation;
         let (worst, largest) = missed(p, &coarse.nodes, &modes);
         assert!(worst < 1e-9, "{name}: {worst:e}");
@@ -201,7 +200,7 @@ fn p_reproduces_the_modes_and_is_the_identity_on_coarse_nodes() {
 fn a_row_that_would_be_too_large_is_scaled_to_norm_ten() {
     // a chain of nodes that bend away from the line through the coarse ones: rotations about it cannot be carried
     let n = 9;
-    let mut triplets = fracas_operators::sparse::Triplets::new((3 * n, 3 * n));
+    let mut triplets = Triplets::new((3 * n, 3 * n));
     for i in 0..3 * n {
         triplets.add_triplet(i, i, 2.0);
         if i + 3 < 3 * n {
@@ -210,7 +209,7 @@ fn a_row_that_would_be_too_large_is_scaled_to_norm_ten() {
         }
     }
     let nodes = by_nodes(&triplets.to_csr());
-    let graph = Strength::new(&nodes);
+    let graph = Strength::new(&nodes, None);
     let split = splitting(&graph);
     let position = |i: usize| {
         let off = if split.number[i] == FINE {
@@ -236,7 +235,7 @@ fn a_row_that_would_be_too_large_is_scaled_to_norm_ten() {
 fn held_components_and_lonely_nodes_are_not_interpolated() {
     let (a, coordinates) = cube(4);
     let held = [4, 40, 125];
-    let mut triplets = fracas_operators::sparse::Triplets::new((a.rows() + 3, a.rows() + 3));
+    let mut triplets = Triplets::new((a.rows() + 3, a.rows() + 3));
     for (value, (i, j)) in a.iter() {
         let kept = i == j || !(held.contains(&i) || held.contains(&j));
         triplets.add_triplet(i as usize, j as usize, if kept { *value } else { 0.0 });
@@ -247,9 +246,9 @@ fn held_components_and_lonely_nodes_are_not_interpolated() {
     modes.push([[1.0; 6]; 3]);
     held.iter()
         .for_each(|i| modes[*i as usize / 3][*i as usize % 3] = [0.0; 6]);
-    let coarse = coarsen(&nodes, &inverses(&nodes), &modes);
+    let coarse = coarsen(&nodes, &inverses(&nodes), None, &modes);
     let p = &coarse.interpolation;
-    assert!(p.columns_of(nodes.len() - 1).is_empty());
+    assert!(p.row(nodes.len() - 1).next().is_none());
     for i in held.map(|i| i as usize) {
         let number = coarse.nodes.iter().position(|c| *c as usize == i / 3);
         for node in
@@ -273,7 +272,7 @@ fn held_components_and_lonely_nodes_are_not_interpolated() {
 fn energy_falls_with_every_step_to_the_constrained_minimum() {
     for (name, a, coordinates) in samples(5) {
         let (nodes, modes) = (by_nodes(&a), rigid(&coordinates));
-        let graph = Strength::new(&nodes);
+        let graph = Strength::new(&nodes, None);
         let split = splitting(&graph);
         let start = interpolation([&graph; 2], &split, &modes);
         let inverse = inverses(&nodes);
@@ -294,7 +293,7 @@ fn energy_falls_with_every_step_to_the_constrained_minimum() {
         let p = after(300);
         let image = &a * &scalar(&p, split.nodes.len());
         for i in (0..p.len()).filter(|i| split.number[*i] == FINE) {
-            let columns = p.columns_of(i);
+            let columns = &p.columns[p.offsets[i]..p.offsets[i + 1]];
             let of =
                 |k: usize, m: usize| modes[split.nodes[columns[k / 3] as usize] as usize][k % 3][m];
             let v = faer::Mat::from_fn(3 * columns.len(), 6, of);
@@ -338,7 +337,7 @@ fn one_and_two_threads_give_the_same_bits() {
             .num_threads(threads)
             .build()
             .unwrap();
-        let coarse = pool.install(|| coarsen(&nodes, &inverse, &modes));
+        let coarse = pool.install(|| coarsen(&nodes, &inverse, None, &modes));
         let bits: Vec<u64> = coarse
             .interpolation
             .blocks
@@ -351,78 +350,31 @@ fn one_and_two_threads_give_the_same_bits() {
     assert!(run(1) == run(2));
 }
 
-/// A hierarchy in plain f64 with the damped FSAI, V(1,1).
-struct Multigrid {
-    levels: Vec<(Csr<f64>, Csr<f64>, FsaiInverse<f64>)>,
-    coarsest: Box<dyn Factorization>,
-}
-
-impl Multigrid {
-    fn new(a: &SparseMatrix<f64>, mut modes: Modes6, most_levels: usize) -> Self {
-        let (mut a, mut levels) = (a.clone(), vec![]);
-        while a.rows() > 500 && levels.len() + 1 < most_levels {
-            let nodes = by_nodes(&a);
-            let coarse = coarsen(&nodes, &inverses(&nodes), &modes);
-            let p = scalar(&coarse.interpolation, coarse.nodes.len());
-            let next = &p.transpose_view().to_csr() * &(&a * &p);
-            modes = coarse.nodes.iter().map(|i| modes[*i as usize]).collect();
-            let a_level = Csr::new(a);
-            let smoother = Fsai::adaptive(10, 1, 1e-3).build(a_level.matrix()).unwrap();
-            let smoother = smoother.damped(&a_level).unwrap();
-            levels.push((a_level, Csr::with_transpose(p), smoother));
-            a = next;
-        }
-        let direct = DirectChoice::Faer.solver().unwrap();
-        let coarsest = direct.analyze(&a, Kind::Spd).unwrap().factor(&a).unwrap();
-        Self { levels, coarsest }
-    }
-
-    fn cycle(&self, k: usize, b: &[f64], x: &mut [f64]) {
-        let solve = |m: &dyn Preconditioner<f64>, r: &[f64], z: &mut [f64]| {
-            m.solve(r, z, &mut vec![0.0; m.work_len()]);
-        };
-        let Some((a, p, smoother)) = self.levels.get(k) else {
-            return solve(&self.coarsest, b, x);
-        };
-        let residual = |x: &[f64]| {
-            let mut r = b.to_vec();
-            a.apply_add(-1.0, x, &mut r, &mut []);
-            r
-        };
-        solve(smoother, b, x);
-        let mut b_c = vec![0.0; p.shape().cols];
-        let mut x_c = b_c.clone();
-        p.apply_adjoint_add(1.0, &residual(x), &mut b_c, &mut []);
-        self.cycle(k + 1, &b_c, &mut x_c);
-        p.apply_add(1.0, &x_c, x, &mut []);
-        let mut z = vec![0.0; x.len()];
-        solve(smoother, &residual(x), &mut z);
-        axpy(1.0, &z, x);
-    }
-}
-
-impl Preconditioner<f64> for Multigrid {
-    fn size(&self) -> usize {
-        self.levels[0].0.shape().rows
-    }
-    fn solve(&self, r: &[f64], z: &mut [f64], _work: &mut [f64]) {
-        self.cycle(0, r, z);
-    }
-    fn flops(&self) -> u64 {
-        0
+/// The group's combination: V(1,1), smoothed by FSAI.
+fn classical() -> Amg {
+    Amg {
+        coarsening: Coarsening::Classical,
+        smoother: Smoother::Fsai,
+        cycle: Cycle::V,
+        precision: Precision::F64,
+        ..Amg::default()
     }
 }
 
 #[test]
 fn two_grids_converge_with_a_bound_that_the_mesh_does_not_change() {
-    // M⁻¹A has its eigenvalues in (0, 1], and 1 − λ_min is the contraction of one cycle
-    let smallest = |cells: usize| {
+    let condition = |cells: usize| {
         let (a, coordinates) = cube(cells);
-        let m = Multigrid::new(&a, rigid(&coordinates), 2);
+        let two_grids = Amg {
+            coarsest: a.rows() / 4,
+            ..classical()
+        };
+        let m = two_grids.build(&a, Some(&coordinates)).unwrap();
+        assert_eq!(m.summary().levels.len(), 2);
         let operator = Csr::new(a);
+        let mut work = vec![0.0; m.work_len()];
         let mut apply = |x: &[f64], y: &mut [f64]| operator.apply(x, y, &mut []);
-        // pencil (M⁻¹, A⁻¹) turned round: K = A M⁻¹ A, M = A has the same eigenvalues; here through z = M⁻¹ r
-        let mut solve = |r: &[f64], z: &mut [f64]| m.solve(r, z, &mut []);
+        let mut solve = |r: &[f64], z: &mut [f64]| m.solve(r, z, &mut work);
         let settings = LanczosSettings {
             tolerance: 1e-3,
             max_steps: 60,
@@ -430,12 +382,14 @@ fn two_grids_converge_with_a_bound_that_the_mesh_does_not_change() {
         };
         let n = operator.shape().rows;
         let (low, high) = extreme_eigenvalues(n, &mut apply, Some(&mut solve), settings).unwrap();
-        assert!(high.value < 1.0 + 1e-6, "{high:?}");
-        low.value
+        high.value / low.value
     };
-    let values = [6, 9, 12].map(smallest);
-    println!("{values:?}");
-    assert!(values.iter().all(|v| *v > 0.3), "{values:?}");
+    let numbers = [6, 9, 12].map(condition);
+    println!("{numbers:?}");
+    assert!(
+        numbers.iter().all(|k| (1.0..2.5).contains(k)),
+        "{numbers:?}"
+    );
 }
 
 /// Conjugate gradients to 1e-6 under a constant load.
@@ -463,13 +417,116 @@ fn iterations(a: &SparseMatrix<f64>, m: &dyn Preconditioner<f64>) -> usize {
 #[test]
 fn a_cube_needs_no_more_iterations_than_the_published_twenty() {
     for (name, a, coordinates) in samples(14) {
-        let m = Multigrid::new(&a, rigid(&coordinates), 10);
-        let count = iterations(&a, &m);
-        println!("{name}: {count}");
+        let count = |settings: Amg| {
+            let m = settings.build(&a, Some(&coordinates)).unwrap();
+            (iterations(&a, &m), m.summary().operator_complexity)
+        };
+        let (found, complexity) = count(classical());
+        let aggregation = Amg {
+            coarsening: Coarsening::SmoothedAggregation,
+            ..classical()
+        };
+        let sweeps = Amg {
+            smoother: Smoother::GaussSeidel,
+            ..classical()
+        };
+        println!(
+            "{name}: {found}, operator complexity {complexity:.2}; with Gauss-Seidel {:.2?}; aggregation with FSAI {:.2?}",
+            count(sweeps),
+            count(aggregation),
+        );
         let most = match name {
             "cube" | "far from the origin" => 20,
             _ => 43,
         };
-        assert!(count <= most, "{name}: {count}");
+        assert!(found <= most && complexity < 2.5, "{name}: {found}");
+    }
+}
+
+#[test]
+fn the_hierarchy_obeys_the_laws_in_both_precisions() {
+    let (a, coordinates) = cube(7);
+    for precision in [Precision::F32, Precision::F64] {
+        for smoother in [Smoother::Fsai, Smoother::GaussSeidel] {
+            let settings = Amg {
+                precision,
+                smoother,
+                sweeps: 2,
+                coarsest: 50,
+                ..classical()
+            };
+            let m = settings.build(&a, Some(&coordinates)).unwrap();
+            assert!(m.summary().levels.len() > 2);
+            if precision == Precision::F64 {
+                check_preconditioner("classical", &m, None, 0.0).unwrap();
+            }
+            let [x, y]: [Vec<f64>; 2] = [probe(a.rows(), 1), probe(a.rows(), 2)];
+            let solve = |r: &[f64]| {
+                let mut z = vec![0.0; r.len()];
+                m.solve(r, &mut z, &mut vec![f64::NAN; m.work_len()]);
+                z
+            };
+            let (left, right) = (dot(&solve(&x), &y), dot(&x, &solve(&y)));
+            let size = dot(&solve(&x), &x).max(dot(&solve(&y), &y));
+            let rounding = if precision == Precision::F32 {
+                1e-4
+            } else {
+                1e-11
+            };
+            assert!((left - right).abs() < rounding * size);
+        }
+    }
+    // without coordinates: translations only
+    let m = classical().build(&a, None).unwrap();
+    assert!(iterations(&a, &m) < 60);
+}
+
+#[test]
+fn blocks_joined_across_a_fracture_keep_to_themselves() {
+    let cells = 6;
+    let (block, coordinates) = cube(cells);
+    let n = block.rows();
+    let mut triplets = Triplets::new((2 * n, 2 * n));
+    for (value, (i, j)) in block.iter() {
+        for shift in [0, n] {
+            triplets.add_triplet(i as usize + shift, j as usize + shift, *value);
+        }
+    }
+    let beside = |mut dof: DofCoordinate| {
+        dof.position[1] -= cells as f64;
+        dof
+    };
+    // the face y = 0 of the first block touches y = cells of the second, which lies at y = 0 too
+    let both: Vec<DofCoordinate> = coordinates
+        .iter()
+        .copied()
+        .chain(coordinates.iter().copied().map(beside))
+        .collect();
+    let mut springs = vec![];
+    for (i, dof) in both
+        .iter()
+        .enumerate()
+        .take(n)
+        .filter(|(_, dof)| dof.position[1] == 0.0)
+    {
+        let partner = (n..2 * n).find(|j| both[*j] == *dof).unwrap();
+        springs.push((i, partner));
+    }
+    assert_eq!(springs.len(), 3 * cells * (cells + 1));
+    for stiffness in [1e-3f64, 1.0, 1e3] {
+        let mut f = Triplets::new((2 * n, springs.len()));
+        for (k, (i, j)) in springs.iter().enumerate() {
+            // normal springs only: tangential motion is free
+            if both[*i].component == 1 {
+                f.add_triplet(*i, k, stiffness.sqrt());
+                f.add_triplet(*j, k, -stiffness.sqrt());
+            }
+        }
+        let (a, f): (SparseMatrix<f64>, SparseMatrix<f64>) = (triplets.to_csr(), f.to_csr());
+        let m = classical().build_augmented(&a, &f, Some(&both)).unwrap();
+        let sum = &a + &(&f * &f.transpose_view().to_csr());
+        let count = iterations(&sum, &m);
+        println!("springs {stiffness:e}: {count}");
+        assert!(count < 40, "{stiffness:e}: {count}");
     }
 }

@@ -2,9 +2,9 @@
 //!
 //! One file per definition; a new one is its own file and one line in each `match` of [`AugmentationChoice`].
 //!
-//! B is B1 in every definition. Where H is not symmetric positive semi-definite (slip and open rows of an unsymmetric
-//! Jacobian carry `+A` on the diagonal of the (2,2) block, so `H_ii < 0`), the definitions with H take `|H_ii|`: C
-//! stays SPD whatever H is.
+//! B is B1 in every definition. Rows that determine their own traction (slip, open) need no C: they are eliminated first
+//! ([`super::Elimination`]). Where H is not symmetric positive semi-definite all the same, the definitions with H take
+//! `|H_ii|`: C stays SPD whatever H is.
 
 mod exact;
 mod face_block;

@@ -1,14 +1,14 @@
 use super::*;
 use crate::direct::DirectChoice;
 use crate::eigen::dense;
-use crate::krylov::{Criteria, KrylovMethod, Outcome, Sqmr, System};
+use crate::krylov::{Criteria, Gmres, KrylovMethod, Outcome, Sqmr, System};
 use crate::saddle::samples::{random, sparse, trusses};
-use crate::saddle::{AugmentationChoice, Racp, SaddleOperator};
+use crate::saddle::{AugmentationChoice, Racp, SaddleMethod, SaddleOperator};
 use crate::{Prepare, Silent};
 use faer::Mat;
 use fracas_operators::laws::{check_preconditioner, probe};
 use fracas_operators::vector::norm2;
-use fracas_operators::{Dense, Shape};
+use fracas_operators::{Dense, LinearOperator, Preconditioner, Shape};
 
 /// What the rows of a face do: (state of the face, tan φ).
 #[derive(Clone, Copy)]
@@ -316,4 +316,42 @@ fn short_recurrences_apply_to_open_faces_from_the_right_start() {
     let mut r = rhs.clone();
     operator.apply_add(-1.0, &x, &mut r, &mut vec![0.0; operator.work_len()]);
     assert!(norm2(&r) <= 1e-10 * norm2(&rhs));
+}
+
+#[test]
+fn every_method_of_the_list_takes_slipping_and_open_faces() {
+    for slope in [0.0, 0.6] {
+        let blocks = mixed(slope, 5);
+        let (n_u, n) = (blocks.n_u(), blocks.size());
+        let saddle = SaddleOperator::new(&blocks);
+        for method in SaddleMethod::all() {
+            let m = method.prepare(&blocks).unwrap();
+            check_preconditioner(method.name(), &m, None, 0.0).unwrap();
+            // row l of 𝒜 M⁻¹ is row l of the identity
+            let x: Vec<f64> = probe(n, 3);
+            let (mut y, mut back) = (vec![0.0; n], vec![0.0; n]);
+            m.solve(&x, &mut y, &mut vec![f64::NAN; m.work_len()]);
+            saddle.apply(&y, &mut back, &mut []);
+            for l in LOCAL {
+                assert!(
+                    (back[n_u + l] - x[n_u + l]).abs() < 1e-9,
+                    "{method}, row {l}"
+                );
+            }
+            let system = System {
+                operator: &saddle,
+                preconditioner: m.as_ref(),
+                rhs: &x,
+            };
+            let criteria = Criteria {
+                relative_tolerance: 1e-10,
+                max_iterations: n,
+            };
+            let mut z = vec![0.0; n];
+            let report = Gmres::default()
+                .solve(&system, &criteria, &mut z, &mut Silent)
+                .unwrap();
+            assert_eq!(report.outcome, Outcome::Converged, "{method}");
+        }
+    }
 }

@@ -159,6 +159,23 @@ pub enum Remark {
     /// No coordinates.
     #[error("absent: rigid-body modes and plots on the mesh are not available")]
     NoCoordinates,
+    /// Rotations that are no rigid motion of A.
+    #[error(
+        "rotations about the axes cost force in {wrong} of the {free} rows where translations cost none (up to {worst:.1e} of the size of a row): the coordinates do not fit A, and multigrid would build on wrong rigid-body modes"
+    )]
+    RotationsCostForce {
+        /// Rows where a rotation costs force.
+        wrong: usize,
+        /// Rows where translations cost none.
+        free: usize,
+        /// Largest force, relative to `Σ_j |a_ij| |x_j − x_i|`.
+        worst: f64,
+    },
+    /// Translations that are no rigid motion of A anywhere.
+    #[error(
+        "translations along x, y, z cost force in every row of A: the components do not fit A, or every row touches a constrained unknown; multigrid would build on wrong rigid-body modes"
+    )]
+    TranslationsCostForce,
     /// No right-hand side at all.
     #[error("absent, and so are the other right-hand sides")]
     NoRightHandSide,

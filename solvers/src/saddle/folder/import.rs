@@ -2,7 +2,7 @@
 
 use super::finding::{Finding, Remark};
 use super::manifest::Manifest;
-use super::{FolderError, coordinates, inspect};
+use super::{FolderError, coordinates, inspect, rigid_body};
 use crate::saddle::{FlowBlocks, SaddleBlocks};
 use fracas_operators::Shape;
 use fracas_operators::matrix_market::{SparseFile, read_dense, read_sparse, read_vector};
@@ -95,6 +95,9 @@ pub fn read_folder(folder: &Path) -> Result<Imported, FolderError> {
         flow.rhs_p = rhs_p.unwrap_or_else(|| vec![0.0; n_p]);
     }
     let coordinates = reader.coordinates(n_u)?;
+    if let Some(coordinates) = &coordinates {
+        rigid_body::coordinates(&a.matrix, coordinates, &mut reader.findings);
+    }
     reader.unread();
     announced([
         ("n_u", manifest.n_u, n_u, "A.mtx"),

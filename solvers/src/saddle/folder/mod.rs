@@ -23,6 +23,7 @@ mod finding;
 mod import;
 mod inspect;
 mod manifest;
+mod rigid_body;
 
 #[cfg(test)]
 mod tests;

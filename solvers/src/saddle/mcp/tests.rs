@@ -81,7 +81,7 @@ fn a_dense_factor_makes_the_approximate_schur_complement_exact() {
     for blocks in [random(12, 5, 0.0, 21), random(12, 5, 0.5, 22)] {
         let settings = Mcp {
             schur: Fsai::adaptive(40, 1, 0.0),
-            gamma: Some(0.5),
+            gamma_factor: 0.5 / published_gamma(&blocks).unwrap(),
             ..Mcp::default()
         };
         let m = settings.ready(&blocks).unwrap().inverse;
@@ -121,7 +121,7 @@ fn gamma_is_the_published_ratio() {
 fn a_floating_block_needs_the_augmentation() {
     let blocks = two_chains(8, 3, 1.0, true);
     let plain = Mcp {
-        gamma: Some(0.0),
+        gamma_factor: 0.0,
         ..Mcp::default()
     };
     let error = plain.ready(&blocks).err().unwrap();
@@ -132,7 +132,7 @@ fn a_floating_block_needs_the_augmentation() {
     let m = Mcp::default().ready(&blocks).unwrap().inverse;
     check_preconditioner("mcp", &m, None, 0.0).unwrap();
     let negative = Mcp {
-        gamma: Some(-1.0),
+        gamma_factor: -1.0,
         ..Mcp::default()
     };
     assert!(negative.ready(&blocks).is_err());

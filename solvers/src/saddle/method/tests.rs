@@ -20,7 +20,7 @@ fn the_settings_tree_reads_from_toml_by_name_or_in_full() {
         [[methods]]
         racp = { augmentation = "face_block", inner = "fsai" }
         [[methods]]
-        mcp = { gamma = 0.0, inner = { ssor = { omega = 1.2 } } }
+        mcp = { gamma_factor = 0.0, inner = { ssor = { omega = 1.2 } } }
         [[methods]]
         direct = { backend = "faer" }
         [[methods]]
@@ -51,7 +51,10 @@ fn the_settings_tree_reads_from_toml_by_name_or_in_full() {
             "unknown method \"racpp\": expected racp",
         ),
         (r#"methods = [{ racpp = {} }]"#, "racpp"),
-        (r#"methods = [{ mcp = { gama = 1.0 } }]"#, "gama"),
+        (
+            r#"methods = [{ mcp = { gama_factor = 1.0 } }]"#,
+            "gama_factor",
+        ),
         (r#"methods = ["racp:3"]"#, "racp:3"),
         (r#"methods = ["mcp:-1"]"#, "mcp:-1"),
         (r#"methods = ["direct:mumps"]"#, "direct:mumps"),

@@ -1,29 +1,4 @@
-//! Small dense algebra with the modes of a few nodes.
-
-/// What is left of a mode after the earlier ones are taken out, relative to the mode, below which it depends on them.
-/// Unit: 1.
-const DEPENDENT: f64 = 1e-7;
-
-/// Replaces the columns of B by an orthonormal basis of their span, dependent ones by zero: modified Gram–Schmidt, twice.
-pub(super) fn orthonormalise<const K: usize>(b: &mut [[f64; K]]) {
-    let dot = |b: &[[f64; K]], i: usize, j: usize| b.iter().map(|row| row[i] * row[j]).sum::<f64>();
-    for j in 0..K {
-        let before = dot(b, j, j).sqrt();
-        for _ in 0..2 {
-            for i in 0..j {
-                let part = dot(b, i, j);
-                b.iter_mut().for_each(|row| row[j] -= part * row[i]);
-            }
-        }
-        let norm = dot(b, j, j).sqrt();
-        let inverse = if norm > DEPENDENT * before {
-            1.0 / norm
-        } else {
-            0.0
-        };
-        b.iter_mut().for_each(|row| row[j] *= inverse);
-    }
-}
+//! Pseudo-inverses of Gram matrices of modes.
 
 /// Eigenvalue of a Gram matrix, relative to the largest, below which it is taken for zero. Unit: 1.
 const RANK: f64 = 1e-11;
@@ -107,21 +82,6 @@ mod tests {
                 for (l, r) in left.iter().flatten().zip(right.iter().flatten()) {
                     assert!((l - r).abs() < 1e-9 * size);
                 }
-            }
-        }
-    }
-
-    #[test]
-    fn dependent_columns_vanish_and_the_others_are_orthonormal() {
-        let values: Vec<f64> = probe(24, 7);
-        let mut b: Vec<[f64; 4]> = values.as_chunks::<4>().0.to_vec();
-        b.iter_mut().for_each(|row| row[2] = 3.0 * row[0] - row[1]);
-        orthonormalise(&mut b);
-        for i in 0..4 {
-            for j in 0..4 {
-                let dot: f64 = b.iter().map(|row| row[i] * row[j]).sum();
-                let expected = f64::from(u8::from(i == j && i != 2));
-                assert!((dot - expected).abs() < 1e-13);
             }
         }
     }

@@ -1,0 +1,462 @@
+//! e04: the deck's table of efficiency at its true sizes, with the rivals that it does not show.
+
+use crate::measure::{LIMIT, TOLERANCE};
+use crate::plot::{Axis, Figure, Mark, Series};
+use crate::published::{Row, TESTS, Test};
+use crate::report::{Cell, Check, Experiment, Findings, Level, Table};
+use crate::trial::{Budget, Candidate, HEADINGS, Load, Trial, trials};
+use fracas::contact::JumpStabilization;
+use fracas::scene::named;
+use fracas_solvers::fsai::Fsai;
+use fracas_solvers::krylov::{KrylovChoice, Minres, Sqmr};
+use fracas_solvers::saddle::{
+    AugmentationChoice, BlockDiagonal, BlockTriangular, Direct, InnerChoice, Mcp, Racp,
+    SaddleBlocks, SaddleMethod, Simple,
+};
+use fracas_solvers::{Observer, Step};
+use std::ops::ControlFlow;
+
+/// What does a solution cost by each method?
+#[derive(Debug)]
+pub struct Efficiency;
+
+/// Overrides that bring the analogues of A, B and C to the published sizes; cubes of 1 m.
+///
+/// - A: `n_u = 3·65·34·33` and `n_t = 3·2·33·32` are the published numbers themselves: 63 × 33 × 32 cells, two cuts.
+/// - B: 40 × 38 × 39 cells, four fractures of 24 × 24 faces.
+/// - C: 32 × 32 columns of 28 cells on an intact base of 11.
+const TRUE_SIZE: [&[&str]; 3] = [
+    &[
+        "mesh.x.cells=63",
+        "mesh.x.to=63 m",
+        "mesh.y.cells=33",
+        "mesh.y.to=33 m",
+        "mesh.z.cells=32",
+        "mesh.z.to=32 m",
+        "fracture.cut.at=['21 m', '42 m']",
+    ],
+    &[
+        "mesh.x.cells=40",
+        "mesh.x.to=40 m",
+        "mesh.y.cells=38",
+        "mesh.y.to=38 m",
+        "mesh.z.cells=39",
+        "mesh.z.to=39 m",
+        "fracture.fault.at=['8 m', '16 m', '24 m', '32 m']",
+        "fracture.fault.y=['7 m', '31 m']",
+        "fracture.fault.z=['7 m', '31 m']",
+    ],
+    &[
+        "mesh.x.cells=32",
+        "mesh.x.to=32 m",
+        "mesh.y.cells=32",
+        "mesh.y.to=32 m",
+        "mesh.z.cells=39",
+        "mesh.z.to=39 m",
+        "fracture.joint_x.z=['11 m', '39 m']",
+        "fracture.joint_y.z=['11 m', '39 m']",
+    ],
+];
+
+/// Relative difference in size that still counts as the published one.
+const SIZE: f64 = 0.02;
+
+/// Unknowns up to which a sparse LU of a three-dimensional system is tried: memory and time grow like n^{4/3} and n².
+const DIRECT_LIMIT: usize = 60_000;
+
+/// The method of the project, and the classical form of its rival.
+const REFERENCE: &str = "RACP, local_h, AMG";
+const CLASSICAL: &str = "MCP, γ = 0, AMG";
+
+/// 1000 iterations as published, and not more than this many products: 1.7 times the most expensive published success.
+const BUDGET: Budget = Budget {
+    iterations: LIMIT,
+    cost: 2500.0,
+};
+
+const AMG: fn() -> InnerChoice = || InnerChoice::Amg(Default::default());
+
+/// Which published row stands beside a method.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Beside {
+    Racp,
+    McpAmg,
+    McpFsai,
+    Nothing,
+}
+
+impl Beside {
+    /// `None`: no such row is published; `Some(None)`: the published row is a failure.
+    fn row(self, test: &Test) -> Option<Option<Row>> {
+        match self {
+            Self::Racp => Some(Some(test.racp)),
+            Self::McpAmg => Some(test.mcp_amg),
+            Self::McpFsai => Some(test.mcp_fsai),
+            Self::Nothing => None,
+        }
+    }
+}
+
+/// A row of the table: a method, what is published of it, what it is tried on.
+struct Entry {
+    candidate: Candidate,
+    beside: Beside,
+    loads: &'static [Load],
+    /// Tests; all where empty.
+    tests: &'static [&'static str],
+}
+
+const LOAD: &[Load] = &[Load::Physical];
+const BOTH: &[Load] = &[Load::Physical, Load::Sine];
+
+fn entries() -> Vec<Entry> {
+    let gmres = KrylovChoice::default();
+    let entry = |name, method, krylov, beside, loads| Entry {
+        candidate: Candidate {
+            name,
+            method,
+            krylov,
+        },
+        beside,
+        loads,
+        tests: &[],
+    };
+    let racp = |augmentation| {
+        SaddleMethod::Racp(Racp {
+            augmentation,
+            inner: AMG(),
+        })
+    };
+    let mcp = |gamma, inner| {
+        SaddleMethod::Mcp(Mcp {
+            gamma,
+            inner,
+            ..Mcp::default()
+        })
+    };
+    let fsai = InnerChoice::Fsai(Fsai::default());
+    let local_h = racp(AugmentationChoice::LocalH);
+    let face_block = racp(AugmentationChoice::FaceBlock);
+    let diagonal = SaddleMethod::BlockDiagonal(BlockDiagonal {
+        inner: AMG(),
+        ..BlockDiagonal::default()
+    });
+    let augmented = SaddleMethod::BlockDiagonal(BlockDiagonal {
+        augmentation: Some(AugmentationChoice::LocalH),
+        inner: AMG(),
+    });
+    let triangular = SaddleMethod::BlockTriangular(BlockTriangular {
+        inner: AMG(),
+        ..BlockTriangular::default()
+    });
+    let simple = SaddleMethod::Simple(Simple {
+        inner: AMG(),
+        ..Simple::default()
+    });
+    let (sqmr, minres) = (KrylovChoice::Sqmr(Sqmr {}), KrylovChoice::Minres(Minres {}));
+    let direct = SaddleMethod::Direct(Direct::default());
+    vec![
+        entry(REFERENCE, local_h, gmres, Beside::Racp, BOTH),
+        entry(REFERENCE, local_h, sqmr, Beside::Racp, BOTH),
+        entry(
+            "RACP, face_block, AMG",
+            face_block,
+            gmres,
+            Beside::Racp,
+            LOAD,
+        ),
+        entry("MCP, AMG", mcp(None, AMG()), gmres, Beside::McpAmg, BOTH),
+        entry("MCP, FSAI", mcp(None, fsai), gmres, Beside::McpFsai, BOTH),
+        Entry {
+            tests: &["A"],
+            ..entry(
+                CLASSICAL,
+                mcp(Some(0.0), AMG()),
+                gmres,
+                Beside::McpAmg,
+                LOAD,
+            )
+        },
+        entry(
+            "block diagonal, AMG",
+            diagonal,
+            minres,
+            Beside::Nothing,
+            LOAD,
+        ),
+        entry(
+            "block diagonal on S_u, AMG",
+            augmented,
+            minres,
+            Beside::Nothing,
+            LOAD,
+        ),
+        entry(
+            "block triangular, AMG",
+            triangular,
+            gmres,
+            Beside::Nothing,
+            LOAD,
+        ),
+        entry("SIMPLE, AMG", simple, gmres, Beside::Nothing, LOAD),
+        entry("sparse LU", direct, gmres, Beside::Nothing, LOAD),
+    ]
+}
+
+fn blocks(test: &Test, overrides: &[&str], level: Level) -> anyhow::Result<SaddleBlocks> {
+    let entry = named(test.scene).ok_or_else(|| anyhow::anyhow!("no scene {}", test.scene))?;
+    let scene = match level {
+        Level::Smoke => entry.small_scene()?,
+        Level::Paper => entry.scene()?.with_overrides(overrides)?,
+    };
+    let blocks = scene
+        .build()?
+        .saddle_blocks(Some(JumpStabilization::default()))?;
+    Ok(blocks.in_traction_unit(blocks.traction_unit()))
+}
+
+fn table() -> Table {
+    let mut headings = vec!["test (analogue)", "n_u", "n_t", "method", "Krylov", "b"];
+    headings.extend(HEADINGS);
+    headings.extend(["published n_it", "published c_app", "published C_s"]);
+    Table::new(
+        "e04_efficiency",
+        "Cost of a solution to a true relative residual of 1e-8, 1000 iterations and C_s = 2500 at most, all faces in stick; X: failed, with the reason.",
+        &headings,
+    )
+}
+
+/// The published cells of a row; they were measured for one right-hand side, which the deck does not name.
+fn published(test: &Test, beside: Beside) -> [Cell; 3] {
+    match beside.row(test) {
+        Some(Some(row)) => [row.n_it.into(), row.c_app.into(), row.c_s.into()],
+        Some(None) => [Cell::Failed, Cell::Missing, Cell::Failed],
+        None => [Cell::Missing, Cell::Missing, Cell::Missing],
+    }
+}
+
+/// One measured row.
+struct Measured {
+    test: usize,
+    name: &'static str,
+    krylov: KrylovChoice,
+    load: Load,
+    trial: Trial,
+}
+
+/// C_s side by side; a cross where a method failed.
+fn figure(rows: &[Measured]) -> Figure {
+    let names = TESTS.iter().map(|t| format!("analogue of {}", t.name));
+    let mut figure = Figure::new(
+        "e04_cost",
+        "",
+        "C_s = n_it (1 + c_app) under the physical load beside the published rows; ✗: not converged in 1000 iterations, or not applicable.",
+        Axis::categories("", names.collect()),
+        Axis::log("C_s"),
+    );
+    let series: [(&str, &str, Beside); 3] = [
+        ("RACP, AMG", REFERENCE, Beside::Racp),
+        ("MCP, AMG", "MCP, AMG", Beside::McpAmg),
+        ("MCP, FSAI", "MCP, FSAI", Beside::McpFsai),
+    ];
+    let gmres = KrylovChoice::default();
+    for (word, name, beside) in series {
+        let ours = |test: usize| {
+            rows.iter()
+                .find(|r| {
+                    r.test == test
+                        && r.name == name
+                        && r.krylov == gmres
+                        && r.load == Load::Physical
+                })
+                .and_then(|r| r.trial.cost)
+        };
+        let theirs = |test: usize| beside.row(&TESTS[test]).flatten().map(|row| row.c_s);
+        let points = |cost: &dyn Fn(usize) -> Option<f64>| -> Vec<[f64; 2]> {
+            (0..TESTS.len())
+                .map(|test| [test as f64, cost(test).unwrap_or(0.0)])
+                .collect()
+        };
+        figure = figure
+            .with(Series::new(word, Mark::Bars, points(&ours)))
+            .with(Series::new(
+                &format!("{word}, published"),
+                Mark::Bars,
+                points(&theirs),
+            ));
+    }
+    figure
+}
+
+/// The claims about one test; sizes and costs are those of print at paper level only.
+fn checks(
+    findings: &mut Findings,
+    k: usize,
+    sizes: (usize, usize),
+    rows: &[Measured],
+    level: Level,
+) {
+    let test = &TESTS[k];
+    let find = |name: &str, krylov: KrylovChoice, load: Load| {
+        rows.iter()
+            .find(|r| r.test == k && r.name == name && r.krylov == krylov && r.load == load)
+            .map(|r| &r.trial)
+    };
+    let gmres = KrylovChoice::default();
+    let Some(racp) = find(REFERENCE, gmres, Load::Physical) else {
+        return;
+    };
+    if level == Level::Paper {
+        for (what, theirs, ours) in [("n_u", test.n_u, sizes.0), ("n_t", test.n_t, sizes.1)] {
+            findings.checks.push(Check::close(
+                format!("{}: {what} beside the published one", test.name),
+                theirs as f64,
+                ours as f64,
+                SIZE,
+            ));
+        }
+        let (target, ours) = (test.racp.c_s, racp.cost_or_infinite());
+        findings.checks.push(Check::at_most(
+            format!("{}: C_s of RACP beside the published one", test.name),
+            target,
+            ours,
+        ));
+        if ours > target {
+            findings.notes.push(format!(
+                "{}: C_s of RACP misses the published {target} by {:.0} % ({:.1}); n_it {} against {}, c_app {:.2} against {}.",
+                test.name,
+                100.0 * (ours / target - 1.0),
+                ours,
+                racp.count(),
+                test.racp.n_it,
+                racp.c_app.unwrap_or(f64::NAN),
+                test.racp.c_app,
+            ));
+        }
+    } else {
+        findings.checks.push(Check::at_most(
+            format!("{}: n_it of RACP", test.name),
+            100.0,
+            racp.count(),
+        ));
+    }
+    for name in ["MCP, AMG", "MCP, FSAI"] {
+        if let Some(mcp) = find(name, gmres, Load::Physical) {
+            findings.checks.push(Check::at_least(
+                format!("{}: C_s of {name} over that of RACP", test.name),
+                1.0,
+                mcp.cost_or_infinite() / racp.cost_or_infinite(),
+            ));
+        }
+    }
+    if let Some(classical) = find(CLASSICAL, gmres, Load::Physical) {
+        let refused = classical.c_app.is_none() && classical.reason.is_some();
+        findings.checks.push(Check::holds(
+            format!(
+                "{}: classical MCP (γ = 0) with multigrid, A singular",
+                test.name
+            ),
+            "not applicable",
+            if refused { "not applicable" } else { "ran" },
+            refused,
+        ));
+    }
+}
+
+impl Experiment for Efficiency {
+    fn id(&self) -> &'static str {
+        "e04"
+    }
+
+    fn title(&self) -> &'static str {
+        "Efficiency on analogues of tests A, B and C at their true sizes"
+    }
+
+    fn question(&self) -> &'static str {
+        "What does a solution cost, in products with the matrix and in seconds, by RACP and by its rivals?"
+    }
+
+    fn setup(&self) -> &'static str {
+        "Analogues of tests A (singular A), B (few fractures), C (dense network) at the published n_u and n_t; cubes, all \
+         faces in stick, jump stabilization. True relative residual 1e-8, at most 1000 iterations and C_s = 2500; GMRES(100), flexible where \
+         multigrid works in f32, and SQMR; MINRES for block-diagonal ones. The load of the scene and b_i = sin i."
+    }
+
+    fn expect(&self) -> &'static str {
+        "RACP: n_it 17, 61, 89 and C_s 108, 318, 491 in the deck. MCP with multigrid: not applicable, 1443, more than 1000 \
+         iterations; MCP with FSAI: not applicable, more than 1000 iterations, 1129. The meshes of the deck are not public: \
+         sizes and character agree, geometry does not."
+    }
+
+    fn run(&self, level: Level, observer: &mut dyn Observer) -> anyhow::Result<Findings> {
+        let mut findings = Findings::default();
+        findings
+            .set("level", level.word())
+            .set("tolerance", TOLERANCE)
+            .set("iterations", LIMIT)
+            .set("cost limit", BUDGET.cost);
+        let entries = entries();
+        let mut table = table();
+        let mut rows: Vec<Measured> = Vec::new();
+        for (k, test) in TESTS.iter().enumerate() {
+            let blocks = blocks(test, TRUE_SIZE[k], level)?;
+            let sizes = (blocks.n_u(), blocks.n_t());
+            for (e, entry) in entries.iter().enumerate() {
+                let Entry {
+                    candidate,
+                    beside,
+                    loads,
+                    tests,
+                } = entry;
+                if !tests.is_empty() && !tests.contains(&test.name) {
+                    continue;
+                }
+                let step = Step::Progress {
+                    stage: candidate.name,
+                    done: k * entries.len() + e,
+                    total: TESTS.len() * entries.len(),
+                };
+                if observer.observe(&step) == ControlFlow::Break(()) {
+                    anyhow::bail!("stopped on request");
+                }
+                let direct = matches!(candidate.method, SaddleMethod::Direct(_));
+                let measured = if direct && blocks.size() > DIRECT_LIMIT {
+                    vec![Trial::not_run(format!(
+                        "not tried above {DIRECT_LIMIT} unknowns"
+                    ))]
+                } else {
+                    trials(&blocks, candidate, loads, BUDGET, observer)
+                };
+                for (load, trial) in loads.iter().zip(measured) {
+                    let head: [Cell; 6] = [
+                        test.name.into(),
+                        sizes.0.into(),
+                        sizes.1.into(),
+                        candidate.name.into(),
+                        candidate.krylov.to_string().into(),
+                        load.to_string().into(),
+                    ];
+                    let mut row = head.to_vec();
+                    row.extend(trial.cells(level));
+                    row.extend(published(test, *beside));
+                    table.rows.push(row);
+                    rows.push(Measured {
+                        test: k,
+                        name: candidate.name,
+                        krylov: candidate.krylov,
+                        load: *load,
+                        trial,
+                    });
+                }
+            }
+            checks(&mut findings, k, sizes, &rows, level);
+        }
+        findings.figures.push(figure(&rows));
+        findings.tables.push(table);
+        findings.notes.push(format!(
+            "Cost: {}.",
+            fracas_solvers::saddle::Cost::CONVENTION
+        ));
+        Ok(findings)
+    }
+}

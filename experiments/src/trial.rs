@@ -1,0 +1,216 @@
+//! One method on one system: counts that do not depend on the machine, times that do, and the reason where it fails.
+
+use crate::command::memory;
+use crate::measure::TOLERANCE;
+use crate::report::{Cell, Level};
+use fracas_operators::LinearOperator;
+use fracas_solvers::Observer;
+use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
+use fracas_solvers::saddle::{Cost, Ready, SaddleBlocks, SaddleMethod, SaddleOperator};
+use std::fmt;
+use std::time::Instant;
+
+/// A method with the iteration around it.
+#[derive(Clone, Copy, Debug)]
+pub struct Candidate {
+    /// In tables.
+    pub name: &'static str,
+    /// The preconditioner.
+    pub method: SaddleMethod,
+    /// The iteration.
+    pub krylov: KrylovChoice,
+}
+
+/// Right-hand sides of the tables.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Load {
+    /// Of the scene.
+    Physical,
+    /// `b_i = sin(i)`, i = 1…n: every scale at once.
+    Sine,
+}
+
+impl fmt::Display for Load {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Physical => "load",
+            Self::Sine => "sin(i)",
+        })
+    }
+}
+
+impl Load {
+    /// b.
+    pub fn of(self, blocks: &SaddleBlocks) -> Vec<f64> {
+        match self {
+            Self::Physical => blocks.rhs(),
+            Self::Sine => (1..=blocks.size()).map(|i| (i as f64).sin()).collect(),
+        }
+    }
+}
+
+/// What bounds a trial.
+#[derive(Clone, Copy, Debug)]
+pub struct Budget {
+    /// Most iterations.
+    pub iterations: usize,
+    /// Most products, preconditioner included: C_s at which an iteration is given up. A bound of time that does not
+    /// depend on the machine.
+    pub cost: f64,
+}
+
+impl Budget {
+    fn most(self, c_app: f64) -> usize {
+        // C_s = n_it (1 + c_app)
+        let affordable = (self.cost / (1.0 + c_app)).min(1e9) as usize;
+        self.iterations.min(affordable)
+    }
+}
+
+/// What one method did with one right-hand side.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Trial {
+    /// n_it, where the true residual met the tolerance.
+    pub iterations: Option<usize>,
+    /// c_app, where there is a preconditioner.
+    pub c_app: Option<f64>,
+    /// `C_s = n_it (1 + c_app)`.
+    pub cost: Option<f64>,
+    /// Operator complexity of a multigrid hierarchy.
+    pub complexity: Option<f64>,
+    /// Set-up of the preconditioner [s].
+    pub setup: Option<f64>,
+    /// Iteration [s].
+    pub solve: Option<f64>,
+    /// High-water mark of the process over set-up and iteration, blocks included [bytes].
+    pub memory: Option<u64>,
+    /// Why there is no n_it.
+    pub reason: Option<String>,
+}
+
+impl Trial {
+    /// A method that was not tried.
+    pub fn not_run(reason: impl Into<String>) -> Self {
+        Self {
+            reason: Some(reason.into()),
+            ..Self::default()
+        }
+    }
+
+    /// n_it for checks: infinite where the method failed.
+    pub fn count(&self) -> f64 {
+        self.iterations.map_or(f64::INFINITY, |n| n as f64)
+    }
+
+    /// C_s for checks: infinite where the method failed.
+    pub fn cost_or_infinite(&self) -> f64 {
+        self.cost.unwrap_or(f64::INFINITY)
+    }
+
+    /// `n_it, c_app, C_s, complexity, set-up [s], solve [s], memory [MiB], reason`; clock and memory at paper level only, so that equal
+    /// runs of the smoke level give equal bytes.
+    pub fn cells(&self, level: Level) -> [Cell; 8] {
+        let failed = |value: Option<Cell>| value.unwrap_or(Cell::Failed);
+        let measured = |value: Option<f64>| match level {
+            Level::Paper => value.into(),
+            Level::Smoke => Cell::Missing,
+        };
+        let mebibytes = self.memory.map(|bytes| bytes as f64 / f64::from(1 << 20));
+        [
+            failed(self.iterations.map(Cell::from)),
+            self.c_app.into(),
+            failed(self.cost.map(Cell::from)),
+            self.complexity.into(),
+            measured(self.setup),
+            measured(self.solve),
+            measured(mebibytes),
+            self.reason.clone().into(),
+        ]
+    }
+}
+
+/// Headings of [`Trial::cells`].
+pub const HEADINGS: [&str; 8] = [
+    "n_it",
+    "c_app",
+    "C_s",
+    "operator complexity",
+    "set-up [s]",
+    "solve [s]",
+    "peak memory [MiB]",
+    "reason",
+];
+
+/// Sets the method up once and iterates for every load; what fails is a trial with its reason.
+pub fn trials(
+    blocks: &SaddleBlocks,
+    candidate: &Candidate,
+    loads: &[Load],
+    budget: Budget,
+    observer: &mut dyn Observer,
+) -> Vec<Trial> {
+    memory::reset_peak();
+    let start = Instant::now();
+    let ready = candidate.method.ready(blocks);
+    let setup = Some(start.elapsed().as_secs_f64());
+    let Ready { inverse, hierarchy } = match ready {
+        Ok(ready) => ready,
+        Err(error) => {
+            let failed = Trial {
+                setup,
+                ..Trial::not_run(error.to_string())
+            };
+            return vec![failed; loads.len()];
+        }
+    };
+    let operator = SaddleOperator::new(blocks);
+    let cost = Cost::new(&operator, inverse.as_ref());
+    let krylov = candidate.krylov.flexible_for(inverse.as_ref());
+    let criteria = Criteria {
+        relative_tolerance: TOLERANCE,
+        max_iterations: budget.most(cost.c_app()),
+    };
+    let mut iterate = |load: &Load| {
+        let rhs = load.of(blocks);
+        let system = System {
+            operator: &operator as &dyn LinearOperator<f64>,
+            preconditioner: inverse.as_ref(),
+            rhs: &rhs,
+        };
+        let mut x = vec![0.0; rhs.len()];
+        let start = Instant::now();
+        let result = krylov.method().solve(&system, &criteria, &mut x, observer);
+        let solve = Some(start.elapsed().as_secs_f64());
+        let (iterations, reason) = match result {
+            Ok(report) => match report.outcome {
+                Outcome::Converged => (Some(report.iterations), None),
+                Outcome::IterationLimit => (None, Some(given_up(&criteria, budget))),
+                Outcome::Stopped => (None, Some("stopped on request".to_owned())),
+            },
+            Err(breakdown) => (None, Some(breakdown.to_string())),
+        };
+        Trial {
+            iterations,
+            c_app: Some(cost.c_app()),
+            cost: iterations.map(|n| cost.c_s(n, &krylov)),
+            complexity: hierarchy.as_ref().map(|h| h.operator_complexity),
+            setup,
+            solve,
+            memory: memory::peak_bytes(),
+            reason,
+        }
+    };
+    loads.iter().map(&mut iterate).collect()
+}
+
+fn given_up(criteria: &Criteria, budget: Budget) -> String {
+    let limit = criteria.max_iterations;
+    if limit < budget.iterations {
+        format!(
+            "given up after {limit} iterations: C_s above {}",
+            budget.cost
+        )
+    } else {
+        format!("not converged in {limit} iterations")
+    }
+}

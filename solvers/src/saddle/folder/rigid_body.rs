@@ -1,0 +1,141 @@
+//! Do the coordinates belong to A? Rigid motions of free material cost no force.
+
+use super::finding::{Finding, Remark};
+use crate::saddle::DofCoordinate;
+use fracas_operators::sparse::SparseMatrix;
+
+const FILE: &str = "coords.mtx";
+
+/// Force of a translation below which a row counts as free of constraints. Unit: `Σ_j |a_ij|`.
+const FREE: f64 = 1e-8;
+
+/// Force of a rotation above which the coordinates do not fit. Unit: `Σ_j |a_ij| |x_j − x_i|`; room for coordinates
+/// written with seven digits.
+const MISFIT: f64 = 1e-5;
+
+/// Unknowns from which on a matrix without a single free row is remarkable: in a smaller one every row may touch a
+/// constrained unknown.
+const MANY: usize = 1000;
+
+/// `A·r` for the rigid-body modes r, row by row: where the three translations cost no force (no constrained unknown is
+/// near), the three rotations about the node of the row must cost none either.
+///
+/// Multigrid and deflation build on these modes; wrong ones cost iterations and raise no error.
+pub(super) fn coordinates(
+    a: &SparseMatrix<f64>,
+    coordinates: &[DofCoordinate],
+    findings: &mut Vec<Finding>,
+) {
+    let (mut free, mut wrong, mut worst) = (0, 0, 0.0f64);
+    let mut first = None;
+    for (i, row) in a.outer_iterator().enumerate() {
+        let here = coordinates[i].position;
+        let (mut translation, mut size) = ([0.0; 3], 0.0);
+        let (mut rotation, mut lever) = ([0.0; 3], 0.0);
+        for (j, a_ij) in row.iter() {
+            let DofCoordinate {
+                position,
+                component,
+            } = coordinates[j];
+            let c = usize::from(component);
+            let x = [0, 1, 2].map(|k| position[k] - here[k]);
+            translation[c] += a_ij;
+            size += a_ij.abs();
+            // (e_k × x)_c = x_{c+2} for k = c + 1, −x_{c+1} for k = c + 2 (indices modulo 3)
+            rotation[(c + 2) % 3] -= a_ij * x[(c + 1) % 3];
+            rotation[(c + 1) % 3] += a_ij * x[(c + 2) % 3];
+            lever += a_ij.abs() * x.iter().map(|v| v * v).sum::<f64>().sqrt();
+        }
+        if size == 0.0 || translation.iter().any(|f| f.abs() > FREE * size) {
+            continue;
+        }
+        free += 1;
+        let moment = rotation.iter().fold(0.0f64, |m, f| m.max(f.abs()));
+        if moment > MISFIT * lever {
+            wrong += 1;
+            worst = worst.max(moment / lever);
+            first.get_or_insert(i);
+        }
+    }
+    if let Some(first) = first {
+        let remark = Remark::RotationsCostForce { wrong, free, worst };
+        findings.push(Finding::at_row(FILE, first, remark));
+    } else if free == 0 && a.rows() >= MANY {
+        findings.push(Finding::file(FILE, Remark::TranslationsCostForce));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::elastic_sample::clamped_box;
+
+    fn said(a: &SparseMatrix<f64>, at: &[DofCoordinate]) -> Vec<Remark> {
+        let mut findings = Vec::new();
+        coordinates(a, at, &mut findings);
+        findings.into_iter().map(|f| f.remark).collect()
+    }
+
+    #[test]
+    fn true_coordinates_pass_in_any_unit_and_with_seven_digits() {
+        let (a, at) = clamped_box([5, 4, 3], [1.0, 0.3, 2.0], |c| 10f64.powi(c[2] as i32));
+        assert_eq!(said(&a, &at), []);
+        let moved = |f: &dyn Fn(f64) -> f64| -> Vec<DofCoordinate> {
+            let move_one = |c: &DofCoordinate| DofCoordinate {
+                position: c.position.map(f),
+                ..*c
+            };
+            at.iter().map(move_one).collect()
+        };
+        assert_eq!(said(&a, &moved(&|x| 1e3 * x + 1e5)), []);
+        assert_eq!(said(&a, &moved(&|x| (x * 1e6).round() * 1e-6 + 7e-7)), []);
+    }
+
+    #[test]
+    fn coordinates_of_another_mesh_are_remarked() {
+        let (a, at) = clamped_box([5, 4, 3], [1.0, 0.3, 2.0], |_| 1.0);
+        let mut stretched = at.clone();
+        stretched.iter_mut().for_each(|c| c.position[1] *= 2.0);
+        let mut swapped = at.clone();
+        for k in 0..3 {
+            let (p, q) = (swapped[60 + k].position, swapped[120 + k].position);
+            (swapped[60 + k].position, swapped[120 + k].position) = (q, p);
+        }
+        let mut relabelled = at.clone();
+        relabelled
+            .iter_mut()
+            .for_each(|c| c.component = (c.component + 1) % 3);
+        for wrong in [stretched, swapped, relabelled] {
+            let remarks = said(&a, &wrong);
+            assert!(
+                matches!(remarks[..], [Remark::RotationsCostForce { wrong, free, worst }]
+                    if wrong > 0 && wrong <= free && worst > 1e-2),
+                "{remarks:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn components_in_another_order_are_remarked() {
+        for cells in [[3, 2, 2], [8, 7, 7]] {
+            let (a, at) = clamped_box(cells, [1.0; 3], |_| 1.0);
+            let n = at.len();
+            // node by node in A, direction by direction in the table
+            let by_direction: Vec<DofCoordinate> = (0..n)
+                .map(|i| at[3 * (i % (n / 3)) + i / (n / 3)])
+                .collect();
+            assert_eq!(said(&a, &by_direction).len(), 1);
+        }
+    }
+
+    #[test]
+    fn a_matrix_that_no_translation_leaves_without_force_is_remarked_when_it_is_large() {
+        for (cells, expected) in [([3, 2, 2], 0), ([8, 7, 7], 1)] {
+            let (a, at) = clamped_box(cells, [1.0; 3], |_| 1.0);
+            let identity: SparseMatrix<f64> = SparseMatrix::eye(at.len());
+            let bedded = &a + &identity;
+            let remarks = said(&bedded, &at);
+            assert_eq!(remarks, vec![Remark::TranslationsCostForce; expected]);
+        }
+    }
+}
