@@ -58,11 +58,13 @@ pub fn analyse_method(
     report
         .notes
         .push("no bound is proved for this method".to_owned());
-    stiffness_condition(
-        &mut report,
-        &blocks,
-        DirectChoice::default().solver()?.as_ref(),
-    );
+    if request.conditions {
+        stiffness_condition(
+            &mut report,
+            &blocks,
+            DirectChoice::default().solver()?.as_ref(),
+        );
+    }
     stages.next("condition numbers");
     let operator = Preconditioned::new(&blocks, m.as_ref());
     let scales = energy_scales(&blocks, &traction_scales(&blocks));
