@@ -153,6 +153,7 @@ fn whole_spectra(
             let request = SpectrumRequest {
                 augmentation,
                 inner: multigrid(Precision::F64, COARSEST),
+                conditions: false,
                 ..SpectrumRequest::default()
             };
             let head = [
@@ -269,11 +270,7 @@ fn ends(findings: &mut Findings, level: Level, observer: &mut dyn Observer) -> a
             blocks.size() as f64,
         ));
     }
-    for augmentation in [
-        AugmentationChoice::LocalH,
-        AugmentationChoice::FaceBlock,
-        AugmentationChoice::Local,
-    ] {
+    for augmentation in [AugmentationChoice::LocalH, AugmentationChoice::Local] {
         let request = SpectrumRequest {
             augmentation,
             inner: multigrid(
@@ -283,6 +280,7 @@ fn ends(findings: &mut Findings, level: Level, observer: &mut dyn Observer) -> a
                     .min(if dense { COARSEST } else { usize::MAX }),
             ),
             dense_limit: 0,
+            conditions: false,
             ..SpectrumRequest::default()
         };
         let report = analyse(&blocks, &request, observer)?;

@@ -67,11 +67,13 @@ pub fn analyse_method(
             "{eliminated} rows determine their own traction (slip, open); they are eliminated and count as eigenvalues 1"
         ));
     }
-    stiffness_condition(
-        &mut report,
-        &blocks,
-        DirectChoice::default().solver()?.as_ref(),
-    );
+    if request.conditions {
+        stiffness_condition(
+            &mut report,
+            &blocks,
+            DirectChoice::default().solver()?.as_ref(),
+        );
+    }
     stages.next("condition numbers");
     let operator = Preconditioned::new(&blocks, m.as_ref());
     let scales = energy_scales(&blocks, &traction_scales(&blocks));

@@ -35,6 +35,8 @@ pub struct SpectrumRequest {
     pub inner: InnerChoice,
     /// Largest dense eigenvalue problem; above it only outer eigenvalues are found.
     pub dense_limit: usize,
+    /// κ₂(A) and κ₂(S_u) too: a sparse factorization of each, which costs more than the rest of a large problem.
+    pub conditions: bool,
     /// Eigenvectors wanted.
     pub modes: Vec<ModeTarget>,
 }
@@ -45,6 +47,7 @@ impl Default for SpectrumRequest {
             augmentation: AugmentationChoice::default(),
             inner: InnerChoice::default(),
             dense_limit: 5000,
+            conditions: true,
             modes: Vec::new(),
         }
     }
@@ -95,14 +98,16 @@ pub fn analyse(
         c_extremes: c.extremes()?,
     };
     let mut report = SpectrumReport::empty(&blocks, parts, notes);
-    conditions(
-        &mut report,
-        &blocks,
-        &c,
-        inner.as_ref(),
-        request.inner,
-        direct.as_ref(),
-    );
+    if request.conditions {
+        conditions(
+            &mut report,
+            &blocks,
+            &c,
+            inner.as_ref(),
+            request.inner,
+            direct.as_ref(),
+        );
+    }
     stages.next("condition numbers");
 
     let n = blocks.n_u() + blocks.n_t();

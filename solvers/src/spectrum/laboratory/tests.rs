@@ -602,3 +602,20 @@ fn nothing_but_shapes_and_nan_stops_an_analysis_of_imported_blocks() {
     .unwrap_err();
     assert!(matches!(error, SetupError::Shape { block: "H", .. }));
 }
+
+#[test]
+fn without_conditions_nothing_else_changes() {
+    let blocks = random(26, 8, 0.6, 6);
+    for inner in ["exact", "ssor"] {
+        let full = run(&blocks, AugmentationChoice::LocalH, inner);
+        assert!(full.cond_A.is_some() && full.cond_S_u.is_some());
+        let request = SpectrumRequest {
+            conditions: false,
+            ..request(AugmentationChoice::LocalH, inner)
+        };
+        let report = analyse(&blocks, &request, &mut Silent).unwrap();
+        assert_eq!((report.cond_A, report.cond_S_u), (None, None));
+        assert_eq!(report.eigenvalues, full.eigenvalues);
+        assert_eq!(report.bounds, full.bounds);
+    }
+}
