@@ -339,6 +339,9 @@ fn ends(findings: &mut Findings, level: Level, observer: &mut dyn Observer) -> a
     Ok(())
 }
 
+/// One of the two questions of this experiment.
+type Part = fn(&mut Findings, Level, &mut dyn Observer) -> anyhow::Result<()>;
+
 impl Experiment for SpectrumAmg {
     fn id(&self) -> &'static str {
         "e02b"
@@ -371,7 +374,7 @@ impl Experiment for SpectrumAmg {
             .set("large_scene", LARGE)
             .set("coarsest", COARSEST)
             .set("level", level.word());
-        let parts: [fn(&mut Findings, Level, &mut dyn Observer) -> anyhow::Result<()>; 2] =
+        let parts: [Part; 2] =
             [whole_spectra, ends];
         for (done, part) in parts.into_iter().enumerate() {
             let step = Step::Progress {

@@ -147,7 +147,6 @@ fn entries() -> Vec<Entry> {
     });
     let triangular = SaddleMethod::BlockTriangular(BlockTriangular {
         inner: AMG(),
-        ..BlockTriangular::default()
     });
     let simple = SaddleMethod::Simple(Simple {
         inner: AMG(),
@@ -169,13 +168,7 @@ fn entries() -> Vec<Entry> {
         entry("MCP, FSAI", mcp(1.0, fsai), gmres, Beside::McpFsai, BOTH),
         Entry {
             tests: &["A"],
-            ..entry(
-                CLASSICAL,
-                mcp(0.0, AMG()),
-                gmres,
-                Beside::McpAmg,
-                LOAD,
-            )
+            ..entry(CLASSICAL, mcp(0.0, AMG()), gmres, Beside::McpAmg, LOAD)
         },
         entry(
             "block diagonal, AMG",

@@ -89,7 +89,7 @@ impl<R: Real> Coarsest<R> {
             starts.push(columns.len());
         }
         let scaled = SparseMatrix::new((n, n), starts, columns, values);
-        let factors = Faer::default()
+        let factors = Faer
             .analyze(&scaled, Kind::Spd)
             .and_then(|symbolic| symbolic.factor(&scaled));
         match factors {

@@ -111,7 +111,7 @@ impl<R: Real> Hierarchy<R> {
         self.cycle(shape, k, b, p, rest);
         matrix.product(p, q);
         let (rho, curvature) = (dot(b, p), dot(p, q));
-        if !(curvature > R::zero()) {
+        if curvature.is_nan() || curvature <= R::zero() {
             return x.copy_from_slice(p);
         }
         // x = α p,  b ← b − α A p
