@@ -161,7 +161,7 @@ fn table() -> Table {
     headings.extend(HEADINGS);
     Table::new(
         "e05_mesh_independence",
-        "Iterations to a true relative residual of 1e-8 under the load of the scene, on ever finer meshes of one body; X: failed or not tried, with the reason.",
+        "Iterations to a true relative residual of 1e-8 under the load of the scene, on ever finer meshes of one body; X: failed, –: not tried, with the reason.",
         &headings,
     )
 }

@@ -110,16 +110,21 @@ impl Trial {
     /// `n_it, c_app, C_s, complexity, set-up [s], solve [s], memory [MiB], reason`; clock and memory at paper level only, so that equal
     /// runs of the smoke level give equal bytes.
     pub fn cells(&self, level: Level) -> [Cell; 8] {
-        let failed = |value: Option<Cell>| value.unwrap_or(Cell::Failed);
+        // what was not tried did not fail
+        let none = match self.setup {
+            Some(_) => Cell::Failed,
+            None => Cell::Missing,
+        };
+        let or_none = |value: Option<Cell>| value.unwrap_or_else(|| none.clone());
         let measured = |value: Option<f64>| match level {
             Level::Paper => value.into(),
             Level::Smoke => Cell::Missing,
         };
         let mebibytes = self.memory.map(|bytes| bytes as f64 / f64::from(1 << 20));
         [
-            failed(self.iterations.map(Cell::from)),
+            or_none(self.iterations.map(Cell::from)),
             self.c_app.into(),
-            failed(self.cost.map(Cell::from)),
+            or_none(self.cost.map(Cell::from)),
             self.complexity.into(),
             measured(self.setup),
             measured(self.solve),
@@ -212,5 +217,75 @@ fn given_up(criteria: &Criteria, budget: Budget) -> String {
         )
     } else {
         format!("not converged in {limit} iterations")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fracas::scene::named;
+    use fracas_solvers::Silent;
+    use fracas_solvers::saddle::{BlockDiagonal, InnerChoice};
+
+    fn blocks(scene: &str) -> SaddleBlocks {
+        let body = named(scene).unwrap().small_scene().unwrap().build();
+        let blocks = body.unwrap().saddle_blocks(Some(Default::default()));
+        let blocks = blocks.unwrap();
+        blocks.in_traction_unit(blocks.traction_unit())
+    }
+
+    fn tried(scene: &str, method: SaddleMethod, budget: Budget) -> Trial {
+        let candidate = Candidate {
+            name: "",
+            method,
+            krylov: KrylovChoice::default(),
+        };
+        let loads = [Load::Physical];
+        trials(&blocks(scene), &candidate, &loads, budget, &mut Silent).remove(0)
+    }
+
+    #[test]
+    fn cost_bounds_the_iterations_and_the_reason_says_so() {
+        let most = Budget {
+            iterations: 1000,
+            cost: f64::INFINITY,
+        };
+        let free = tried("clamped", SaddleMethod::default(), most);
+        let (n, c_s) = (free.iterations.unwrap(), free.cost.unwrap());
+        assert!((c_s - n as f64 * (1.0 + free.c_app.unwrap())).abs() < 1e-9 * c_s);
+        let enough = Budget {
+            cost: 1.001 * c_s,
+            ..most
+        };
+        assert_eq!(
+            tried("clamped", SaddleMethod::default(), enough).iterations,
+            Some(n)
+        );
+        let short = Budget {
+            cost: 0.999 * c_s,
+            ..most
+        };
+        let failed = tried("clamped", SaddleMethod::default(), short);
+        assert_eq!(failed.iterations, None);
+        assert!(failed.reason.unwrap().contains("given up after"));
+    }
+
+    #[test]
+    fn failed_and_not_tried_are_told_apart() {
+        let budget = Budget {
+            iterations: 1000,
+            cost: f64::INFINITY,
+        };
+        // three blocks are held by fractures alone, and this method inverts A
+        let method = SaddleMethod::BlockDiagonal(BlockDiagonal {
+            inner: InnerChoice::default(),
+            ..BlockDiagonal::default()
+        });
+        let failed = tried("analogue_a", method, budget);
+        assert!(failed.reason.as_ref().unwrap().contains("block A"));
+        assert_eq!(failed.cells(Level::Smoke)[0], Cell::Failed);
+        let not_run = Trial::not_run("too large");
+        assert_eq!(not_run.cells(Level::Smoke)[0], Cell::Missing);
+        assert_eq!(not_run.count(), f64::INFINITY);
     }
 }
