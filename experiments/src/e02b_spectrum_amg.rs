@@ -11,6 +11,9 @@ use fracas_solvers::spectrum::{Eigenvalues, SpectrumReport, SpectrumRequest, ana
 use fracas_solvers::{Observer, SetupError, Step};
 use std::ops::ControlFlow;
 
+/// A part of the experiment.
+type Part = fn(&mut Findings, Level, &mut dyn Observer) -> anyhow::Result<()>;
+
 /// Where do the eigenvalues lie when multigrid stands in for S_u⁻¹?
 #[derive(Debug)]
 pub struct SpectrumAmg;
@@ -374,8 +377,7 @@ impl Experiment for SpectrumAmg {
             .set("large_scene", LARGE)
             .set("coarsest", COARSEST)
             .set("level", level.word());
-        let parts: [Part; 2] =
-            [whole_spectra, ends];
+        let parts: [Part; 2] = [whole_spectra, ends];
         for (done, part) in parts.into_iter().enumerate() {
             let step = Step::Progress {
                 stage: "spectra with multigrid",

@@ -161,7 +161,7 @@ fn table() -> Table {
     headings.extend(HEADINGS);
     Table::new(
         "e05_mesh_independence",
-        "Iterations to a true relative residual of 1e-8 under the load of the scene, on ever finer meshes of one body; X: failed or not tried, with the reason.",
+        "Iterations to a true relative residual of 1e-8 under the load of the scene, on ever finer meshes of one body; X: failed, –: not tried.",
         &headings,
     )
 }
@@ -297,6 +297,13 @@ impl Experiment for MeshIndependence {
                         candidate.krylov.to_string().into(),
                     ];
                     row.extend(trial.cells(level));
+                    if let Some(failure) = trial.failure.as_ref().filter(|_| trial.setup.is_some())
+                    {
+                        let name = candidate.name;
+                        findings
+                            .notes
+                            .push(format!("{n} unknowns, {name}: {}.", failure.reason));
+                    }
                     table.rows.push(row);
                     rows.push(Measured {
                         n,

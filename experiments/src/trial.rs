@@ -85,14 +85,32 @@ pub struct Trial {
     /// High-water mark of the process over set-up and iteration, blocks included [bytes].
     pub memory: Option<u64>,
     /// Why there is no n_it.
-    pub reason: Option<String>,
+    pub failure: Option<Failure>,
+}
+
+/// Why a method gave no solution.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Failure {
+    /// In the table.
+    pub word: &'static str,
+    /// In full.
+    pub reason: String,
+}
+
+impl Failure {
+    fn new(word: &'static str, reason: impl ToString) -> Self {
+        Self {
+            word,
+            reason: reason.to_string(),
+        }
+    }
 }
 
 impl Trial {
     /// A method that was not tried.
-    pub fn not_run(reason: impl Into<String>) -> Self {
+    pub fn not_run(reason: impl ToString) -> Self {
         Self {
-            reason: Some(reason.into()),
+            failure: Some(Failure::new("not tried", reason)),
             ..Self::default()
         }
     }
@@ -107,24 +125,29 @@ impl Trial {
         self.cost.unwrap_or(f64::INFINITY)
     }
 
-    /// `n_it, c_app, C_s, complexity, set-up [s], solve [s], memory [MiB], reason`; clock and memory at paper level only, so that equal
+    /// `n_it, c_app, C_s, complexity, set-up [s], solve [s], memory [MiB], end`; clock and memory at paper level only, so that equal
     /// runs of the smoke level give equal bytes.
     pub fn cells(&self, level: Level) -> [Cell; 8] {
-        let failed = |value: Option<Cell>| value.unwrap_or(Cell::Failed);
+        // what was not tried did not fail
+        let none = match self.setup {
+            Some(_) => Cell::Failed,
+            None => Cell::Missing,
+        };
+        let or_none = |value: Option<Cell>| value.unwrap_or_else(|| none.clone());
         let measured = |value: Option<f64>| match level {
             Level::Paper => value.into(),
             Level::Smoke => Cell::Missing,
         };
         let mebibytes = self.memory.map(|bytes| bytes as f64 / f64::from(1 << 20));
         [
-            failed(self.iterations.map(Cell::from)),
+            or_none(self.iterations.map(Cell::from)),
             self.c_app.into(),
-            failed(self.cost.map(Cell::from)),
+            or_none(self.cost.map(Cell::from)),
             self.complexity.into(),
             measured(self.setup),
             measured(self.solve),
             measured(mebibytes),
-            self.reason.clone().into(),
+            self.failure.as_ref().map_or("converged", |f| f.word).into(),
         ]
     }
 }
@@ -134,11 +157,11 @@ pub const HEADINGS: [&str; 8] = [
     "n_it",
     "c_app",
     "C_s",
-    "operator complexity",
+    "complexity",
     "set-up [s]",
     "solve [s]",
-    "peak memory [MiB]",
-    "reason",
+    "memory [MiB]",
+    "end",
 ];
 
 /// Sets the method up once and iterates for every load; what fails is a trial with its reason.
@@ -158,7 +181,8 @@ pub fn trials(
         Err(error) => {
             let failed = Trial {
                 setup,
-                ..Trial::not_run(error.to_string())
+                failure: Some(Failure::new("no set-up", error)),
+                ..Trial::default()
             };
             return vec![failed; loads.len()];
         }
@@ -181,13 +205,13 @@ pub fn trials(
         let start = Instant::now();
         let result = krylov.method().solve(&system, &criteria, &mut x, observer);
         let solve = Some(start.elapsed().as_secs_f64());
-        let (iterations, reason) = match result {
+        let (iterations, failure) = match result {
             Ok(report) => match report.outcome {
                 Outcome::Converged => (Some(report.iterations), None),
                 Outcome::IterationLimit => (None, Some(given_up(&criteria, budget))),
-                Outcome::Stopped => (None, Some("stopped on request".to_owned())),
+                Outcome::Stopped => (None, Some(Failure::new("stopped", "stopped on request"))),
             },
-            Err(breakdown) => (None, Some(breakdown.to_string())),
+            Err(breakdown) => (None, Some(Failure::new("breakdown", breakdown))),
         };
         Trial {
             iterations,
@@ -197,20 +221,94 @@ pub fn trials(
             setup,
             solve,
             memory: memory::peak_bytes(),
-            reason,
+            failure,
         }
     };
     loads.iter().map(&mut iterate).collect()
 }
 
-fn given_up(criteria: &Criteria, budget: Budget) -> String {
+fn given_up(criteria: &Criteria, budget: Budget) -> Failure {
     let limit = criteria.max_iterations;
     if limit < budget.iterations {
-        format!(
+        let reason = format!(
             "given up after {limit} iterations: C_s above {}",
             budget.cost
-        )
+        );
+        Failure::new("cost limit", reason)
     } else {
-        format!("not converged in {limit} iterations")
+        Failure::new(
+            "iteration limit",
+            format!("not converged in {limit} iterations"),
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fracas::scene::named;
+    use fracas_solvers::Silent;
+    use fracas_solvers::saddle::{BlockDiagonal, InnerChoice};
+
+    fn blocks(scene: &str) -> SaddleBlocks {
+        let body = named(scene).unwrap().small_scene().unwrap().build();
+        let blocks = body.unwrap().saddle_blocks(Some(Default::default()));
+        let blocks = blocks.unwrap();
+        blocks.in_traction_unit(blocks.traction_unit())
+    }
+
+    fn tried(scene: &str, method: SaddleMethod, budget: Budget) -> Trial {
+        let candidate = Candidate {
+            name: "",
+            method,
+            krylov: KrylovChoice::default(),
+        };
+        let loads = [Load::Physical];
+        trials(&blocks(scene), &candidate, &loads, budget, &mut Silent).remove(0)
+    }
+
+    #[test]
+    fn cost_bounds_the_iterations_and_the_reason_says_so() {
+        let most = Budget {
+            iterations: 1000,
+            cost: f64::INFINITY,
+        };
+        let free = tried("clamped", SaddleMethod::default(), most);
+        let (n, c_s) = (free.iterations.unwrap(), free.cost.unwrap());
+        assert!((c_s - n as f64 * (1.0 + free.c_app.unwrap())).abs() < 1e-9 * c_s);
+        let enough = Budget {
+            cost: 1.001 * c_s,
+            ..most
+        };
+        assert_eq!(
+            tried("clamped", SaddleMethod::default(), enough).iterations,
+            Some(n)
+        );
+        let short = Budget {
+            cost: 0.999 * c_s,
+            ..most
+        };
+        let failed = tried("clamped", SaddleMethod::default(), short);
+        assert_eq!(failed.iterations, None);
+        assert!(failed.failure.unwrap().reason.contains("given up after"));
+    }
+
+    #[test]
+    fn failed_and_not_tried_are_told_apart() {
+        let budget = Budget {
+            iterations: 1000,
+            cost: f64::INFINITY,
+        };
+        // three blocks are held by fractures alone, and this method inverts A
+        let method = SaddleMethod::BlockDiagonal(BlockDiagonal {
+            inner: InnerChoice::default(),
+            ..BlockDiagonal::default()
+        });
+        let failed = tried("analogue_a", method, budget);
+        assert!(failed.failure.as_ref().unwrap().reason.contains("block A"));
+        assert_eq!(failed.cells(Level::Smoke)[0], Cell::Failed);
+        let not_run = Trial::not_run("too large");
+        assert_eq!(not_run.cells(Level::Smoke)[0], Cell::Missing);
+        assert_eq!(not_run.count(), f64::INFINITY);
     }
 }
