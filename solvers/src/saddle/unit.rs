@@ -36,8 +36,12 @@ impl SaddleBlocks {
     #[must_use]
     pub fn into_traction_unit(mut self, unit: f64) -> Self {
         self.b1.map_inplace(|v| v * unit);
-        self.b2.iter_mut().for_each(|b2| b2.map_inplace(|v| v * unit));
-        self.h.iter_mut().for_each(|h| h.map_inplace(|v| v * (unit * unit)));
+        self.b2
+            .iter_mut()
+            .for_each(|b2| b2.map_inplace(|v| v * unit));
+        self.h
+            .iter_mut()
+            .for_each(|h| h.map_inplace(|v| v * (unit * unit)));
         self.rhs_t.iter_mut().for_each(|g| *g *= unit);
         self
     }
