@@ -176,7 +176,9 @@ pub fn trials(
     let start = Instant::now();
     let ready = candidate.method.ready(blocks);
     let setup = Some(start.elapsed().as_secs_f64());
-    let Ready { inverse, hierarchy } = match ready {
+    let Ready {
+        inverse, hierarchy, ..
+    } = match ready {
         Ok(ready) => ready,
         Err(error) => {
             let failed = Trial {

@@ -4,6 +4,7 @@
 //! converged, 4 a check failed.
 
 mod check;
+mod explain;
 mod export;
 mod list;
 pub(crate) mod memory;

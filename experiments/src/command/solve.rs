@@ -3,7 +3,7 @@
 use super::method::Method;
 use super::progress::Progress;
 use super::source::{Source, System as Loaded};
-use super::{Status, memory, output};
+use super::{Status, explain, memory, output};
 use clap::{Args, ValueEnum};
 use fracas_operators::matrix_market::write_vector;
 use fracas_operators::{LinearOperator, vector};
@@ -11,6 +11,7 @@ use fracas_solvers::Observer;
 use fracas_solvers::amg::Summary;
 use fracas_solvers::krylov::{Breakdown, Criteria, KrylovChoice, Outcome, Report, System};
 use fracas_solvers::saddle::{Cost, Ready, SaddleBlocks, SaddleOperator};
+use fracas_solvers::spectrum::{Explanation, Solved};
 use serde::Serialize;
 use std::io::Write;
 use std::path::PathBuf;
@@ -38,6 +39,9 @@ pub(super) struct Solve {
     /// Right-hand side [default: that of the system, or b_i = sin(i), i = 1…n, when it has none].
     #[arg(long, value_enum)]
     rhs: Option<RightHandSide>,
+    /// Says why it took what it took: eigenvalues seen, where the outliers live, C against H, time, one sentence of advice.
+    #[arg(long)]
+    explain: bool,
     /// Report as JSON; `-` writes it to standard output.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -106,6 +110,8 @@ struct SolveReport {
     amg: Option<Summary>,
     reason: Option<String>,
     findings: Vec<String>,
+    /// Null unless asked for.
+    explain: Option<Explanation>,
 }
 
 impl Solve {
@@ -129,6 +135,7 @@ impl Solve {
         let Ready {
             inverse: preconditioner,
             hierarchy,
+            parts,
         } = method.ready(blocks)?;
         let operator = SaddleOperator::new(blocks);
         let setup_s = start.elapsed().as_secs_f64();
@@ -153,6 +160,21 @@ impl Solve {
             &mut progress as &mut dyn Observer,
         );
         let solve_s = start.elapsed().as_secs_f64();
+        let explanation = if self.explain {
+            progress.say("explaining");
+            Some(Explanation::new(&Solved {
+                blocks,
+                method: &method,
+                preconditioner: &*preconditioner,
+                hierarchy: hierarchy.as_ref(),
+                parts,
+                rhs: &b,
+                setup_s,
+                solve_s,
+            })?)
+        } else {
+            None
+        };
         drop(progress);
 
         let cost = Cost::new(&operator, &*preconditioner);
@@ -183,6 +205,7 @@ impl Solve {
             amg: hierarchy,
             reason: None,
             findings: loaded.findings,
+            explain: explanation,
         };
         report.record(&result, |iterations| cost.c_s(iterations, &krylov));
         if let Some(path) = &self.solution {
@@ -339,6 +362,9 @@ impl SolveReport {
         }
         if let Some(reason) = &self.reason {
             rows.push(("reason", reason.clone()));
+        }
+        if let Some(facts) = &self.explain {
+            rows.extend(explain::rows(facts));
         }
         output::pairs(out, &rows)
     }

@@ -3,6 +3,7 @@
 mod bad_input;
 mod breakdowns;
 mod check;
+mod explain;
 mod modes;
 mod pipe;
 mod run;

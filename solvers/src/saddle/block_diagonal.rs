@@ -88,13 +88,18 @@ impl SaddleSettings for BlockDiagonal {
         let direct = DirectChoice::default().solver()?;
         if let Some(choice) = self.augmentation {
             let c = choice.compute(blocks, direct.as_ref())?.matrix;
-            let Ready { inverse, hierarchy } = self.inner.prepare(blocks, &c)?;
+            let Ready {
+                inverse, hierarchy, ..
+            } = self.inner.prepare(blocks, &c)?;
             return Ok(Ready {
                 inverse: Box::new(BlockDiagonalInverse::new(inverse, c)),
                 hierarchy,
+                parts: None,
             });
         }
-        let Ready { inverse, hierarchy } = self
+        let Ready {
+            inverse, hierarchy, ..
+        } = self
             .inner
             .of_matrix(&blocks.a, blocks.coordinates.as_deref())?;
         // B1ᵀ in place of B2: M stays symmetric
@@ -106,6 +111,7 @@ impl SaddleSettings for BlockDiagonal {
         Ok(Ready {
             inverse: Box::new(BlockDiagonalInverse::new(inverse, s)),
             hierarchy,
+            parts: None,
         })
     }
 

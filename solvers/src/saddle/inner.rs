@@ -40,6 +40,19 @@ pub struct Ready {
     pub inverse: Box<dyn Preconditioner<f64>>,
     /// The levels of a multigrid hierarchy.
     pub hierarchy: Option<amg::Summary>,
+    /// What C and S̃_u cost, where both are parts of the method.
+    pub parts: Option<PartCost>,
+}
+
+/// Time and flops of the two parts of RACP.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PartCost {
+    /// Set-up of C, in seconds.
+    pub c_s: f64,
+    /// Set-up of S̃_u, in seconds.
+    pub inner_s: f64,
+    /// Flops of one application of S̃_u⁻¹.
+    pub inner_flops: u64,
 }
 
 impl From<Box<dyn Preconditioner<f64>>> for Ready {
@@ -47,6 +60,7 @@ impl From<Box<dyn Preconditioner<f64>>> for Ready {
         Self {
             inverse,
             hierarchy: None,
+            parts: None,
         }
     }
 }
@@ -64,6 +78,7 @@ impl From<AmgInverse> for Ready {
         Self {
             hierarchy: Some(inverse.summary()),
             inverse: Box::new(inverse),
+            parts: None,
         }
     }
 }

@@ -179,6 +179,7 @@ impl SaddleSettings for Mcp {
         Ok(Ready {
             inverse: Box::new(inverse),
             hierarchy: p.hierarchy,
+            parts: None,
         })
     }
 

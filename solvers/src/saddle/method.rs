@@ -145,10 +145,15 @@ impl SaddleMethod {
         let Some(elimination) = Elimination::new(blocks) else {
             return settings.ready(blocks);
         };
-        let Ready { inverse, hierarchy } = settings.ready(&elimination.with_identity())?;
+        let Ready {
+            inverse,
+            hierarchy,
+            parts,
+        } = settings.ready(&elimination.with_identity())?;
         Ok(Ready {
             inverse: Box::new(EliminatedInverse::new(elimination, inverse)),
             hierarchy,
+            parts,
         })
     }
 

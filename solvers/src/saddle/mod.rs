@@ -31,7 +31,7 @@ pub use block_triangular::{BlockTriangular, BlockTriangularInverse};
 pub use blocks::{FlowBlocks, SaddleBlocks};
 pub use cost::Cost;
 pub use elimination::{EliminatedInverse, Elimination};
-pub use inner::{InnerChoice, Ready};
+pub use inner::{InnerChoice, PartCost, Ready};
 pub use mcp::{Mcp, McpInverse};
 pub use method::{NoSuchPart, SaddleMethod, SaddleSettings, UnknownSaddleMethod};
 pub use monolithic::Direct;

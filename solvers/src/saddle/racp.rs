@@ -1,6 +1,6 @@
 //! The reverse augmented constraint preconditioner.
 
-use super::inner::Ready;
+use super::inner::{PartCost, Ready};
 use super::method::SaddleSettings;
 use super::{
     AugmentationChoice, AugmentationMatrix, EliminatedInverse, Elimination, InnerChoice,
@@ -12,6 +12,7 @@ use fracas_operators::sparse::{Csr, SparseMatrix};
 use fracas_operators::{AdjointOperator, Layout, LinearOperator, Preconditioner};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::time::Instant;
 
 /// `M⁻¹ = [I 0; C⁻¹Bᵀ I] · diag(S̃_u⁻¹, −C⁻¹) · [I BC⁻¹; 0 I]`, the inverse of `[A B; Bᵀ −C]` when
 /// `S̃_u = S_u = A + B C⁻¹ Bᵀ`. B is B1, also where B2 ≠ B1ᵀ; rows of slip and opening are eliminated around it
@@ -114,24 +115,37 @@ impl SaddleSettings for Racp {
         };
         let direct = direct.solver()?;
         let racp = |blocks: &SaddleBlocks| {
+            let start = Instant::now();
             let c = self.augmentation.compute(blocks, direct.as_ref())?.matrix;
-            let Ready { inverse, hierarchy } = self.inner.prepare(blocks, &c)?;
-            Ok((RacpInverse::new(blocks.b1.clone(), c, inverse), hierarchy))
+            let c_s = start.elapsed().as_secs_f64();
+            let start = Instant::now();
+            let Ready {
+                inverse, hierarchy, ..
+            } = self.inner.prepare(blocks, &c)?;
+            let parts = PartCost {
+                c_s,
+                inner_s: start.elapsed().as_secs_f64(),
+                inner_flops: inverse.flops(),
+            };
+            let inverse = RacpInverse::new(blocks.b1.clone(), c, inverse);
+            Ok((inverse, hierarchy, Some(parts)))
         };
         blocks.check()?;
         Ok(match Elimination::new(blocks) {
             Some(elimination) => {
-                let (inner, hierarchy) = racp(elimination.kept())?;
+                let (inner, hierarchy, parts) = racp(elimination.kept())?;
                 Ready {
                     inverse: Box::new(EliminatedInverse::new(elimination, inner)),
                     hierarchy,
+                    parts,
                 }
             }
             None => {
-                let (inverse, hierarchy) = racp(blocks)?;
+                let (inverse, hierarchy, parts) = racp(blocks)?;
                 Ready {
                     inverse: Box::new(inverse),
                     hierarchy,
+                    parts,
                 }
             }
         })

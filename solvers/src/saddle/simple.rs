@@ -136,7 +136,9 @@ impl SaddleSettings for Simple {
 
     fn ready(&self, blocks: &SaddleBlocks) -> Result<Ready, SetupError> {
         let coordinates = blocks.coordinates.as_deref();
-        let Ready { inverse, hierarchy } = self.inner.of_matrix(&blocks.a, coordinates)?;
+        let Ready {
+            inverse, hierarchy, ..
+        } = self.inner.of_matrix(&blocks.a, coordinates)?;
         let s = diagonal_schur_inverse(blocks, DirectChoice::default())?;
         let full = SimpleInverse::new(blocks.b1.clone(), blocks.b2_rows(), inverse, s);
         let inverse = match self.correction {
@@ -150,6 +152,7 @@ impl SaddleSettings for Simple {
         Ok(Ready {
             inverse: Box::new(inverse),
             hierarchy,
+            parts: None,
         })
     }
 

@@ -102,7 +102,7 @@ pub fn analyse_method(
 }
 
 /// `|H_kk| + Σ_i b_ik² / a_ii`: a size of the Schur complement in which tractions are measured; 1 where it vanishes.
-fn traction_scales(blocks: &SaddleBlocks) -> Vec<f64> {
+pub(super) fn traction_scales(blocks: &SaddleBlocks) -> Vec<f64> {
     let mut scales: Vec<f64> = (0..blocks.n_t())
         .map(|k| {
             let h_kk = blocks.h.as_ref().and_then(|h| h.get(k, k));

@@ -1,14 +1,14 @@
 //! Large systems: bounds by Lanczos on pencils, outer eigenvalues by Arnoldi. Nothing is formed.
 
+use super::arnoldi::Ritz;
 use super::bounds::Ingredients;
 use super::product::Preconditioned;
 use crate::SetupError;
-use crate::eigen::{Ends, Extreme, LanczosSettings, dense, extreme_eigenvalues};
+use crate::eigen::{Ends, Extreme, LanczosSettings, extreme_eigenvalues};
 use crate::saddle::{AugmentationMatrix, SaddleBlocks};
-use faer::{Mat, c64};
+use faer::c64;
 use fracas_operators::laws::probe;
 use fracas_operators::sparse::Csr;
-use fracas_operators::vector::{axpy, dot};
 use fracas_operators::{AdjointOperator, LinearOperator, Preconditioner};
 
 /// Extreme values for the bounds and the largest relative error bar among them.
@@ -144,46 +144,14 @@ pub(super) fn outer_eigenvalues(
     operator: &Preconditioned<'_>,
     scales: &[f64],
 ) -> Result<(Vec<c64>, f64), SetupError> {
-    let n = scales.len();
-    let steps = ARNOLDI_STEPS.min(n);
-    let mut basis: Vec<Vec<f64>> = vec![probe(n, 31)];
-    let norm = dot(&basis[0], &basis[0]).sqrt();
-    basis[0].iter_mut().for_each(|v| *v /= norm);
-    let mut h = Mat::<f64>::zeros(steps + 1, steps);
-    let (mut x, mut work) = (vec![0.0; n], vec![0.0; operator.work_len()]);
-    let mut m = steps;
-    for k in 0..steps {
-        let mut w = vec![0.0; n];
-        x.iter_mut()
-            .zip(&basis[k])
-            .zip(scales)
-            .for_each(|((x, v), d)| *x = v / d);
-        operator.apply(&x, &mut w, &mut work);
-        w.iter_mut().zip(scales).for_each(|(w, d)| *w *= d);
-        let size = dot(&w, &w).sqrt();
-        for _ in 0..2 {
-            for (i, v) in basis.iter().enumerate() {
-                let projection = dot(v, &w);
-                h[(i, k)] += projection;
-                axpy(-projection, v, &mut w);
-            }
-        }
-        let next = dot(&w, &w).sqrt();
-        if next <= 1e-13 * size {
-            m = k + 1;
-            break;
-        }
-        h[(k + 1, k)] = next;
-        w.iter_mut().for_each(|v| *v /= next);
-        basis.push(w);
-    }
-    let last = if m < h.nrows() { h[(m, m - 1)] } else { 0.0 };
-    let (values, vectors) = dense::general_eigen(h.submatrix(0, 0, m, m))?;
-    let size = values.iter().fold(0.0f64, |s, v| s.max(v.norm()));
-    let residual = |j: usize| last * vectors[(m - 1, j)].norm();
-    let converged: Vec<usize> = (0..m)
-        .filter(|&j| residual(j) <= CONVERGED * size)
+    let ritz = Ritz::new(operator, scales, probe(scales.len(), 31), ARNOLDI_STEPS)?;
+    let size = ritz.values.iter().fold(0.0f64, |s, v| s.max(v.norm()));
+    let converged: Vec<usize> = (0..ritz.values.len())
+        .filter(|&j| ritz.residual(j) <= CONVERGED * size)
         .collect();
-    let worst = converged.iter().map(|&j| residual(j)).fold(0.0, f64::max);
-    Ok((converged.iter().map(|&j| values[j]).collect(), worst))
+    let worst = converged
+        .iter()
+        .map(|&j| ritz.residual(j))
+        .fold(0.0, f64::max);
+    Ok((converged.iter().map(|&j| ritz.values[j]).collect(), worst))
 }

@@ -9,9 +9,11 @@
 //! a matrix without units and without the contrast of the materials.
 
 mod any_method;
+mod arnoldi;
 pub mod bounds;
 pub mod condition;
 mod coupling;
+pub mod explain;
 pub mod field_of_values;
 mod iterative;
 mod laboratory;
@@ -22,6 +24,7 @@ mod similarity;
 
 pub use any_method::analyse_method;
 pub use bounds::{Bounds, Region, Theorem, Verdict};
+pub use explain::{Explanation, Solved};
 pub use field_of_values::FieldOfValues;
 pub use laboratory::{SpectrumRequest, analyse};
 pub use modes::{Mode, ModeTarget, UnknownModeTarget};

@@ -33,6 +33,7 @@ pub use export::write_folder;
 pub use finding::{Finding, Remark};
 pub use import::{Imported, read_folder};
 pub use manifest::Manifest;
+pub(crate) use rigid_body::rigid_motions;
 
 /// Largest difference of mirrored entries that counts as rounding, relative to the scale of their row and column.
 pub const SYMMETRY_TOLERANCE: f64 = 1e-12;

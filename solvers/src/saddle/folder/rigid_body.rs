@@ -17,15 +17,24 @@ const MISFIT: f64 = 1e-5;
 /// constrained unknown.
 const MANY: usize = 1000;
 
-/// `A·r` for the rigid-body modes r, row by row: where the three translations cost no force (no constrained unknown is
-/// near), the three rotations about the node of the row must cost none either.
+/// `A·r` for the rigid-body modes r.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct RigidMotions {
+    /// Rows where translations cost no force.
+    pub(crate) free: usize,
+    /// Rows among them where a rotation costs force.
+    pub(crate) wrong: usize,
+    /// Largest force of a rotation in a free row. Unit: `Σ_j |a_ij| |x_j − x_i|`.
+    pub(crate) worst: f64,
+    /// First wrong row.
+    first: Option<usize>,
+}
+
+/// `A·r` row by row: where the three translations cost no force (no constrained unknown is near), the three rotations
+/// about the node of the row must cost none either.
 ///
 /// Multigrid and deflation build on these modes; wrong ones cost iterations and raise no error.
-pub(super) fn coordinates(
-    a: &SparseMatrix<f64>,
-    coordinates: &[DofCoordinate],
-    findings: &mut Vec<Finding>,
-) {
+pub(crate) fn rigid_motions(a: &SparseMatrix<f64>, coordinates: &[DofCoordinate]) -> RigidMotions {
     let (mut free, mut wrong, mut worst) = (0, 0, 0.0f64);
     let mut first = None;
     for (i, row) in a.outer_iterator().enumerate() {
@@ -51,12 +60,34 @@ pub(super) fn coordinates(
         }
         free += 1;
         let moment = rotation.iter().fold(0.0f64, |m, f| m.max(f.abs()));
+        if moment > 0.0 {
+            worst = worst.max(moment / lever);
+        }
         if moment > MISFIT * lever {
             wrong += 1;
-            worst = worst.max(moment / lever);
             first.get_or_insert(i);
         }
     }
+    RigidMotions {
+        free,
+        wrong,
+        worst,
+        first,
+    }
+}
+
+/// Remarks coordinates that do not fit.
+pub(super) fn coordinates(
+    a: &SparseMatrix<f64>,
+    coordinates: &[DofCoordinate],
+    findings: &mut Vec<Finding>,
+) {
+    let RigidMotions {
+        free,
+        wrong,
+        worst,
+        first,
+    } = rigid_motions(a, coordinates);
     if let Some(first) = first {
         let remark = Remark::RotationsCostForce { wrong, free, worst };
         findings.push(Finding::at_row(FILE, first, remark));
