@@ -11,9 +11,6 @@ use fracas_solvers::spectrum::{Eigenvalues, SpectrumReport, SpectrumRequest, ana
 use fracas_solvers::{Observer, SetupError, Step};
 use std::ops::ControlFlow;
 
-/// A part of the experiment.
-type Part = fn(&mut Findings, Level, &mut dyn Observer) -> anyhow::Result<()>;
-
 /// Where do the eigenvalues lie when multigrid stands in for S_u⁻¹?
 #[derive(Debug)]
 pub struct SpectrumAmg;
