@@ -1,19 +1,18 @@
 //! e04: the deck's table of efficiency at its true sizes, with the rivals that it does not show.
 
+mod methods;
+
 use crate::measure::{LIMIT, TOLERANCE};
 use crate::plot::{Axis, Figure, Mark, Series};
-use crate::published::{Row, TESTS, Test};
+use crate::published::{TESTS, Test};
 use crate::report::{Cell, Check, Experiment, Findings, Level, Table};
-use crate::trial::{Budget, Candidate, HEADINGS, Load, Trial, trials};
+use crate::trial::{Budget, HEADINGS, Load, Trial, trials};
 use fracas::contact::JumpStabilization;
 use fracas::scene::named;
-use fracas_solvers::fsai::Fsai;
-use fracas_solvers::krylov::{KrylovChoice, Minres, Sqmr};
-use fracas_solvers::saddle::{
-    AugmentationChoice, BlockDiagonal, BlockTriangular, Direct, InnerChoice, Mcp, Racp,
-    SaddleBlocks, SaddleMethod, Simple,
-};
+use fracas_solvers::krylov::KrylovChoice;
+use fracas_solvers::saddle::{SaddleBlocks, SaddleMethod};
 use fracas_solvers::{Observer, Step};
+use methods::{Beside, CLASSICAL, Entry, REFERENCE, entries};
 use std::ops::ControlFlow;
 
 /// What does a solution cost by each method?
@@ -64,135 +63,11 @@ const SIZE: f64 = 0.02;
 /// Unknowns up to which a sparse LU of a three-dimensional system is tried: memory and time grow like n^{4/3} and n².
 const DIRECT_LIMIT: usize = 60_000;
 
-/// The method of the project, and the classical form of its rival.
-const REFERENCE: &str = "RACP, local_h, AMG";
-const CLASSICAL: &str = "MCP, γ = 0, AMG";
-
 /// 1000 iterations as published, and not more than this many products: 1.7 times the most expensive published success.
 const BUDGET: Budget = Budget {
     iterations: LIMIT,
     cost: 2500.0,
 };
-
-const AMG: fn() -> InnerChoice = || InnerChoice::Amg(Default::default());
-
-/// Which published row stands beside a method.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Beside {
-    Racp,
-    McpAmg,
-    McpFsai,
-    Nothing,
-}
-
-impl Beside {
-    /// `None`: no such row is published; `Some(None)`: the published row is a failure.
-    fn row(self, test: &Test) -> Option<Option<Row>> {
-        match self {
-            Self::Racp => Some(Some(test.racp)),
-            Self::McpAmg => Some(test.mcp_amg),
-            Self::McpFsai => Some(test.mcp_fsai),
-            Self::Nothing => None,
-        }
-    }
-}
-
-/// A row of the table: a method, what is published of it, what it is tried on.
-struct Entry {
-    candidate: Candidate,
-    beside: Beside,
-    loads: &'static [Load],
-    /// Tests; all where empty.
-    tests: &'static [&'static str],
-}
-
-const LOAD: &[Load] = &[Load::Physical];
-const BOTH: &[Load] = &[Load::Physical, Load::Sine];
-
-fn entries() -> Vec<Entry> {
-    let gmres = KrylovChoice::default();
-    let entry = |name, method, krylov, beside, loads| Entry {
-        candidate: Candidate {
-            name,
-            method,
-            krylov,
-        },
-        beside,
-        loads,
-        tests: &[],
-    };
-    let racp = |augmentation| {
-        SaddleMethod::Racp(Racp {
-            augmentation,
-            inner: AMG(),
-        })
-    };
-    let mcp = |gamma_factor, inner| {
-        SaddleMethod::Mcp(Mcp {
-            gamma_factor,
-            inner,
-            ..Mcp::default()
-        })
-    };
-    let fsai = InnerChoice::Fsai(Fsai::default());
-    let local_h = racp(AugmentationChoice::LocalH);
-    let face_block = racp(AugmentationChoice::FaceBlock);
-    let diagonal = SaddleMethod::BlockDiagonal(BlockDiagonal {
-        inner: AMG(),
-        ..BlockDiagonal::default()
-    });
-    let augmented = SaddleMethod::BlockDiagonal(BlockDiagonal {
-        augmentation: Some(AugmentationChoice::LocalH),
-        inner: AMG(),
-    });
-    let triangular = SaddleMethod::BlockTriangular(BlockTriangular { inner: AMG() });
-    let simple = SaddleMethod::Simple(Simple {
-        inner: AMG(),
-        ..Simple::default()
-    });
-    let (sqmr, minres) = (KrylovChoice::Sqmr(Sqmr {}), KrylovChoice::Minres(Minres {}));
-    let direct = SaddleMethod::Direct(Direct::default());
-    vec![
-        entry(REFERENCE, local_h, gmres, Beside::Racp, BOTH),
-        entry(REFERENCE, local_h, sqmr, Beside::Racp, BOTH),
-        entry(
-            "RACP, face_block, AMG",
-            face_block,
-            gmres,
-            Beside::Racp,
-            LOAD,
-        ),
-        entry("MCP, AMG", mcp(1.0, AMG()), gmres, Beside::McpAmg, BOTH),
-        entry("MCP, FSAI", mcp(1.0, fsai), gmres, Beside::McpFsai, BOTH),
-        Entry {
-            tests: &["A"],
-            ..entry(CLASSICAL, mcp(0.0, AMG()), gmres, Beside::McpAmg, LOAD)
-        },
-        entry(
-            "block diagonal, AMG",
-            diagonal,
-            minres,
-            Beside::Nothing,
-            LOAD,
-        ),
-        entry(
-            "block diagonal on S_u, AMG",
-            augmented,
-            minres,
-            Beside::Nothing,
-            LOAD,
-        ),
-        entry(
-            "block triangular, AMG",
-            triangular,
-            gmres,
-            Beside::Nothing,
-            LOAD,
-        ),
-        entry("SIMPLE, AMG", simple, gmres, Beside::Nothing, LOAD),
-        entry("sparse LU", direct, gmres, Beside::Nothing, LOAD),
-    ]
-}
 
 fn blocks(test: &Test, overrides: &[&str], level: Level) -> anyhow::Result<SaddleBlocks> {
     let entry = named(test.scene).ok_or_else(|| anyhow::anyhow!("no scene {}", test.scene))?;
@@ -206,10 +81,20 @@ fn blocks(test: &Test, overrides: &[&str], level: Level) -> anyhow::Result<Saddl
     Ok(blocks.in_traction_unit(blocks.traction_unit()))
 }
 
+/// Each of `theirs` after the one of `ours` that it belongs to: the first ones, in order.
+fn beside<T, const N: usize, const M: usize>(ours: [T; N], theirs: [T; M]) -> Vec<T> {
+    let mut theirs = theirs.into_iter();
+    ours.into_iter()
+        .flat_map(|cell| [Some(cell), theirs.next()])
+        .flatten()
+        .collect()
+}
+
 fn table() -> Table {
     let mut headings = vec!["test", "method", "Krylov", "b"];
-    headings.extend(HEADINGS);
-    headings.extend(["published n_it", "published c_app", "published C_s"]);
+    // n_it, c_app and C_s with the published ones beside them
+    let published = ["published n_it", "published c_app", "published C_s"];
+    headings.extend(beside(HEADINGS, published));
     Table::new(
         "e04_efficiency",
         "Cost of a solution to a true relative residual of 1e-8, 1000 iterations and C_s = 2500 at most, all faces in stick; X: failed, –: not tried.",
@@ -418,7 +303,7 @@ impl Experiment for Efficiency {
             for (e, entry) in entries.iter().enumerate() {
                 let Entry {
                     candidate,
-                    beside,
+                    beside: published_row,
                     loads,
                     tests,
                 } = entry;
@@ -449,8 +334,7 @@ impl Experiment for Efficiency {
                         load.to_string().into(),
                     ];
                     let mut row = head.to_vec();
-                    row.extend(trial.cells(level));
-                    row.extend(published(test, *beside));
+                    row.extend(beside(trial.cells(level), published(test, *published_row)));
                     if let Some(failure) = trial.failure.as_ref().filter(|_| trial.setup.is_some())
                     {
                         let (test, name) = (test.name, candidate.name);

@@ -1,0 +1,140 @@
+//! The rows of the table: RACP, the published rivals and others.
+
+use crate::published::{Row, Test};
+use crate::trial::{Candidate, Load};
+use fracas_solvers::fsai::Fsai;
+use fracas_solvers::krylov::{KrylovChoice, Minres, Sqmr};
+use fracas_solvers::saddle::{
+    AugmentationChoice, BlockDiagonal, BlockTriangular, Direct, InnerChoice, Mcp, Racp,
+    SaddleMethod, Simple,
+};
+
+/// The method of the project, and the classical form of its rival.
+pub(super) const REFERENCE: &str = "RACP, local_h, AMG";
+pub(super) const CLASSICAL: &str = "MCP, γ = 0, AMG";
+
+const AMG: fn() -> InnerChoice = || InnerChoice::Amg(Default::default());
+
+/// Which published row stands beside a method.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Beside {
+    Racp,
+    McpAmg,
+    McpFsai,
+    Nothing,
+}
+
+impl Beside {
+    /// `None`: no such row is published; `Some(None)`: the published row is a failure.
+    pub(super) fn row(self, test: &Test) -> Option<Option<Row>> {
+        match self {
+            Self::Racp => Some(Some(test.racp)),
+            Self::McpAmg => Some(test.mcp_amg),
+            Self::McpFsai => Some(test.mcp_fsai),
+            Self::Nothing => None,
+        }
+    }
+}
+
+/// A row of the table: a method, what is published of it, what it is tried on.
+pub(super) struct Entry {
+    pub(super) candidate: Candidate,
+    pub(super) beside: Beside,
+    pub(super) loads: &'static [Load],
+    /// Tests; all where empty.
+    pub(super) tests: &'static [&'static str],
+}
+
+const LOAD: &[Load] = &[Load::Physical];
+const BOTH: &[Load] = &[Load::Physical, Load::Sine];
+
+pub(super) fn entries() -> Vec<Entry> {
+    let gmres = KrylovChoice::default();
+    let entry = |name, method, krylov, beside, loads| Entry {
+        candidate: Candidate {
+            name,
+            method,
+            krylov,
+        },
+        beside,
+        loads,
+        tests: &[],
+    };
+    let racp = |augmentation| {
+        SaddleMethod::Racp(Racp {
+            augmentation,
+            inner: AMG(),
+        })
+    };
+    let mcp = |gamma, inner| {
+        SaddleMethod::Mcp(Mcp {
+            gamma,
+            inner,
+            ..Mcp::default()
+        })
+    };
+    let fsai = InnerChoice::Fsai(Fsai::default());
+    let local_h = racp(AugmentationChoice::LocalH);
+    let face_block = racp(AugmentationChoice::FaceBlock);
+    let diagonal = SaddleMethod::BlockDiagonal(BlockDiagonal {
+        inner: AMG(),
+        ..BlockDiagonal::default()
+    });
+    let augmented = SaddleMethod::BlockDiagonal(BlockDiagonal {
+        augmentation: Some(AugmentationChoice::LocalH),
+        inner: AMG(),
+    });
+    let triangular = SaddleMethod::BlockTriangular(BlockTriangular { inner: AMG() });
+    let simple = SaddleMethod::Simple(Simple {
+        inner: AMG(),
+        ..Simple::default()
+    });
+    let (sqmr, minres) = (KrylovChoice::Sqmr(Sqmr {}), KrylovChoice::Minres(Minres {}));
+    let direct = SaddleMethod::Direct(Direct::default());
+    vec![
+        entry(REFERENCE, local_h, gmres, Beside::Racp, BOTH),
+        entry(REFERENCE, local_h, sqmr, Beside::Racp, BOTH),
+        entry(
+            "RACP, face_block, AMG",
+            face_block,
+            gmres,
+            Beside::Racp,
+            LOAD,
+        ),
+        entry("MCP, AMG", mcp(None, AMG()), gmres, Beside::McpAmg, BOTH),
+        entry("MCP, FSAI", mcp(None, fsai), gmres, Beside::McpFsai, BOTH),
+        Entry {
+            tests: &["A"],
+            ..entry(
+                CLASSICAL,
+                mcp(Some(0.0), AMG()),
+                gmres,
+                Beside::McpAmg,
+                LOAD,
+            )
+        },
+        entry(
+            "block diagonal, AMG",
+            diagonal,
+            minres,
+            Beside::Nothing,
+            LOAD,
+        ),
+        entry(
+            "block diagonal on S_u, AMG",
+            augmented,
+            minres,
+            Beside::Nothing,
+            LOAD,
+        ),
+        entry(
+            "block triangular, AMG",
+            triangular,
+            gmres,
+            Beside::Nothing,
+            LOAD,
+        ),
+        entry("SIMPLE, AMG", simple, gmres, Beside::Nothing, LOAD),
+        entry("sparse LU", direct, gmres, Beside::Nothing, LOAD),
+    ]
+}
