@@ -3,6 +3,7 @@
 use super::finding::{Finding, Remark};
 use crate::saddle::DofCoordinate;
 use fracas_operators::sparse::SparseMatrix;
+use std::collections::HashMap;
 
 const FILE: &str = "coords.mtx";
 
@@ -37,8 +38,13 @@ pub(crate) struct RigidMotions {
 pub(crate) fn rigid_motions(a: &SparseMatrix<f64>, coordinates: &[DofCoordinate]) -> RigidMotions {
     let (mut free, mut wrong, mut worst) = (0, 0, 0.0f64);
     let mut first = None;
+    let whole = whole_nodes(coordinates);
     for (i, row) in a.outer_iterator().enumerate() {
         let here = coordinates[i].position;
+        // a roller near the row: its missing forces may cancel for a translation, not for a rotation
+        if row.iter().any(|(j, _)| !whole[j]) {
+            continue;
+        }
         let (mut translation, mut size) = ([0.0; 3], 0.0);
         let (mut rotation, mut lever) = ([0.0; 3], 0.0);
         for (j, a_ij) in row.iter() {
@@ -74,6 +80,18 @@ pub(crate) fn rigid_motions(a: &SparseMatrix<f64>, coordinates: &[DofCoordinate]
         worst,
         first,
     }
+}
+
+/// True for the unknowns at positions where all three components are unknown.
+fn whole_nodes(coordinates: &[DofCoordinate]) -> Vec<bool> {
+    // + 0.0 makes one zero of two
+    let key = |c: &DofCoordinate| c.position.map(|x| (x + 0.0).to_bits());
+    let mut components: HashMap<[u64; 3], u8> = HashMap::new();
+    for c in coordinates {
+        *components.entry(key(c)).or_default() |= 1 << c.component;
+    }
+    let is_whole = |c| components.get(&key(c)) == Some(&0b111);
+    coordinates.iter().map(is_whole).collect()
 }
 
 /// Remarks coordinates that do not fit.
