@@ -66,9 +66,9 @@ pub(super) fn entries() -> Vec<Entry> {
             inner: AMG(),
         })
     };
-    let mcp = |gamma, inner| {
+    let mcp = |gamma_factor, inner| {
         SaddleMethod::Mcp(Mcp {
-            gamma,
+            gamma_factor,
             inner,
             ..Mcp::default()
         })
@@ -101,13 +101,13 @@ pub(super) fn entries() -> Vec<Entry> {
             Beside::Racp,
             LOAD,
         ),
-        entry("MCP, AMG", mcp(None, AMG()), gmres, Beside::McpAmg, BOTH),
-        entry("MCP, FSAI", mcp(None, fsai), gmres, Beside::McpFsai, BOTH),
+        entry("MCP, AMG", mcp(1.0, AMG()), gmres, Beside::McpAmg, BOTH),
+        entry("MCP, FSAI", mcp(1.0, fsai), gmres, Beside::McpFsai, BOTH),
         Entry {
             tests: &["A"],
             ..entry(
                 CLASSICAL,
-                mcp(Some(0.0), AMG()),
+                mcp(0.0, AMG()),
                 gmres,
                 Beside::McpAmg,
                 LOAD,
