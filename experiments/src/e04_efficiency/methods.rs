@@ -105,13 +105,7 @@ pub(super) fn entries() -> Vec<Entry> {
         entry("MCP, FSAI", mcp(1.0, fsai), gmres, Beside::McpFsai, BOTH),
         Entry {
             tests: &["A"],
-            ..entry(
-                CLASSICAL,
-                mcp(0.0, AMG()),
-                gmres,
-                Beside::McpAmg,
-                LOAD,
-            )
+            ..entry(CLASSICAL, mcp(0.0, AMG()), gmres, Beside::McpAmg, LOAD)
         },
         entry(
             "block diagonal, AMG",
