@@ -98,7 +98,8 @@ impl InnerChoice {
         a: &SparseMatrix<f64>,
         coordinates: Option<&[DofCoordinate]>,
     ) -> Result<Ready, SetupError> {
-        let plain = |settings: &dyn Prepare<SparseMatrix<f64>, f64>| Ok(settings.prepare(a)?.into());
+        let plain =
+            |settings: &dyn Prepare<SparseMatrix<f64>, f64>| Ok(settings.prepare(a)?.into());
         match self {
             Self::Exact { backend } => {
                 let inverse = ScaledInverse::new(a, backend.solver()?.as_ref(), "A")?;

@@ -12,8 +12,8 @@ pub(crate) mod scaling;
 pub mod schur;
 mod unit;
 
-pub use augmentation::{Augmentation, AugmentationChoice, AugmentationMatrix};
 pub use crate::DofCoordinate;
+pub use augmentation::{Augmentation, AugmentationChoice, AugmentationMatrix};
 pub use blocks::{FlowBlocks, SaddleBlocks};
 pub use inner::InnerChoice;
 pub use operator::SaddleOperator;
