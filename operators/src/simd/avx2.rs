@@ -22,6 +22,7 @@ registers!(
     _mm256_sub_pd,
     _mm256_mul_pd,
     _mm256_fmadd_pd,
+    _mm256_fnmadd_pd,
     _mm256_div_pd
 );
 registers!(
@@ -35,6 +36,7 @@ registers!(
     _mm256_sub_ps,
     _mm256_mul_ps,
     _mm256_fmadd_ps,
+    _mm256_fnmadd_ps,
     _mm256_div_ps
 );
 

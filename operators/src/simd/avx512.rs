@@ -22,6 +22,7 @@ registers!(
     _mm512_sub_pd,
     _mm512_mul_pd,
     _mm512_fmadd_pd,
+    _mm512_fnmadd_pd,
     _mm512_div_pd
 );
 registers!(
@@ -35,6 +36,7 @@ registers!(
     _mm512_sub_ps,
     _mm512_mul_ps,
     _mm512_fmadd_ps,
+    _mm512_fnmadd_ps,
     _mm512_div_ps
 );
 

@@ -39,11 +39,17 @@ pub trait Lanes<R>: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output 
     /// `self · factor + term`, fused where the machine fuses.
     fn mul_add(self, factor: Self, term: Self) -> Self;
 
+    /// `self − a·b`, fused where the machine fuses.
+    fn minus_product(self, a: Self, b: Self) -> Self;
+
     /// `1/self`, correctly rounded.
     fn reciprocal(self) -> Self;
 
     /// Lanes moved up by one place, the last lane of `before` entering at the bottom.
     fn shifted(self, before: Self) -> Self;
+
+    /// Lanes moved down by one place, lane `lane` of `after` entering at the top.
+    fn lowered(self, after: Self, lane: usize) -> Self;
 
     /// Three registers of interleaved triples `x y z x y z …` as `[x, y, z]`.
     fn deinterleave(triples: [Self; 3]) -> [Self; 3];
@@ -165,9 +171,15 @@ mod tests {
                 assert_eq!(read(a - b)[i], x - y);
                 assert_eq!(read(a * b)[i], x * y);
                 assert_eq!(read(a.mul_add(b, c))[i], x * y + z);
+                assert_eq!(read(c.minus_product(a, b))[i], z - x * y);
                 assert_eq!(read(a.reciprocal())[i], x.recip());
                 assert_eq!(read(L::splat(y))[i], y);
                 assert_eq!(read(b.shifted(a))[i], data[w + i - 1]);
+                for lane in 0..w {
+                    let entering = data[2 * w + lane];
+                    let expected = if i + 1 < w { data[w + i + 1] } else { entering };
+                    assert_eq!(read(b.lowered(c, lane))[i], expected);
+                }
             }
             for start in 0..3 {
                 for (p, value) in read(L::repeat(&data[w..w + 3], start))

@@ -65,6 +65,11 @@ impl<R: Real> Lanes<R> for Array<R> {
     }
 
     #[inline(always)]
+    fn minus_product(self, a: Self, b: Self) -> Self {
+        self - a * b
+    }
+
+    #[inline(always)]
     fn reciprocal(mut self) -> Self {
         for value in &mut self.0 {
             *value = value.recip();
@@ -76,6 +81,12 @@ impl<R: Real> Lanes<R> for Array<R> {
     fn shifted(self, before: Self) -> Self {
         let a = self.0;
         Self([before.0[WIDTH - 1], a[0], a[1], a[2]])
+    }
+
+    #[inline(always)]
+    fn lowered(self, after: Self, lane: usize) -> Self {
+        let a = self.0;
+        Self([a[1], a[2], a[3], after.0[lane]])
     }
 
     #[inline(always)]

@@ -3,7 +3,7 @@
 /// Implements [`Lanes`](super::Lanes) for a register type that has `blend`, `permuted`, `after` and `first_three`.
 macro_rules! registers {
     ($name:ident, $scalar:ty, $width:literal, $set1:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident,
-     $fma:ident, $div:ident) => {
+     $fma:ident, $fnma:ident, $div:ident) => {
         impl std::ops::Add for $name {
             type Output = Self;
             #[inline(always)]
@@ -61,6 +61,12 @@ macro_rules! registers {
             }
 
             #[inline(always)]
+            fn minus_product(self, a: Self, b: Self) -> Self {
+                // SAFETY: see the type.
+                unsafe { Self($fnma(a.0, b.0, self.0)) }
+            }
+
+            #[inline(always)]
             fn reciprocal(self) -> Self {
                 // SAFETY: see the type.
                 unsafe { Self($div($set1(1.0), self.0)) }
@@ -69,6 +75,13 @@ macro_rules! registers {
             #[inline(always)]
             fn shifted(self, before: Self) -> Self {
                 self.after(before)
+            }
+
+            #[inline(always)]
+            fn lowered(self, after: Self, lane: usize) -> Self {
+                let down = self.permuted(|p| (p + 1) % $width);
+                let top = after.permuted(|_| lane);
+                Self::blend([down, top, top], |v, p| v == 1 && p + 1 == $width)
             }
 
             // Entry k of component c sits at position 3k + c, which is lane (3k + c) mod WIDTH of one of the three.

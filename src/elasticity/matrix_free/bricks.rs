@@ -1,52 +1,49 @@
 //! Stiffness products on rectilinear grids without a matrix: line by line through the grid, in modes of bricks.
 
-use super::colours::{Colours, Shared};
-use super::line::{Line, TILE};
-use super::modes::{Brick, D_X, D_Y, D_Z, LEXICOGRAPHIC, Modes, forces, to_corners, to_modes};
+use super::brick::Brick;
+use super::colours::Colours;
+use super::modes::LEXICOGRAPHIC;
+use super::sweep::{Product, TASK};
 use crate::elasticity::{Elastic, ElasticityError, check};
 use crate::mesh::HexMesh;
 use fracas_operators::operator::assert_product;
-use fracas_operators::simd::{Kernel, Lanes, Level, MAX_WIDTH};
+use fracas_operators::simd::{Level, MAX_WIDTH};
 use fracas_operators::{AdjointOperator, LinearOperator, Real, Shape};
-
-/// Element lines of one task along y and z. Two neighbouring tasks share node lines, so they have different colours;
-/// long enough that the lines computed twice are few, short enough that a small mesh has a task for every thread.
-const TASK: [usize; 2] = [32, 4];
 
 /// The stiffness `A` of a body of axis-aligned bricks, in full numbering.
 ///
-/// Every element is worth its modes (sums and differences of corner values, see [`forces`]); along a line of elements
+/// Every element is worth its modes (sums and differences of corner values); along a line of elements
 /// the registers hold consecutive elements, so no index is read. Elements at split nodes take an indexed path.
 ///
 /// # Cost
-/// Per element and f64: 262 flops; 24 bytes of vectors per unknown and 16 bytes of material.
+/// Per element and f64: 227 flops; 24 bytes of vectors per unknown and 16 bytes of material.
 #[derive(Clone, Debug)]
 pub struct Bricks<R> {
     level: Level,
-    cells: [usize; 3],
+    pub(super) cells: [usize; 3],
     nodes: usize,
     /// 1/h per axis; along x padded with zeros to `stride`.
-    inverse: [Vec<R>; 3],
+    pub(super) inverse: [Vec<R>; 3],
     /// λV/16 and GV/16 per element, lines padded to `stride`; zero where the element takes the indexed path.
-    lambda: Vec<R>,
-    shear: Vec<R>,
-    stride: usize,
+    pub(super) lambda: Vec<R>,
+    pub(super) shear: Vec<R>,
+    pub(super) stride: usize,
     tasks: Colours<Task<R>>,
 }
 
 /// A block of element lines and the elements in it that touch split nodes.
 #[derive(Clone, Debug)]
-struct Task<R> {
-    lines: [std::ops::Range<usize>; 2],
-    split: Vec<SplitElement<R>>,
+pub(super) struct Task<R> {
+    pub(super) lines: [std::ops::Range<usize>; 2],
+    pub(super) split: Vec<SplitElement<R>>,
 }
 
 /// An element that touches split nodes.
 #[derive(Clone, Copy, Debug)]
-struct SplitElement<R> {
+pub(super) struct SplitElement<R> {
     /// Nodes in lexicographic order.
-    nodes: [u32; 8],
-    brick: Brick<R>,
+    pub(super) nodes: [u32; 8],
+    pub(super) brick: Brick<R>,
 }
 
 impl<R: std::fmt::Debug> std::fmt::Debug for Brick<R> {
@@ -197,209 +194,15 @@ impl<R: Real> LinearOperator<R> for Bricks<R> {
     }
 
     fn flops(&self) -> u64 {
-        // Per element: sums and differences along z 6, x 24, y 24; forces 16 + 18 + 23 + 49 + 18; back along y 24 and
-        // x 24, neighbours along x and y 18, along z with α 18.
-        262 * self.cells.iter().product::<usize>() as u64
+        // Per element, additions + multiplications + 2 fused: along z and x 18, along y 21; the four groups of forces with
+        // their sums on both faces 9 + 13 + 16, twice 5 + 10 + 18, 7 + 13 + 20; what they share 3 + 5; back along x 12,
+        // neighbours 6, along z 6, with α 12.
+        227 * self.cells.iter().product::<usize>() as u64
     }
 }
 
 impl<R: Real> AdjointOperator<R> for Bricks<R> {
     fn apply_adjoint_add(&self, alpha: R, x: &[R], y: &mut [R], work: &mut [R]) {
         self.apply_add(alpha, x, y, work);
-    }
-}
-
-/// One task of one product.
-struct Product<'a, R> {
-    bricks: &'a Bricks<R>,
-    alpha: R,
-    x: &'a [R],
-    y: &'a Shared<'a, R>,
-    task: &'a Task<R>,
-}
-
-impl<R: Real> Kernel<R> for Product<'_, R> {
-    #[inline(always)]
-    fn run<L: Lanes<R>>(self) {
-        let [nx, ny, _] = self.bricks.cells;
-        let [lines_y, lines_z] = self.task.lines.clone();
-        let mut u = [Line::new(), Line::new()];
-        let mut f = [Line::new(), Line::new()];
-        for k in lines_z {
-            for first in (0..nx).step_by(TILE) {
-                let elements = TILE.min(nx - first);
-                let start = |j: usize, k: usize| 3 * (first + (nx + 1) * (j + (ny + 1) * k));
-                let nodes = elements + 1;
-                let mut now = 0;
-                u[now].read::<L>(
-                    nodes,
-                    &self.x[start(lines_y.start, k)..],
-                    &self.x[start(lines_y.start, k + 1)..],
-                );
-                f[now].clear();
-                for j in lines_y.clone() {
-                    let next = 1 - now;
-                    u[next].read::<L>(
-                        nodes,
-                        &self.x[start(j + 1, k)..],
-                        &self.x[start(j + 1, k + 1)..],
-                    );
-                    self.line::<L>(j, k, first, elements, [&u[now], &u[next]], &mut f, now);
-                    self.add::<L>(nodes, &f[now], start(j, k), start(j, k + 1));
-                    now = next;
-                }
-                self.add::<L>(
-                    nodes,
-                    &f[now],
-                    start(lines_y.end, k),
-                    start(lines_y.end, k + 1),
-                );
-            }
-        }
-        for chunk in self.task.split.chunks(L::WIDTH) {
-            self.split::<L>(chunk);
-        }
-    }
-}
-
-impl<R: Real> Product<'_, R> {
-    /// `y += α F` on the two node lines that `forces` belongs to.
-    #[inline(always)]
-    fn add<L: Lanes<R>>(&self, nodes: usize, forces: &Line<R>, low: usize, high: usize) {
-        // SAFETY: both lines belong to this task and are different.
-        let (low, high) = unsafe { (self.y.part(low, 3 * nodes), self.y.part(high, 3 * nodes)) };
-        forces.add_to::<L>(nodes, self.alpha, low, high);
-    }
-
-    /// Elements `first..first + elements` of the line (j, k): forces on node line j add to `f[now]`, those on line j + 1
-    /// replace the other.
-    #[inline(always)]
-    fn line<L: Lanes<R>>(
-        &self,
-        j: usize,
-        k: usize,
-        first: usize,
-        elements: usize,
-        u: [&Line<R>; 2],
-        f: &mut [Line<R>; 2],
-        now: usize,
-    ) {
-        let bricks = self.bricks;
-        let zero = L::splat(R::zero());
-        let (s, t) = (
-            L::splat(bricks.inverse[1][j]),
-            L::splat(bricks.inverse[2][k]),
-        );
-        let materials = first + bricks.stride * (j + bricks.cells[1] * k);
-        let (near, far) = {
-            let (a, b) = f.split_at_mut(1);
-            if now == 0 {
-                (&mut a[0], &mut b[0])
-            } else {
-                (&mut b[0], &mut a[0])
-            }
-        };
-        // Forces that elements to the left put on their right nodes, not yet added: [component][z mode][line].
-        let mut carried = [[[zero; 2]; 2]; 3];
-        let mut i = 0;
-        while i < elements {
-            let mut modes: Modes<L> = [[zero; 8]; 3];
-            for c in 0..3 {
-                for z in 0..2 {
-                    let (left0, right0) = (u[0].load::<L>(z, c, i), u[0].load::<L>(z, c, i + 1));
-                    let (left1, right1) = (u[1].load::<L>(z, c, i), u[1].load::<L>(z, c, i + 1));
-                    let (p0, d0) = (left0 + right0, right0 - left0);
-                    let (p1, d1) = (left1 + right1, right1 - left1);
-                    let m = D_Z * z;
-                    modes[c][m] = p0 + p1;
-                    modes[c][m | D_X] = d0 + d1;
-                    modes[c][m | D_Y] = p1 - p0;
-                    modes[c][m | D_X | D_Y] = d1 - d0;
-                }
-            }
-            let brick = Brick {
-                inverse: [L::load(&bricks.inverse[0][first + i..]), s, t],
-                lambda: L::load(&bricks.lambda[materials + i..]),
-                shear: L::load(&bricks.shear[materials + i..]),
-            };
-            let force = forces(&modes, brick);
-            for c in 0..3 {
-                for z in 0..2 {
-                    let m = D_Z * z;
-                    let (p, d) = (force[c][m], force[c][m | D_X]);
-                    let (py, dy) = (force[c][m | D_Y], force[c][m | D_X | D_Y]);
-                    let (sums, differences) = ([p - py, p + py], [d - dy, d + dy]);
-                    for line in 0..2 {
-                        let right = sums[line] + differences[line];
-                        let left = sums[line] - differences[line];
-                        let here = left + right.shifted(carried[c][z][line]);
-                        carried[c][z][line] = right;
-                        if line == 0 {
-                            (near.load::<L>(z, c, i) + here).store(near.lanes(z, c, i));
-                        } else {
-                            here.store(far.lanes(z, c, i));
-                        }
-                    }
-                }
-            }
-            i += L::WIDTH;
-        }
-        for c in 0..3 {
-            for z in 0..2 {
-                let [to_near, to_far] = carried[c][z];
-                let (to_near, to_far) = (zero.shifted(to_near), zero.shifted(to_far));
-                (near.load::<L>(z, c, i) + to_near).store(near.lanes(z, c, i));
-                to_far.store(far.lanes(z, c, i));
-            }
-        }
-    }
-
-    /// Up to `WIDTH` elements anywhere, by their node numbers.
-    #[inline(always)]
-    fn split<L: Lanes<R>>(&self, elements: &[SplitElement<R>]) {
-        let mut lanes = [[[R::zero(); MAX_WIDTH]; 8]; 3];
-        let mut brick = [[R::zero(); MAX_WIDTH]; 5];
-        for (l, element) in elements.iter().enumerate() {
-            for (m, node) in element.nodes.iter().enumerate() {
-                for c in 0..3 {
-                    lanes[c][m][l] = self.x[3 * *node as usize + c];
-                }
-            }
-            let Brick {
-                inverse,
-                lambda,
-                shear,
-            } = element.brick;
-            for (value, lanes) in inverse.into_iter().chain([lambda, shear]).zip(&mut brick) {
-                lanes[l] = value;
-            }
-        }
-        let [r, s, t, lambda, shear] = &brick;
-        let brick = Brick {
-            inverse: [L::load(r), L::load(s), L::load(t)],
-            lambda: L::load(lambda),
-            shear: L::load(shear),
-        };
-        let mut corners: Modes<L> = [[L::splat(R::zero()); 8]; 3];
-        for c in 0..3 {
-            for m in 0..8 {
-                corners[c][m] = L::load(&lanes[c][m]);
-            }
-        }
-        let force = to_corners(forces(&to_modes(corners), brick));
-        for c in 0..3 {
-            for m in 0..8 {
-                force[c][m].store(&mut lanes[c][m]);
-            }
-        }
-        for (l, element) in elements.iter().enumerate() {
-            for (m, node) in element.nodes.iter().enumerate() {
-                // SAFETY: the node belongs to this task.
-                let y = unsafe { self.y.part(3 * *node as usize, 3) };
-                for c in 0..3 {
-                    y[c] += self.alpha * lanes[c][m][l];
-                }
-            }
-        }
     }
 }

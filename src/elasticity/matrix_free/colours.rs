@@ -1,5 +1,6 @@
 //! Tasks that add to overlapping parts of one vector: those of one colour touch no common node and run in parallel.
 
+use fracas_operators::simd;
 use fracas_operators::vector::for_each_task;
 use std::marker::PhantomData;
 
@@ -46,6 +47,13 @@ pub(super) struct Shared<'a, R> {
 unsafe impl<R: Send> Sync for Shared<'_, R> {}
 
 impl<R> Shared<'_, R> {
+    /// Asks for the cache line of an entry, which may lie behind the end; changes nothing but time.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, index: usize) {
+        // SAFETY: an empty slice at the start of a live vector.
+        simd::prefetch(unsafe { std::slice::from_raw_parts(self.start, 0) }, index);
+    }
+
     /// `len` entries from `first`, writable.
     ///
     /// # Safety

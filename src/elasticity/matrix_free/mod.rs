@@ -1,5 +1,6 @@
 //! Stiffness products without a matrix.
 
+mod brick;
 mod bricks;
 mod colours;
 mod gauss;
@@ -7,6 +8,7 @@ mod hexes;
 mod line;
 mod modes;
 mod restricted;
+mod sweep;
 #[cfg(test)]
 mod tests;
 

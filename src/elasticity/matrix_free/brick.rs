@@ -1,0 +1,236 @@
+//! The stiffness of a brick between its two faces across y, in sums and differences along x and z.
+//!
+//! On a brick all products of modes vanish except those that one strain couples, so the modes fall into four groups that
+//! share none: on each face three pairs (component; sum or difference along x and along z). A group is small enough for
+//! the registers, from the displacements of both faces to the forces on them.
+
+use fracas_operators::Real;
+use fracas_operators::simd::Lanes;
+
+/// Values on a face y = const of an element: `[component][along z][along x]`, 0 the sum, 1 the difference.
+pub(super) type Face<L> = [[[L; 2]; 2]; 3];
+
+/// Geometry and material of a brick.
+#[derive(Clone, Copy)]
+pub(super) struct Brick<L> {
+    /// 1/h along x, y, z [1/m].
+    pub(super) inverse: [L; 3],
+    /// λ V/16 [N·m].
+    pub(super) lambda: L,
+    /// G V/16 [N·m].
+    pub(super) shear: L,
+}
+
+/// `(u_0, u_1) → (u_0 + u_1, u_1 − u_0)`.
+#[inline(always)]
+pub(super) fn sum_and_difference<R: Real, L: Lanes<R>>(low: L, high: L) -> [L; 2] {
+    [low + high, high - low]
+}
+
+/// The adjoint: `(F_p, F_d) → (F_p − F_d, F_p + F_d)`.
+#[inline(always)]
+pub(super) fn low_and_high<R: Real, L: Lanes<R>>([sum, difference]: [L; 2]) -> [L; 2] {
+    [sum - difference, sum + difference]
+}
+
+/// Forces `∂/∂u ½ ∫ λ (tr ε)² + 2G ε:ε`: those on the face at low y added to `waiting`, those on the face at high y.
+///
+/// Below `u v w` are the components of the displacement and `f g h` their forces; letters after the underscore name the
+/// axes along which a mode is a difference, none where it is a sum. A factor per axis comes from ∫ over the unit
+/// interval: 1/4 for a sum (its square is four times the mean's), 1/12 for a difference, hence the weights 1/16, 1/48
+/// and 1/144 of modes with one, two and three differences. Means cost no force.
+#[inline(always)]
+pub(super) fn forces<R: Real, L: Lanes<R>>(
+    low: &Face<L>,
+    high: &Face<L>,
+    brick: Brick<L>,
+    waiting: &Face<L>,
+) -> [Face<L>; 2] {
+    let [r, s, t] = brick.inverse;
+    let (lambda, shear) = (brick.lambda, brick.shear);
+    let third = L::splat(R::of(1.0 / 3.0));
+    let (lambda3, shear3) = (lambda * third, shear * third);
+    let (shear_twice, shear3_twice) = (shear + shear, shear3 + shear3);
+    let (r2, s2, t2) = (r * r, s * s, t * t);
+    // Modes that vary along all axes: λ/9 + G/9 times the own axis, G/9 times all.
+    let own = third * (lambda3 + shear3);
+    let all = third * shear3 * ((r2 + t2) + s2);
+    let mut near = *waiting;
+    let mut far = *waiting;
+
+    // Stretches of all axes, and those along x and z that bend along y.
+    {
+        let [u_x, u_xy] = sum_and_difference(low[0][0][1], high[0][0][1]);
+        let v_y = high[1][0][0] - low[1][0][0];
+        let [w_z, w_yz] = sum_and_difference(low[2][1][0], high[2][1][0]);
+        let (e_x, e_y, e_z) = (r * u_x, s * v_y, t * w_z);
+        let p = lambda * (e_x + e_y + e_z);
+        let f_x = r * shear_twice.mul_add(e_x, p);
+        let g = shear_twice.mul_add(e_y, p);
+        let h_z = t * shear_twice.mul_add(e_z, p);
+        let (e_x, e_z) = (r * u_xy, t * w_yz);
+        let p = lambda3 * (e_x + e_z);
+        let stiff = shear3 * s2;
+        let f_xy = stiff.mul_add(u_xy, r * shear3_twice.mul_add(e_x, p));
+        let h_yz = stiff.mul_add(w_yz, t * shear3_twice.mul_add(e_z, p));
+        near[0][0][1] = (near[0][0][1] + f_x) - f_xy;
+        far[0][0][1] = f_x + f_xy;
+        near[1][0][0] = near[1][0][0].minus_product(s, g);
+        far[1][0][0] = s * g;
+        near[2][1][0] = (near[2][1][0] + h_z) - h_yz;
+        far[2][1][0] = h_z + h_yz;
+    }
+
+    // The shear of x and y; stretches along y and z that bend along x; w along all axes.
+    {
+        let u_y = high[0][0][0] - low[0][0][0];
+        let [v_x, v_xy] = sum_and_difference(low[1][0][1], high[1][0][1]);
+        let [w_xz, w_xyz] = sum_and_difference(low[2][1][1], high[2][1][1]);
+        let tau = shear * s.mul_add(u_y, r * v_x);
+        let (e_y, e_z) = (s * v_xy, t * w_xz);
+        let p = lambda3 * (e_y + e_z);
+        let stiff = shear3 * r2;
+        let g_x = r * tau;
+        let g_xy = stiff.mul_add(v_xy, s * shear3_twice.mul_add(e_y, p));
+        let h_xz = stiff.mul_add(w_xz, t * shear3_twice.mul_add(e_z, p));
+        let k = own.mul_add(t2, all);
+        near[0][0][0] = near[0][0][0].minus_product(s, tau);
+        far[0][0][0] = s * tau;
+        near[1][0][1] = (near[1][0][1] + g_x) - g_xy;
+        far[1][0][1] = g_x + g_xy;
+        near[2][1][1] = (near[2][1][1] + h_xz).minus_product(k, w_xyz);
+        far[2][1][1] = k.mul_add(w_xyz, h_xz);
+    }
+
+    // The shear of y and z; stretches along x and y that bend along z; u along all axes.
+    {
+        let w_y = high[2][0][0] - low[2][0][0];
+        let [v_z, v_yz] = sum_and_difference(low[1][1][0], high[1][1][0]);
+        let [u_xz, u_xyz] = sum_and_difference(low[0][1][1], high[0][1][1]);
+        let tau = shear * s.mul_add(w_y, t * v_z);
+        let (e_x, e_y) = (r * u_xz, s * v_yz);
+        let p = lambda3 * (e_x + e_y);
+        let stiff = shear3 * t2;
+        let g_z = t * tau;
+        let g_yz = stiff.mul_add(v_yz, s * shear3_twice.mul_add(e_y, p));
+        let f_xz = stiff.mul_add(u_xz, r * shear3_twice.mul_add(e_x, p));
+        let k = own.mul_add(r2, all);
+        near[2][0][0] = near[2][0][0].minus_product(s, tau);
+        far[2][0][0] = s * tau;
+        near[1][1][0] = (near[1][1][0] + g_z) - g_yz;
+        far[1][1][0] = g_z + g_yz;
+        near[0][1][1] = (near[0][1][1] + f_xz).minus_product(k, u_xyz);
+        far[0][1][1] = k.mul_add(u_xyz, f_xz);
+    }
+
+    // The shear of x and z; twists: shears that vary along the axis in neither direction; v along all axes.
+    {
+        let [u_z, u_yz] = sum_and_difference(low[0][1][0], high[0][1][0]);
+        let [w_x, w_xy] = sum_and_difference(low[2][0][1], high[2][0][1]);
+        let [v_xz, v_xyz] = sum_and_difference(low[1][1][1], high[1][1][1]);
+        let tau = shear * t.mul_add(u_z, r * w_x);
+        let (f_z, h_x) = (t * tau, r * tau);
+        let tau_xy = shear3 * s.mul_add(u_yz, r * v_xz);
+        let tau_xz = shear3 * t.mul_add(u_yz, r * w_xy);
+        let tau_yz = shear3 * t.mul_add(v_xz, s * w_xy);
+        let f_yz = s.mul_add(tau_xy, t * tau_xz);
+        let g_xz = r.mul_add(tau_xy, t * tau_yz);
+        let h_xy = r.mul_add(tau_xz, s * tau_yz);
+        let k = own.mul_add(s2, all);
+        near[0][1][0] = (near[0][1][0] + f_z) - f_yz;
+        far[0][1][0] = f_z + f_yz;
+        near[2][0][1] = (near[2][0][1] + h_x) - h_xy;
+        far[2][0][1] = h_x + h_xy;
+        near[1][1][1] = (near[1][1][1] + g_xz).minus_product(k, v_xyz);
+        far[1][1][1] = k.mul_add(v_xyz, g_xz);
+    }
+    [near, far]
+}
+
+/// Displacements of the corners, x fastest, as the faces at low and high y.
+#[inline(always)]
+pub(super) fn to_faces<R: Real, L: Lanes<R>>(corners: &[[L; 8]; 3]) -> [Face<L>; 2] {
+    let mut faces = [[[[L::splat(R::zero()); 2]; 2]; 3]; 2];
+    for (y, face) in faces.iter_mut().enumerate() {
+        for c in 0..3 {
+            let u = &corners[c];
+            let left = sum_and_difference(u[2 * y], u[2 * y + 4]);
+            let right = sum_and_difference(u[2 * y + 1], u[2 * y + 5]);
+            for z in 0..2 {
+                face[c][z] = sum_and_difference(left[z], right[z]);
+            }
+        }
+    }
+    faces
+}
+
+/// The adjoint of [`to_faces`]: forces on the corners.
+#[inline(always)]
+pub(super) fn to_corners<R: Real, L: Lanes<R>>(faces: &[Face<L>; 2]) -> [[L; 8]; 3] {
+    let mut corners = [[L::splat(R::zero()); 8]; 3];
+    for (y, face) in faces.iter().enumerate() {
+        for c in 0..3 {
+            let (sums, differences) = (low_and_high(face[c][0]), low_and_high(face[c][1]));
+            for x in 0..2 {
+                let [low, high] = low_and_high([sums[x], differences[x]]);
+                (corners[c][x + 2 * y], corners[c][x + 2 * y + 4]) = (low, high);
+            }
+        }
+    }
+    corners
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::elasticity::Elastic;
+    use crate::elasticity::element::{CORNERS, Geometry};
+    use crate::elasticity::matrix_free::modes::LEXICOGRAPHIC;
+    use fracas_operators::laws::probe;
+    use fracas_operators::simd::{Kernel, Level};
+
+    struct Agree;
+
+    impl Kernel<f64> for Agree {
+        #[inline(always)]
+        fn run<L: Lanes<f64>>(self) {
+            let rock = Elastic {
+                young: 2.0,
+                poisson: 0.3,
+            };
+            let size = [0.5, 1.7, 3.0];
+            let k = Geometry::Brick(size).stiffness(rock);
+            let u: Vec<f64> = probe(24, 4);
+            let scale = size[0] * size[1] * size[2] / 16.0;
+            let brick = Brick {
+                inverse: size.map(|h| L::splat(1.0 / h)),
+                lambda: L::splat(rock.lambda() * scale),
+                shear: L::splat(rock.shear() * scale),
+            };
+            let corners = [0, 1, 2].map(|i| LEXICOGRAPHIC.map(|a| L::splat(u[3 * a + i])));
+            let [low, high] = to_faces(&corners);
+            let nothing = [[[L::splat(0.0); 2]; 2]; 3];
+            let f = to_corners(&forces(&low, &high, brick, &nothing));
+            let mut lanes = vec![0.0; L::WIDTH];
+            for i in 0..3 {
+                for (m, a) in LEXICOGRAPHIC.into_iter().enumerate() {
+                    let row = &k[3 * a + i];
+                    let expected: f64 = row.iter().zip(&u).map(|(k, u)| k * u).sum();
+                    f[i][m].store(&mut lanes);
+                    assert!(
+                        (lanes[0] - expected).abs() < 1e-13,
+                        "corner {:?}",
+                        CORNERS[a]
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn forces_of_modes_agree_with_the_element_matrix() {
+        for level in Level::supported() {
+            level.run::<f64>(Agree);
+        }
+    }
+}

@@ -1,0 +1,235 @@
+//! One task of a product with bricks: sweeps along y, the registers over consecutive elements along x.
+
+use super::brick::{Brick, Face, forces, to_corners, to_faces};
+use super::bricks::{Bricks, SplitElement, Task};
+use super::colours::Shared;
+use super::line;
+use fracas_operators::Real;
+use fracas_operators::simd::{Kernel, Lanes, MAX_WIDTH, prefetch};
+
+/// Element lines of one task along y and z. Two neighbouring tasks share node lines, so they have different colours;
+/// long enough that the lines computed twice are few, short enough that a sweep's lines stay in the first-level cache
+/// and a small mesh has a task for every thread.
+pub(super) const TASK: [usize; 2] = [16, 4];
+
+/// One task of one product.
+pub(super) struct Product<'a, R> {
+    pub(super) bricks: &'a Bricks<R>,
+    pub(super) alpha: R,
+    pub(super) x: &'a [R],
+    pub(super) y: &'a Shared<'a, R>,
+    pub(super) task: &'a Task<R>,
+}
+
+/// Forces on the right nodes of elements, `[component][sum, difference along z]`; only the last is not yet added.
+type Carried<L> = [[L; 2]; 3];
+
+impl<R: Real> Kernel<R> for Product<'_, R> {
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) {
+        let nx = self.bricks.cells[0];
+        let whole = nx - nx % L::WIDTH;
+        for k in self.task.lines[1].clone() {
+            let mut carried = [[[L::splat(R::zero()); 2]; 3]; TASK[0] + 1];
+            for first in (0..whole).step_by(L::WIDTH) {
+                self.sweep::<L, true>(k, first, &mut carried);
+            }
+            if whole < nx {
+                self.sweep::<L, false>(k, whole, &mut carried);
+            } else {
+                self.last_nodes(k, &carried);
+            }
+        }
+        for chunk in self.task.split.chunks(L::WIDTH) {
+            self.split::<L>(chunk);
+        }
+    }
+}
+
+impl<R: Real> Product<'_, R> {
+    /// First unknown of the node (i, j, k).
+    #[inline(always)]
+    fn place(&self, i: usize, j: usize, k: usize) -> usize {
+        let [nx, ny, _] = self.bricks.cells;
+        3 * (i + (nx + 1) * (j + (ny + 1) * k))
+    }
+
+    /// Elements `first..first + WIDTH` of all lines of the layer k, or fewer at the end of the lines if not `WHOLE`: then
+    /// also the last node. A face of elements is read once and its forces are added to y once.
+    #[inline(always)]
+    fn sweep<L: Lanes<R>, const WHOLE: bool>(
+        &self,
+        k: usize,
+        first: usize,
+        carried: &mut [Carried<L>; TASK[0] + 1],
+    ) {
+        let bricks = self.bricks;
+        let lines = self.task.lines[0].clone();
+        let (r, t) = (
+            L::load(&bricks.inverse[0][first..]),
+            L::splat(bricks.inverse[2][k]),
+        );
+        // What the next sweep needs on its upper lines, which are too far apart for the machine to guess.
+        let next = if first + L::WIDTH < bricks.cells[0] {
+            (first + L::WIDTH, k)
+        } else {
+            (0, k + 1)
+        };
+        let mut materials_ahead = next.0 + bricks.stride * (lines.start + bricks.cells[1] * next.1);
+        let mut ahead = self.place(next.0, lines.start, next.1 + 1);
+        // Both faces stay in memory, chosen by parity: in registers they would only be moved and spilled.
+        let nothing = [[[L::splat(R::zero()); 2]; 2]; 3];
+        let row = self.place(0, 1, 0);
+        let mut at = [k, k + 1].map(|k| self.place(first, lines.start, k));
+        let mut faces = [self.read::<L, WHOLE>(first, at), nothing];
+        let mut materials = first + bricks.stride * (lines.start + bricks.cells[1] * k);
+        let mut waiting = [nothing; 2];
+        let mut now = 0;
+        for (j, carried) in lines.clone().zip(&mut *carried) {
+            let next = 1 - now;
+            let behind = [at[0] + row, at[1] + row];
+            faces[next] = self.read::<L, WHOLE>(first, behind);
+            let brick = Brick {
+                inverse: [r, L::splat(bricks.inverse[1][j]), t],
+                lambda: L::load(&bricks.lambda[materials..]),
+                shear: L::load(&bricks.shear[materials..]),
+            };
+            if WHOLE {
+                self.ask(ahead, materials_ahead);
+                (ahead, materials_ahead) = (ahead + row, materials_ahead + bricks.stride);
+            }
+            let [near, far] = forces(&faces[now], &faces[next], brick, &waiting[now]);
+            waiting[next] = far;
+            self.add::<L, WHOLE>(&near, carried, first, at);
+            (now, at) = (next, behind);
+            materials += bricks.stride;
+        }
+        let carried = &mut carried[lines.len()];
+        self.add::<L, WHOLE>(&waiting[now], carried, first, at);
+    }
+
+    /// Asks for the nodes of a register on one line of both vectors, and for the materials of its elements.
+    #[inline(always)]
+    fn ask(&self, nodes: usize, materials: usize) {
+        let cache_line = 64 / size_of::<R>();
+        for i in 0..4 {
+            prefetch(self.x, nodes + i * cache_line);
+            self.y.prefetch(nodes + i * cache_line);
+        }
+        prefetch(&self.bricks.lambda, materials);
+        prefetch(&self.bricks.shear, materials);
+    }
+
+    /// Modes along x and z of the elements from `first` on the node lines whose first of these nodes are at `at`.
+    #[inline(always)]
+    fn read<L: Lanes<R>, const WHOLE: bool>(
+        &self,
+        first: usize,
+        [low, high]: [usize; 2],
+    ) -> Face<L> {
+        if WHOLE {
+            return line::read(&self.x[low..], &self.x[high..]);
+        }
+        let len = 3 * (self.bricks.cells[0] + 1 - first);
+        let mut padded = [[R::zero(); 3 * MAX_WIDTH + 3]; 2];
+        padded[0][..len].copy_from_slice(&self.x[low..low + len]);
+        padded[1][..len].copy_from_slice(&self.x[high..high + len]);
+        line::read(&padded[0], &padded[1])
+    }
+
+    /// `y += α F` on the same nodes.
+    #[inline(always)]
+    fn add<L: Lanes<R>, const WHOLE: bool>(
+        &self,
+        face: &Face<L>,
+        carried: &mut Carried<L>,
+        first: usize,
+        [low, high]: [usize; 2],
+    ) {
+        let len = if WHOLE {
+            3 * L::WIDTH
+        } else {
+            3 * (self.bricks.cells[0] + 1 - first)
+        };
+        // SAFETY: both lines belong to this task and are different.
+        let (low, high) = unsafe { (self.y.part(low, len), self.y.part(high, len)) };
+        if WHOLE {
+            return line::add(face, carried, self.alpha, low, high);
+        }
+        let mut padded = [[R::zero(); 3 * MAX_WIDTH]; 2];
+        padded[0][..len].copy_from_slice(low);
+        padded[1][..len].copy_from_slice(high);
+        let [a, b] = &mut padded;
+        line::add(face, carried, self.alpha, a, b);
+        low.copy_from_slice(&padded[0][..len]);
+        high.copy_from_slice(&padded[1][..len]);
+    }
+
+    /// `y += α F` at the last nodes of lines of whole registers.
+    #[inline(always)]
+    fn last_nodes<L: Lanes<R>>(&self, k: usize, carried: &[Carried<L>]) {
+        let lines = self.task.lines[0].clone();
+        for (j, carried) in (lines.start..=lines.end).zip(carried) {
+            let nx = self.bricks.cells[0];
+            let (low, high) = (self.place(nx, j, k), self.place(nx, j, k + 1));
+            // SAFETY: both nodes belong to this task and are different.
+            let (low, high) = unsafe { (self.y.part(low, 3), self.y.part(high, 3)) };
+            for c in 0..3 {
+                let (sum, difference) = (line::last(carried[c][0]), line::last(carried[c][1]));
+                low[c] += self.alpha * (sum - difference);
+                high[c] += self.alpha * (sum + difference);
+            }
+        }
+    }
+
+    /// Up to `WIDTH` elements anywhere, by their node numbers.
+    #[inline(always)]
+    fn split<L: Lanes<R>>(&self, elements: &[SplitElement<R>]) {
+        let mut lanes = [[[R::zero(); MAX_WIDTH]; 8]; 3];
+        let mut brick = [[R::zero(); MAX_WIDTH]; 5];
+        for (l, element) in elements.iter().enumerate() {
+            for (m, node) in element.nodes.iter().enumerate() {
+                for c in 0..3 {
+                    lanes[c][m][l] = self.x[3 * *node as usize + c];
+                }
+            }
+            let Brick {
+                inverse,
+                lambda,
+                shear,
+            } = element.brick;
+            for (value, lanes) in inverse.into_iter().chain([lambda, shear]).zip(&mut brick) {
+                lanes[l] = value;
+            }
+        }
+        let [r, s, t, lambda, shear] = &brick;
+        let brick = Brick {
+            inverse: [L::load(r), L::load(s), L::load(t)],
+            lambda: L::load(lambda),
+            shear: L::load(shear),
+        };
+        let zero = L::splat(R::zero());
+        let mut corners = [[zero; 8]; 3];
+        for c in 0..3 {
+            for m in 0..8 {
+                corners[c][m] = L::load(&lanes[c][m]);
+            }
+        }
+        let [low, high] = to_faces(&corners);
+        let force = to_corners(&forces(&low, &high, brick, &[[[zero; 2]; 2]; 3]));
+        for c in 0..3 {
+            for m in 0..8 {
+                force[c][m].store(&mut lanes[c][m]);
+            }
+        }
+        for (l, element) in elements.iter().enumerate() {
+            for (m, node) in element.nodes.iter().enumerate() {
+                // SAFETY: the node belongs to this task.
+                let y = unsafe { self.y.part(3 * *node as usize, 3) };
+                for c in 0..3 {
+                    y[c] += self.alpha * lanes[c][m][l];
+                }
+            }
+        }
+    }
+}
