@@ -16,7 +16,8 @@ const STEPS: usize = 40;
 /// Residual of a Ritz value, relative to its modulus, below which it is taken for an eigenvalue.
 const SETTLED: f64 = 0.1;
 
-/// An outlier is this many times smaller or larger than the median modulus.
+/// Moduli between which an eigenvalue is no outlier: M is there to make all of them 1. (The median of Ritz values is no
+/// reference: they prefer the outer eigenvalues.)
 const FAR: (f64, f64) = (0.1, 3.0);
 
 /// Outliers that are located.
@@ -40,7 +41,7 @@ pub struct Seen {
     pub kappa: Option<f64>,
     /// Smallest Re θ; negative for an indefinite M⁻¹𝒜.
     pub re_min: Option<f64>,
-    /// Number of θ below a tenth or above three times the median |θ|.
+    /// Number of θ with |θ| below 0.1 or above 3.
     pub n_outliers: usize,
     /// The three farthest, one of each conjugate pair.
     pub outliers: Vec<Outlier>,
@@ -98,9 +99,8 @@ impl Seen {
         settled.sort_by(|&i, &j| size(i).total_cmp(&size(j)));
         let modulus_min = settled.first().map(|&j| size(j));
         let modulus_max = settled.last().map(|&j| size(j));
-        let median = settled.get(settled.len() / 2).map_or(1.0, |&j| size(j));
         // 1 at the edge of the bulk
-        let distance = |j: usize| (FAR.0 * median / size(j)).max(size(j) / (FAR.1 * median));
+        let distance = |j: usize| (FAR.0 / size(j)).max(size(j) / FAR.1);
         let mut far: Vec<usize> = settled
             .iter()
             .copied()

@@ -63,9 +63,8 @@ fn a_c_below_h_is_advised_away_and_local_h_is_not() {
         local.advice
     );
     assert!(!local_h.advice.contains("local_h"), "{}", local_h.advice);
-    // (I + S_u⁻¹-terms): H-blind C leaves eigenvalues of size H/C
-    assert!(
-        local.seen.unwrap().modulus_max.unwrap()
-            > 10.0 * local_h.seen.unwrap().modulus_max.unwrap()
-    );
+    // H-blind C leaves eigenvalues of size H/C, and they are the outliers
+    let (blind, seeing) = (local.seen.unwrap(), local_h.seen.unwrap());
+    assert!(blind.modulus_max.unwrap() > 10.0 * seeing.modulus_max.unwrap());
+    assert!(blind.outliers[0].eigenvalue.0 > 3.0 && seeing.n_outliers == 0);
 }
