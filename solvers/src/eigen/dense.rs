@@ -1,12 +1,13 @@
 //! Dense factorizations and spectra on faer's kernels.
 
+use super::tridiagonal::tridiagonal;
 use crate::SetupError;
-use faer::diag::Diag;
+use faer::diag::{Diag, DiagRef};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor as llt;
 use faer::linalg::evd::{self, ComputeEigenvectors};
 use faer::linalg::svd::{self, ComputeSvdVectors};
-use faer::linalg::{matmul, triangular_solve};
+use faer::linalg::{matmul, temp_mat_scratch, triangular_solve};
 use faer::{Accum, Mat, MatMut, MatRef, Par, c64};
 use fracas_operators::sparse::SparseMatrix;
 use rayon::prelude::*;
@@ -46,16 +47,26 @@ pub fn to_dense(a: &SparseMatrix<f64>) -> Mat<f64> {
 /// Eigenvalues of a symmetric matrix (its lower triangle), ascending.
 pub fn symmetric_eigenvalues(a: MatRef<'_, f64>) -> Result<Vec<f64>, SetupError> {
     let n = a.nrows();
+    let largest = (0..n).flat_map(|j| (j..n).map(move |i| a[(i, j)].abs()));
+    // a power of two keeps squares in range and changes no digit
+    let scale = match largest.fold(0.0, |m: f64, v| if v > m || v.is_nan() { v } else { m }) {
+        0.0 => return Ok(vec![0.0; n]),
+        largest if largest.is_finite() => largest.log2().floor().exp2(),
+        _ => return Err(not_converged(())),
+    };
+    let mut entries = vec![0.0; n * n];
+    for j in 0..n {
+        for i in j..n {
+            entries[j * n + i] = a[(i, j)] / scale;
+        }
+    }
+    let (diagonal, below) = tridiagonal(&mut entries, n);
+    drop(entries);
     let mut s = Diag::<f64>::zeros(n);
-    let request = evd::self_adjoint_evd_scratch::<f64>(
-        n,
-        ComputeEigenvectors::No,
-        Par::Seq,
-        Default::default(),
-    );
-    let mut memory = buffer(request);
-    evd::self_adjoint_evd(
-        a,
+    let mut memory = buffer(temp_mat_scratch::<f64>(n, 1).array(2));
+    evd::tridiagonal_self_adjoint_evd(
+        DiagRef::from_slice(&diagonal),
+        DiagRef::from_slice(&below),
         s.as_mut(),
         None,
         Par::Seq,
@@ -63,7 +74,7 @@ pub fn symmetric_eigenvalues(a: MatRef<'_, f64>) -> Result<Vec<f64>, SetupError>
         Default::default(),
     )
     .map_err(not_converged)?;
-    Ok(s.column_vector().iter().copied().collect())
+    Ok(s.column_vector().iter().map(|v| scale * v).collect())
 }
 
 /// Eigenvalues (ascending) and orthonormal eigenvectors of a symmetric matrix (its lower triangle).
@@ -215,7 +226,7 @@ pub fn cholesky(mut a: Mat<f64>) -> Result<Mat<f64>, usize> {
 }
 
 /// Splits the columns of `b` at fixed places and works on the parts in parallel.
-fn for_column_blocks(
+pub(super) fn for_column_blocks(
     b: MatMut<'_, f64>,
     first: usize,
     work: &(impl Fn(usize, MatMut<'_, f64>) + Sync),
