@@ -52,7 +52,7 @@ impl<const K: usize> Coarse<K> {
 pub(super) struct NotPositive(pub(super) usize);
 
 /// Coarsens `a + Δ` (block-diagonal Δ, may be empty) with `group` block rows per node; `None` when it does not get
-/// coarser.
+/// coarser. A coarse row in an error is named by the first fine one of its aggregate.
 pub(super) fn coarsen<R: Real, const K: usize>(
     settings: &Amg,
     depth: usize,
@@ -90,7 +90,10 @@ pub(super) fn coarsen<R: Real, const K: usize>(
         plain
     };
     let blocks = galerkin::product(a, defect, &prolongation, &patterns);
-    let matrix = coarse_matrix(patterns.coarse(), blocks)?;
+    let matrix = coarse_matrix(patterns.coarse(), blocks).map_err(|NotPositive(row)| {
+        let node = aggregates.first_nodes()[row / K];
+        NotPositive(3 * node * group + row % 3)
+    })?;
     let modes = tentative.coarse.iter();
     let bonds = bonds.take().map(|bonds| aggregates.bonds(bonds));
     Ok(Some(Coarse {
@@ -145,4 +148,41 @@ pub(super) fn coarse_matrix<const K: usize>(
         }
     }
     Ok(SweepMatrix::new(offsets, columns, blocks, inverses))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::SetupError;
+    use crate::amg::Amg;
+    use crate::elastic_sample::cube;
+    use fracas_operators::sparse::{SparseMatrix, Triplets};
+
+    #[test]
+    fn a_coarse_matrix_that_is_not_positive_is_named_by_a_row_near_the_defect() {
+        let (a, coordinates) = cube(8);
+        // softer than nothing in the last corner: blocks stay positive, the energy of a motion of many nodes does not
+        let soft = |i: usize| coordinates[i].position.iter().all(|x| *x >= 5.0);
+        let mut triplets = Triplets::new((a.rows(), a.rows()));
+        for (value, (i, j)) in a.iter() {
+            let shift = if i == j && soft(i as usize) {
+                0.4 * value
+            } else {
+                0.0
+            };
+            triplets.add_triplet(i as usize, j as usize, value - shift);
+        }
+        let a: SparseMatrix<f64> = triplets.to_csr();
+        let settings = Amg {
+            coarsest: 50,
+            ..Amg::default()
+        };
+        for known in [Some(&coordinates[..]), None] {
+            let error = settings.build(&a, known).unwrap_err();
+            let SetupError::NotPositiveDefinite { row, .. } = error else {
+                panic!("{error}");
+            };
+            let place = coordinates[row - 1].position;
+            assert!(place.iter().all(|x| *x >= 3.0), "row {row} at {place:?}");
+        }
+    }
 }

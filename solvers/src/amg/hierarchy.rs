@@ -5,7 +5,6 @@ use super::coarse::{Coarse, NotPositive, coarsen};
 use super::coarsest::{Coarsest, NoInverse};
 use super::finest::Finest;
 use super::fsai_smoother;
-use super::node_map::NONE;
 use super::summary::{LevelSummary, Summary};
 use super::sweeps::SweepMatrix;
 use super::transfer::Transfer;
@@ -60,13 +59,9 @@ impl<'a> Representatives<'a> {
 
     /// Goes down from nodes of `group` block rows to aggregates of `parts`.
     pub(super) fn adopt(&mut self, aggregates: &Aggregates, group: usize, parts: usize) {
-        let mut next = vec![0; aggregates.count * parts];
-        for (node, aggregate) in aggregates.of.iter().enumerate().rev() {
-            if *aggregate != NONE {
-                next[*aggregate as usize * parts..][..parts].fill(self.rows[node * group]);
-            }
-        }
-        self.rows = next;
+        let nodes = aggregates.first_nodes();
+        let names = |node| std::iter::repeat_n(self.rows[node * group], parts);
+        self.rows = nodes.into_iter().flat_map(names).collect();
     }
 
     /// Unknown of the finest level, from 1, for a scalar row.
