@@ -84,7 +84,7 @@ pub(super) fn exact(a: &Dense<f64>) -> Explicit {
 }
 
 /// Solves from zero with `work` full of NaN.
-pub(super) fn solve(
+pub(crate) fn solve(
     method: &dyn KrylovMethod<f64>,
     operator: &dyn LinearOperator<f64>,
     preconditioner: &dyn Preconditioner<f64>,
@@ -117,7 +117,7 @@ pub(crate) fn cg_iterations(
 }
 
 /// Tolerance and limit in one line.
-pub(super) fn until(relative_tolerance: f64, max_iterations: usize) -> Criteria {
+pub(crate) fn until(relative_tolerance: f64, max_iterations: usize) -> Criteria {
     Criteria {
         relative_tolerance,
         max_iterations,
