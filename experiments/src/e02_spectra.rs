@@ -143,8 +143,36 @@ fn strip(id: &str, caption: &str, reports: &[SpectrumReport]) -> Figure {
     figure
 }
 
+/// The check that the proved region has every eigenvalue, and the figure `{id}_{C}_{h or 0}` of both; `inner` stands in for
+/// S_u⁻¹: its name, and the same in more words.
+pub(crate) fn region(
+    id: &str,
+    inner: [&str; 2],
+    with_h: bool,
+    report: &SpectrumReport,
+) -> (Check, Figure) {
+    let [name, in_words] = inner;
+    let c = &report.augmentation;
+    let (h, tag, theorem) = if with_h {
+        ("H ≠ 0", "h", "the extension of theorem 2")
+    } else {
+        ("H = 0", "0", "theorem 2 (with the sharper disc)")
+    };
+    let check = Check::holds(
+        format!("{c}, {h}: {name} for S_u, every eigenvalue in the proved region"),
+        "inside",
+        format!("{} outside", report.outside.len()),
+        report.contained == Some(true),
+    );
+    let caption = format!(
+        "{h}, C = {c}, {in_words} for S_u⁻¹: all {} eigenvalues over the region that {theorem} proves.",
+        report.n_u + report.n_t,
+    );
+    (check, plane(&format!("{id}_{c}_{tag}"), &caption, report))
+}
+
 /// Eigenvalues in the complex plane over the proved region.
-pub(crate) fn plane(id: &str, caption: &str, report: &SpectrumReport) -> Figure {
+fn plane(id: &str, caption: &str, report: &SpectrumReport) -> Figure {
     let points = report.eigenvalues.iter().map(|(re, im)| [re, im]).collect();
     let mut figure = Figure::complex_plane(id, "", caption, &[("eigenvalues", points)]);
     let Bounds {
@@ -354,27 +382,12 @@ impl Experiment for Spectra {
                 else {
                     continue;
                 };
-                let words = if with_h { "H ≠ 0" } else { "H = 0" };
-                findings.checks.push(Check::holds(
-                    format!("{augmentation}, {words}: SSOR for S_u, every eigenvalue in the proved region"),
-                    "inside",
-                    format!("{} outside", report.outside.len()),
-                    report.contained == Some(true),
-                ));
+                let (check, figure) = region("e02_ssor", ["SSOR"; 2], with_h, &report);
+                findings.checks.push(check);
+                findings.figures.push(figure);
                 if with_h {
                     printed_fails += report.printed.as_ref().map_or(0, |p| p.outside.len());
                 }
-                let id = format!("e02_ssor_{augmentation}_{}", if with_h { "h" } else { "0" });
-                let caption = format!(
-                    "{words}, C = {augmentation}, SSOR for S_u⁻¹: all {} eigenvalues over the region that {} proves.",
-                    report.n_u + report.n_t,
-                    if with_h {
-                        "the extension of theorem 2"
-                    } else {
-                        "theorem 2 (with the sharper disc)"
-                    },
-                );
-                findings.figures.push(plane(&id, &caption, &report));
             }
         }
         findings.checks.push(Check::at_least(

@@ -1,6 +1,6 @@
 //! e02b: the spectrum of M⁻¹𝒜 with multigrid for S_u⁻¹, all of it on a small body, its ends on a large one.
 
-use crate::e02_spectra::plane;
+use crate::e02_spectra::region;
 use crate::report::{Cell, Check, Experiment, Findings, Level, Table};
 use fracas::contact::JumpStabilization;
 use fracas::scene::named;
@@ -183,23 +183,11 @@ fn whole_spectra(
                 2.0,
                 levels as f64,
             ));
-            findings.checks.push(Check::holds(
-                format!("{augmentation}, {words}: multigrid for S_u, every eigenvalue in the proved region"),
-                "inside",
-                format!("{} outside", report.outside.len()),
-                report.contained == Some(true),
-            ));
-            let id = format!("e02b_amg_{augmentation}_{}", if with_h { "h" } else { "0" });
-            let caption = format!(
-                "{words}, C = {augmentation}, multigrid of {levels} levels for S_u⁻¹: all {} eigenvalues over the region that {} proves.",
-                report.n_u + report.n_t,
-                if with_h {
-                    "the extension of theorem 2"
-                } else {
-                    "theorem 2 (with the sharper disc)"
-                },
-            );
-            findings.figures.push(plane(&id, &caption, &report));
+            let in_words = format!("multigrid of {levels} levels");
+            let inner = ["multigrid", in_words.as_str()];
+            let (check, figure) = region("e02b_amg", inner, with_h, &report);
+            findings.checks.push(check);
+            findings.figures.push(figure);
             if with_h && augmentation == AugmentationChoice::LocalH {
                 single(findings, &blocks, &request, &report, observer)?;
             }

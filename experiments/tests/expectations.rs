@@ -1,6 +1,9 @@
 //! Claim: every experiment holds at the smoke level and gives the numbers that are committed in `expected/`.
 #![allow(clippy::unwrap_used)]
 
+mod csv;
+
+use csv::cells;
 use fracas_experiments::list::EXPERIMENTS;
 use fracas_experiments::report::Level;
 use fracas_solvers::Silent;
@@ -12,20 +15,6 @@ const TOLERANCE: f64 = 1e-6;
 /// Iterations, and what is computed from them, agree to this: the residual that ends an iteration crosses the tolerance one
 /// step sooner or later where another processor rounds otherwise.
 const COUNTS: f64 = 0.1;
-
-/// Splits a CSV line at commas outside quotes.
-fn cells(line: &str) -> Vec<String> {
-    let mut cells = vec![String::new()];
-    let mut quoted = false;
-    for c in line.chars() {
-        match c {
-            '"' => quoted = !quoted,
-            ',' if !quoted => cells.push(String::new()),
-            other => cells.last_mut().unwrap().push(other),
-        }
-    }
-    cells
-}
 
 fn agree(column: &str, expected: &str, found: &str) -> bool {
     match (expected.parse::<f64>(), found.parse::<f64>()) {

@@ -1,6 +1,9 @@
 //! Claim: the manuscript's data are what the experiments write today: same tables, same columns, numbers that parse.
 #![allow(clippy::unwrap_used)]
 
+mod csv;
+
+use csv::cells;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -25,20 +28,6 @@ fn present() -> Vec<String> {
     let index = json(&root().join("paper/data/index.json"));
     let ids = index["experiments"].as_array().unwrap();
     ids.iter().map(|id| id.as_str().unwrap().into()).collect()
-}
-
-/// Cells of a CSV line; no cell of these tables has a quote inside.
-fn cells(line: &str) -> Vec<String> {
-    let mut cells = vec![String::new()];
-    let mut quoted = false;
-    for c in line.chars() {
-        match c {
-            '"' => quoted = !quoted,
-            ',' if !quoted => cells.push(String::new()),
-            other => cells.last_mut().unwrap().push(other),
-        }
-    }
-    cells
 }
 
 /// Names of the tables of an experiment.

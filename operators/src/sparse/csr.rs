@@ -44,6 +44,10 @@ impl<R: Real> Csr<R> {
         &self.matrix
     }
 
+    fn view(&self) -> CsrView<'_, R> {
+        CsrView(&self.matrix)
+    }
+
     /// Stored entries.
     pub fn nnz(&self) -> usize {
         self.matrix.nnz()
@@ -92,16 +96,15 @@ fn columns_add<R: Real>(a: &SparseMatrix<R>, alpha: R, x: &[R], y: &mut [R]) {
 
 impl<R: Real> LinearOperator<R> for Csr<R> {
     fn shape(&self) -> Shape {
-        Shape::new(self.matrix.rows(), self.matrix.cols())
+        self.view().shape()
     }
 
-    fn apply_add(&self, alpha: R, x: &[R], y: &mut [R], _work: &mut [R]) {
-        assert_product(self.shape(), x, y);
-        rows_add(&self.matrix, alpha, x, y);
+    fn apply_add(&self, alpha: R, x: &[R], y: &mut [R], work: &mut [R]) {
+        self.view().apply_add(alpha, x, y, work);
     }
 
     fn flops(&self) -> u64 {
-        2 * (self.matrix.nnz() + self.matrix.rows()) as u64
+        self.view().flops()
     }
 }
 

@@ -15,6 +15,17 @@ pub(super) struct Aggregates {
 }
 
 impl Aggregates {
+    /// First node of every aggregate; 0 for one without nodes.
+    pub(super) fn first_nodes(&self) -> Vec<usize> {
+        let mut first = vec![0; self.count];
+        for (node, aggregate) in self.of.iter().enumerate().rev() {
+            if *aggregate != NONE {
+                first[*aggregate as usize] = node;
+            }
+        }
+        first
+    }
+
     /// Aggregates that a bond between their nodes joins.
     pub(super) fn bonds(&self, of_nodes: &Pattern) -> Pattern {
         let mut members: Vec<Vec<u32>> = vec![Vec::new(); self.count];

@@ -5,6 +5,7 @@ use super::node_map::{NONE, NodeMap};
 use super::rows::Pattern;
 use super::sweeps::SweepMatrix;
 use crate::SetupError;
+use crate::smoothers::entries::finite_entries;
 use fracas_operators::sparse::SparseMatrix;
 use fracas_operators::{Real, Shape};
 use rayon::prelude::*;
@@ -47,16 +48,7 @@ impl<'a> Sum<'a> {
                 reason: "multigrid needs a square matrix stored by rows",
             });
         }
-        for (i, row) in a.outer_iterator().enumerate() {
-            if let Some((j, value)) = row.iter().find(|(_, value)| !value.is_finite()) {
-                return Err(SetupError::NotFinite {
-                    block: BLOCK,
-                    row: i + 1,
-                    column: j + 1,
-                    value: *value,
-                });
-            }
-        }
+        finite_entries(a)?;
         let factor = factor.map(|f| {
             let f = if f.is_csr() { f.clone() } else { f.to_csr() };
             let transpose = f.transpose_view().to_csr();

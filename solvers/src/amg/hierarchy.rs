@@ -1,11 +1,10 @@
 //! From the finest matrix to all levels.
 
-use super::aggregation::Aggregates;
-use super::coarse::{Coarse, NotPositive, coarsen};
+use super::classical::Classical;
+use super::coarse::{Coarse, Coarsener, NotPositive, SmoothedAggregation};
 use super::coarsest::{Coarsest, NoInverse};
 use super::finest::Finest;
 use super::fsai_smoother;
-use super::node_map::NONE;
 use super::summary::{LevelSummary, Summary};
 use super::sweeps::SweepMatrix;
 use super::transfer::Transfer;
@@ -15,7 +14,7 @@ use crate::fsai::FsaiInverse;
 use fracas_operators::Real;
 
 /// Levels beyond which coarsening has plainly failed.
-pub(super) const MOST_LEVELS: usize = 30;
+const MOST_LEVELS: usize = 30;
 
 /// Unknowns up to which a level that does not get coarser is solved directly after all.
 const LARGEST_DIRECT: usize = 30_000;
@@ -40,33 +39,25 @@ pub(super) struct Hierarchy<R> {
 }
 
 /// A block row of the finest level that stands for each block row of a coarser one, to name rows in errors.
-pub(super) struct Representatives<'a> {
+struct Representatives<'a> {
     rows: Vec<u32>,
     unknown: &'a dyn Fn(usize) -> usize,
 }
 
 impl<'a> Representatives<'a> {
     /// The block rows of the finest level; `unknown(row)` names the unknown in a scalar row of it.
-    pub(super) fn new(rows: usize, unknown: &'a dyn Fn(usize) -> usize) -> Self {
+    fn new(rows: usize, unknown: &'a dyn Fn(usize) -> usize) -> Self {
         Self {
             rows: (0..rows as u32).collect(),
             unknown,
         }
     }
 
-    fn descend<const K: usize>(&mut self, coarse: &Coarse<K>, group: usize) {
-        self.adopt(&coarse.aggregates, group, K / 3);
-    }
-
-    /// Goes down from nodes of `group` block rows to aggregates of `parts`.
-    pub(super) fn adopt(&mut self, aggregates: &Aggregates, group: usize, parts: usize) {
-        let mut next = vec![0; aggregates.count * parts];
-        for (node, aggregate) in aggregates.of.iter().enumerate().rev() {
-            if *aggregate != NONE {
-                next[*aggregate as usize * parts..][..parts].fill(self.rows[node * group]);
-            }
-        }
-        self.rows = next;
+    /// Goes down from nodes of `group` block rows to coarse ones of N/3.
+    fn descend<const N: usize, const K: usize>(&mut self, coarse: &Coarse<N, K>, group: usize) {
+        let nodes = coarse.aggregates.first_nodes();
+        let names = |node| std::iter::repeat_n(self.rows[node * group], N / 3);
+        self.rows = nodes.into_iter().flat_map(names).collect();
     }
 
     /// Unknown of the finest level, from 1, for a scalar row.
@@ -75,7 +66,7 @@ impl<'a> Representatives<'a> {
     }
 
     /// A coarse diagonal block that is not positive definite.
-    pub(super) fn indefinite(&self, row: usize) -> SetupError {
+    fn indefinite(&self, row: usize) -> SetupError {
         SetupError::NotPositiveDefinite {
             block: "A",
             row: self.name(row),
@@ -84,7 +75,7 @@ impl<'a> Representatives<'a> {
     }
 
     /// FSAI of this level's matrix, if that is to smooth.
-    pub(super) fn smoother<S: Real, R: Real>(
+    fn smoother<S: Real, R: Real>(
         &self,
         settings: &Amg,
         a: &SweepMatrix<S>,
@@ -116,9 +107,20 @@ impl<R: Real> Hierarchy<R> {
         near_null_space: &'static str,
         unknown: &dyn Fn(usize) -> usize,
     ) -> Result<Self, SetupError> {
-        if settings.coarsening == Coarsening::Classical {
-            return Self::classical(settings, finest, &modes, near_null_space, unknown);
-        }
+        let build = match settings.coarsening {
+            Coarsening::SmoothedAggregation => Self::coarsened::<SmoothedAggregation, K, K>,
+            Coarsening::Classical => Self::coarsened::<Classical, 3, K>,
+        };
+        build(settings, finest, modes, near_null_space, unknown)
+    }
+
+    fn coarsened<C: Coarsener<N, K>, const N: usize, const K: usize>(
+        settings: &Amg,
+        finest: Finest<R>,
+        modes: Vec<[[f64; K]; 3]>,
+        near_null_space: &'static str,
+        unknown: &dyn Fn(usize) -> usize,
+    ) -> Result<Self, SetupError> {
         let Finest {
             matrix: first,
             defect,
@@ -130,7 +132,7 @@ impl<R: Real> Hierarchy<R> {
         if 3 * first.rows() <= settings.coarsest {
             return Self::ending(levels, &first, &names, near_null_space);
         }
-        let step = coarsen(settings, 0, &first, &defect, bonds.as_ref(), 1, &modes);
+        let step = C::coarsen(settings, 0, &first, &defect, bonds.as_ref(), 1, &modes);
         let Some(mut coarse) = step.map_err(|NotPositive(row)| names.indefinite(row))? else {
             return Self::ending(levels, &first, &names, near_null_space);
         };
@@ -141,11 +143,11 @@ impl<R: Real> Hierarchy<R> {
             lambda_max: coarse.lambda_max,
         });
         names.descend(&coarse, 1);
-        let group = K / 3;
+        let group = N / 3;
         while coarse.goes_on(settings) && levels.len() < MOST_LEVELS {
             let depth = levels.len();
             let bonds = coarse.bonds.as_ref();
-            let step = coarsen(
+            let step = C::coarsen(
                 settings,
                 depth,
                 &coarse.matrix,
@@ -169,7 +171,7 @@ impl<R: Real> Hierarchy<R> {
         Self::ending(levels, &coarse.matrix, &names, near_null_space)
     }
 
-    pub(super) fn ending<S: Real>(
+    fn ending<S: Real>(
         levels: Vec<Level<R>>,
         last: &SweepMatrix<S>,
         names: &Representatives<'_>,

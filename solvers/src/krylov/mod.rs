@@ -23,7 +23,7 @@ mod fgmres;
 mod gmres;
 mod minres;
 #[cfg(test)]
-mod oracle;
+pub(crate) mod oracle;
 mod run;
 mod sqmr;
 mod system;

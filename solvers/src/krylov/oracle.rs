@@ -1,9 +1,10 @@
 //! Random dense systems and their direct solution, for the tests of every method.
 
-use super::{Breakdown, Criteria, KrylovMethod, Report, System};
+use super::{Breakdown, Cg, Criteria, KrylovMethod, Outcome, Report, System};
 use crate::Silent;
 use faer::prelude::Solve;
 use fracas_operators::laws::probe;
+use fracas_operators::sparse::{Csr, SparseMatrix};
 use fracas_operators::{Dense, LinearOperator, Preconditioner, Shape};
 
 /// A dense matrix as faer's.
@@ -83,7 +84,7 @@ pub(super) fn exact(a: &Dense<f64>) -> Explicit {
 }
 
 /// Solves from zero with `work` full of NaN.
-pub(super) fn solve(
+pub(crate) fn solve(
     method: &dyn KrylovMethod<f64>,
     operator: &dyn LinearOperator<f64>,
     preconditioner: &dyn Preconditioner<f64>,
@@ -101,8 +102,22 @@ pub(super) fn solve(
     (x, report)
 }
 
+/// Iterations of conjugate gradients to this relative residual; they reach it.
+pub(crate) fn cg_iterations(
+    a: &SparseMatrix<f64>,
+    m: &dyn Preconditioner<f64>,
+    rhs: &[f64],
+    tolerance: f64,
+) -> usize {
+    let operator = Csr::new(a.clone());
+    let (_, report) = solve(&Cg {}, &operator, m, rhs, until(tolerance, 2000));
+    let report = report.unwrap();
+    assert_eq!(report.outcome, Outcome::Converged);
+    report.iterations
+}
+
 /// Tolerance and limit in one line.
-pub(super) fn until(relative_tolerance: f64, max_iterations: usize) -> Criteria {
+pub(crate) fn until(relative_tolerance: f64, max_iterations: usize) -> Criteria {
     Criteria {
         relative_tolerance,
         max_iterations,

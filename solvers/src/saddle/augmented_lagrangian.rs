@@ -124,16 +124,9 @@ impl SaddleSettings for AugmentedLagrangian {
     fn ready(&self, blocks: &SaddleBlocks) -> Result<Ready, SetupError> {
         let direct = DirectChoice::default().solver()?;
         let c = self.augmentation.compute(blocks, direct.as_ref())?.matrix;
-        let Ready {
-            inverse, hierarchy, ..
-        } = self.inner.prepare(blocks, &c)?;
+        let s_u = self.inner.prepare(blocks, &c)?;
         let (b, h) = (blocks.b1.clone(), blocks.h.clone());
-        let inverse = AugmentedLagrangianInverse::new(b, h, c, inverse);
-        Ok(Ready {
-            inverse: Box::new(inverse),
-            hierarchy,
-            parts: None,
-        })
+        Ok(s_u.inside(|s_u| AugmentedLagrangianInverse::new(b, h, c, s_u)))
     }
 
     fn augmentation(&self) -> Option<AugmentationChoice> {

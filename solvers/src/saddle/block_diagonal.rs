@@ -88,31 +88,18 @@ impl SaddleSettings for BlockDiagonal {
         let direct = DirectChoice::default().solver()?;
         if let Some(choice) = self.augmentation {
             let c = choice.compute(blocks, direct.as_ref())?.matrix;
-            let Ready {
-                inverse, hierarchy, ..
-            } = self.inner.prepare(blocks, &c)?;
-            return Ok(Ready {
-                inverse: Box::new(BlockDiagonalInverse::new(inverse, c)),
-                hierarchy,
-                parts: None,
-            });
+            let p = self.inner.prepare(blocks, &c)?;
+            return Ok(p.inside(|p| BlockDiagonalInverse::new(p, c)));
         }
-        let Ready {
-            inverse, hierarchy, ..
-        } = self
-            .inner
-            .of_matrix(&blocks.a, blocks.coordinates.as_deref())?;
+        let coordinates = blocks.coordinates.as_deref();
+        let p = self.inner.of_matrix(&blocks.a, coordinates)?;
         // B1ᵀ in place of B2: M stays symmetric
         let symmetric = SaddleBlocks {
             b2: None,
             ..blocks.clone()
         };
         let s = ScaledInverse::new(&diagonal_schur(&symmetric)?, direct.as_ref(), S_D)?;
-        Ok(Ready {
-            inverse: Box::new(BlockDiagonalInverse::new(inverse, s)),
-            hierarchy,
-            parts: None,
-        })
+        Ok(p.inside(|p| BlockDiagonalInverse::new(p, s)))
     }
 
     fn augmentation(&self) -> Option<AugmentationChoice> {

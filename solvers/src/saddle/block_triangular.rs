@@ -91,15 +91,9 @@ impl SaddleSettings for BlockTriangular {
 
     fn ready(&self, blocks: &SaddleBlocks) -> Result<Ready, SetupError> {
         let coordinates = blocks.coordinates.as_deref();
-        let Ready {
-            inverse, hierarchy, ..
-        } = self.inner.of_matrix(&blocks.a, coordinates)?;
+        let p = self.inner.of_matrix(&blocks.a, coordinates)?;
         let s = diagonal_schur_inverse(blocks, DirectChoice::default())?;
-        Ok(Ready {
-            inverse: Box::new(BlockTriangularInverse::new(blocks.b1.clone(), inverse, s)),
-            hierarchy,
-            parts: None,
-        })
+        Ok(p.inside(|p| BlockTriangularInverse::new(blocks.b1.clone(), p, s)))
     }
 
     fn inner_mut(&mut self) -> Option<&mut InnerChoice> {

@@ -55,6 +55,19 @@ pub struct PartCost {
     pub inner_flops: u64,
 }
 
+impl Ready {
+    /// The same as a part of another inverse; what is known of it stays.
+    pub(super) fn inside<M: Preconditioner<f64> + 'static>(
+        self,
+        whole: impl FnOnce(Box<dyn Preconditioner<f64>>) -> M,
+    ) -> Self {
+        Self {
+            inverse: Box::new(whole(self.inverse)),
+            ..self
+        }
+    }
+}
+
 impl From<Box<dyn Preconditioner<f64>>> for Ready {
     fn from(inverse: Box<dyn Preconditioner<f64>>) -> Self {
         Self {

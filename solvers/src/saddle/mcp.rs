@@ -170,17 +170,12 @@ impl SaddleSettings for Mcp {
             .map_err(|error| error.in_block("S = H + (GB)ᵀ(GB)"))?;
         let p = if self.inner == InnerChoice::Fsai(self.schur) {
             // P = GᵀG with the G at hand
-            (Box::new(g) as Box<dyn Preconditioner<f64>>).into()
+            Ready::from(Box::new(g) as Box<dyn Preconditioner<f64>>)
         } else {
             let coordinates = blocks.coordinates.as_deref();
             self.inner.of_matrix(a, coordinates).map_err(about_a)?
         };
-        let inverse = McpInverse::new(blocks.b1.clone(), gamma, p.inverse, g22);
-        Ok(Ready {
-            inverse: Box::new(inverse),
-            hierarchy: p.hierarchy,
-            parts: None,
-        })
+        Ok(p.inside(|p| McpInverse::new(blocks.b1.clone(), gamma, p, g22)))
     }
 
     fn inner_mut(&mut self) -> Option<&mut InnerChoice> {

@@ -145,16 +145,8 @@ impl SaddleMethod {
         let Some(elimination) = Elimination::new(blocks) else {
             return settings.ready(blocks);
         };
-        let Ready {
-            inverse,
-            hierarchy,
-            parts,
-        } = settings.ready(&elimination.with_identity())?;
-        Ok(Ready {
-            inverse: Box::new(EliminatedInverse::new(elimination, inverse)),
-            hierarchy,
-            parts,
-        })
+        let kept = settings.ready(&elimination.with_identity())?;
+        Ok(kept.inside(|inverse| EliminatedInverse::new(elimination, inverse)))
     }
 
     /// The choice of C, in methods that make one.

@@ -136,24 +136,17 @@ impl SaddleSettings for Simple {
 
     fn ready(&self, blocks: &SaddleBlocks) -> Result<Ready, SetupError> {
         let coordinates = blocks.coordinates.as_deref();
-        let Ready {
-            inverse, hierarchy, ..
-        } = self.inner.of_matrix(&blocks.a, coordinates)?;
+        let p = self.inner.of_matrix(&blocks.a, coordinates)?;
         let s = diagonal_schur_inverse(blocks, DirectChoice::default())?;
-        let full = SimpleInverse::new(blocks.b1.clone(), blocks.b2_rows(), inverse, s);
-        let inverse = match self.correction {
-            Correction::Solve => full,
+        let full = |p| SimpleInverse::new(blocks.b1.clone(), blocks.b2_rows(), p, s);
+        Ok(p.inside(|p| match self.correction {
+            Correction::Solve => full(p),
             Correction::Diagonal => {
                 let diagonal = (0..blocks.n_u()).map(|i| blocks.a.get(i, i).copied());
                 // the Schur complement has checked that it is positive
-                full.correcting_by(diagonal.map(|d| d.map_or(0.0, f64::recip)).collect())
+                full(p).correcting_by(diagonal.map(|d| d.map_or(0.0, f64::recip)).collect())
             }
-        };
-        Ok(Ready {
-            inverse: Box::new(inverse),
-            hierarchy,
-            parts: None,
-        })
+        }))
     }
 
     fn inner_mut(&mut self) -> Option<&mut InnerChoice> {

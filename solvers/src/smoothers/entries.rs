@@ -24,6 +24,12 @@ pub(crate) fn rows(a: &SparseMatrix<f64>) -> Result<Cow<'_, SparseMatrix<f64>>, 
     } else {
         Cow::Owned(a.to_csr())
     };
+    finite_entries(&a)?;
+    Ok(a)
+}
+
+/// Checks that every entry of a matrix by rows is a number.
+pub(crate) fn finite_entries(a: &SparseMatrix<f64>) -> Result<(), SetupError> {
     for (i, row) in a.outer_iterator().enumerate() {
         if let Some((j, value)) = row.iter().find(|(_, value)| !value.is_finite()) {
             return Err(SetupError::NotFinite {
@@ -34,7 +40,7 @@ pub(crate) fn rows(a: &SparseMatrix<f64>) -> Result<Cow<'_, SparseMatrix<f64>>, 
             });
         }
     }
-    Ok(a)
+    Ok(())
 }
 
 /// The diagonal, checked to be positive; a missing entry is 0.

@@ -126,10 +126,8 @@ impl Preconditioner<f64> for SsorInverse {
 mod tests {
     use super::super::samples::{sparse, stiffness};
     use super::*;
-    use crate::Silent;
-    use crate::krylov::{Cg, Criteria, KrylovMethod, System};
+    use crate::krylov::oracle::cg_iterations;
     use fracas_operators::laws::{check_preconditioner, probe};
-    use fracas_operators::sparse::Csr;
     use fracas_operators::vector::dot;
     use fracas_operators::{Dense, Identity, LinearOperator, Shape};
 
@@ -184,27 +182,10 @@ mod tests {
     #[test]
     fn saves_iterations_of_conjugate_gradients() {
         let a = stiffness(300);
-        let (m, operator, rhs) = (
-            Ssor::default().prepare(&a).unwrap(),
-            Csr::new(a),
-            probe(300, 1),
-        );
-        let iterations = |preconditioner: &dyn Preconditioner<f64>| {
-            let system = System {
-                operator: &operator,
-                preconditioner,
-                rhs: &rhs,
-            };
-            let criteria = Criteria {
-                relative_tolerance: 1e-8,
-                max_iterations: 2000,
-            };
-            Cg {}
-                .solve(&system, &criteria, &mut vec![0.0; 300], &mut Silent)
-                .unwrap()
-                .iterations
-        };
-        let (plain, smoothed) = (iterations(&Identity { n: 300 }), iterations(&m));
+        let rhs: Vec<f64> = probe(300, 1);
+        let iterations = |m: &dyn Preconditioner<f64>| cg_iterations(&a, m, &rhs, 1e-8);
+        let smoothed = iterations(&Ssor::default().prepare(&a).unwrap());
+        let plain = iterations(&Identity { n: 300 });
         assert!(2 * smoothed < plain, "{smoothed} against {plain}");
     }
 

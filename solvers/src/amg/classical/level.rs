@@ -3,7 +3,7 @@
 use super::{Modes, NodeBlocks, coarsen};
 use crate::amg::Amg;
 use crate::amg::aggregation::Aggregates;
-use crate::amg::coarse::{NotPositive, STAGNATED, coarse_matrix};
+use crate::amg::coarse::{Coarse, Coarsener, NotPositive, STAGNATED, coarse_matrix};
 use crate::amg::galerkin::{self, Patterns};
 use crate::amg::lambda::largest_eigenvalue;
 use crate::amg::node_map::NONE;
@@ -12,81 +12,66 @@ use crate::amg::rows::Pattern;
 use crate::amg::sweeps::SweepMatrix;
 use fracas_operators::Real;
 
-/// What a step gives.
-pub(super) struct Step<const K: usize> {
-    /// Every node with the coarse node that it takes most from.
-    pub(super) closest: Aggregates,
-    /// Which coarse nodes share a piece of rock; `None` once that no longer matters.
-    pub(super) bonds: Option<Pattern>,
-    /// P.
-    pub(super) prolongation: Prolongation<3>,
-    /// `A_c = PᵀA P`.
-    pub(super) matrix: SweepMatrix<f64>,
-    /// Modes of the coarse nodes.
-    pub(super) modes: Vec<[[f64; K]; 3]>,
-    /// Upper estimate of `λ_max(D⁻¹A)` of the fine matrix.
-    pub(super) lambda_max: f64,
-}
+/// Coarse nodes are fine ones, chosen and interpolated without thresholds from the settings.
+pub(in crate::amg) struct Classical;
 
-impl<const K: usize> Step<K> {
-    /// True when another level is worth it.
-    pub(super) fn goes_on(&self, settings: &Amg) -> bool {
-        3 * self.matrix.rows() > settings.coarsest
+impl<const K: usize> Coarsener<3, K> for Classical {
+    fn coarsen<R: Real>(
+        _settings: &Amg,
+        _depth: usize,
+        a: &SweepMatrix<R>,
+        defect: &[[f64; 9]],
+        mut bonds: Option<&Pattern>,
+        _group: usize,
+        modes: &Modes<K>,
+    ) -> Result<Option<Coarse<3, K>>, NotPositive> {
+        let nodes = NodeBlocks::of_level(a);
+        let inverse: Vec<[f64; 9]> = (0..a.rows())
+            .map(|i| a.inverse(i).map(R::to_f64_exact))
+            .collect();
+        let coarser = |count: usize| count > 0 && (count as f64) < STAGNATED * a.rows() as f64;
+        let mut coarse = coarsen(&nodes, &inverse, bonds, modes);
+        if bonds.is_some() && !coarser(coarse.nodes.len()) {
+            // every piece of rock is one node: from here on across the fractures
+            bonds = None;
+            coarse = coarsen(&nodes, &inverse, None, modes);
+        }
+        let count = coarse.nodes.len();
+        if !coarser(count) {
+            return Ok(None);
+        }
+        let p = coarse.interpolation;
+        let square = |b: &[f64; 9]| b.iter().map(|v| v * v).sum::<f64>();
+        let closest = |i: usize| {
+            let strongest = p.row(i).max_by(|x, y| square(x.1).total_cmp(&square(y.1)));
+            strongest.map_or(NONE, |(j, _)| j as u32)
+        };
+        let closest = Aggregates {
+            of: (0..p.len()).map(closest).collect(),
+            count,
+        };
+        let prolongation = Prolongation {
+            blocks: p.blocks.iter().map(by_rows).collect(),
+            pattern: Pattern {
+                offsets: p.offsets,
+                columns: p.columns,
+            },
+        };
+        let patterns = Patterns::new(a, &prolongation.pattern, count);
+        let blocks = galerkin::product(a, defect, &prolongation, &patterns);
+        let matrix = coarse_matrix(patterns.coarse(), blocks).map_err(|NotPositive(row)| {
+            NotPositive(3 * coarse.nodes[row / 3] as usize + row % 3)
+        })?;
+        Ok(Some(Coarse {
+            bonds: bonds.map(|bonds| closest.bonds(bonds)),
+            aggregates: closest,
+            network: false,
+            prolongation,
+            matrix,
+            modes: coarse.nodes.iter().map(|i| modes[*i as usize]).collect(),
+            lambda_max: largest_eigenvalue(a),
+        }))
     }
-}
-
-/// Coarsens `a + Δ` (block-diagonal Δ, may be empty); `None` when it does not get coarser. A coarse row in an error is
-/// named by its fine one.
-pub(super) fn step<R: Real, const K: usize>(
-    a: &SweepMatrix<R>,
-    defect: &[[f64; 9]],
-    mut bonds: Option<&Pattern>,
-    modes: &Modes<K>,
-) -> Result<Option<Step<K>>, NotPositive> {
-    let nodes = NodeBlocks::of_level(a);
-    let inverse: Vec<[f64; 9]> = (0..a.rows())
-        .map(|i| a.inverse(i).map(R::to_f64_exact))
-        .collect();
-    let coarser = |count: usize| count > 0 && (count as f64) < STAGNATED * a.rows() as f64;
-    let mut coarse = coarsen(&nodes, &inverse, bonds, modes);
-    if bonds.is_some() && !coarser(coarse.nodes.len()) {
-        // every piece of rock is one node: from here on across the fractures
-        bonds = None;
-        coarse = coarsen(&nodes, &inverse, None, modes);
-    }
-    let count = coarse.nodes.len();
-    if !coarser(count) {
-        return Ok(None);
-    }
-    let p = coarse.interpolation;
-    let square = |b: &[f64; 9]| b.iter().map(|v| v * v).sum::<f64>();
-    let closest = |i: usize| {
-        let strongest = p.row(i).max_by(|x, y| square(x.1).total_cmp(&square(y.1)));
-        strongest.map_or(NONE, |(j, _)| j as u32)
-    };
-    let closest = Aggregates {
-        of: (0..p.len()).map(closest).collect(),
-        count,
-    };
-    let prolongation = Prolongation {
-        blocks: p.blocks.iter().map(by_rows).collect(),
-        pattern: Pattern {
-            offsets: p.offsets,
-            columns: p.columns,
-        },
-    };
-    let patterns = Patterns::new(a, &prolongation.pattern, count);
-    let blocks = galerkin::product(a, defect, &prolongation, &patterns);
-    let matrix = coarse_matrix(patterns.coarse(), blocks)
-        .map_err(|NotPositive(row)| NotPositive(3 * coarse.nodes[row / 3] as usize + row % 3))?;
-    Ok(Some(Step {
-        bonds: bonds.map(|bonds| closest.bonds(bonds)),
-        closest,
-        prolongation,
-        matrix,
-        modes: coarse.nodes.iter().map(|i| modes[*i as usize]).collect(),
-        lambda_max: largest_eigenvalue(a),
-    }))
 }
 
 fn by_rows(b: &[f64; 9]) -> [[f64; 3]; 3] {

@@ -6,10 +6,9 @@
 //! | coarse nodes: a maximal independent set | `independent_set` |
 //! | P that reproduces the modes | `least_squares` |
 //! | P of less energy among those | `energy` |
-//! | `A_c = PᵀA P` | `level`, `hierarchy` |
+//! | `A_c = PᵀA P` | `level` |
 
 mod energy;
-mod hierarchy;
 mod independent_set;
 mod interpolation;
 mod least_squares;
@@ -19,6 +18,8 @@ mod pseudo_inverse;
 mod strength;
 #[cfg(test)]
 mod tests;
+
+pub(super) use level::Classical;
 
 use super::rows::Pattern;
 use interpolation::Interpolation;

@@ -5,8 +5,8 @@ use super::*;
 use crate::amg::{Amg, Coarsening, Cycle, Precision, Smoother};
 use crate::eigen::{Ends, LanczosSettings, extreme_eigenvalues};
 use crate::elastic_sample::{clamped_box, cube};
-use crate::krylov::{Cg, Criteria, KrylovMethod, Outcome, System};
-use crate::{DofCoordinate, SetupError, Silent};
+use crate::krylov::oracle::cg_iterations;
+use crate::{DofCoordinate, SetupError};
 use faer::linalg::solvers::DenseSolveCore;
 use fracas_operators::laws::{check_preconditioner, probe};
 use fracas_operators::sparse::{Csr, SparseMatrix, Triplets};
@@ -394,24 +394,7 @@ fn two_grids_converge_with_a_bound_that_the_mesh_does_not_change() {
 
 /// Conjugate gradients to 1e-6 under a constant load.
 fn iterations(a: &SparseMatrix<f64>, m: &dyn Preconditioner<f64>) -> usize {
-    let operator = Csr::new(a.clone());
-    let rhs = vec![1.0; a.rows()];
-    let system = System {
-        operator: &operator,
-        preconditioner: m,
-        rhs: &rhs,
-    };
-    let criteria = Criteria {
-        relative_tolerance: 1e-6,
-        max_iterations: 500,
-    };
-    let mut x = vec![0.0; rhs.len()];
-    let mut work = vec![0.0; Cg {}.work_len(&system, &criteria)];
-    let report = Cg {}
-        .solve_in(&system, &criteria, &mut x, &mut Silent, &mut work)
-        .unwrap();
-    assert_eq!(report.outcome, Outcome::Converged);
-    report.iterations
+    cg_iterations(a, m, &vec![1.0; a.rows()], 1e-6)
 }
 
 #[test]

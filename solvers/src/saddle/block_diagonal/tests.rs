@@ -1,11 +1,12 @@
 use super::*;
-use crate::krylov::{Criteria, KrylovChoice, Outcome, System};
+use crate::Prepare;
+use crate::krylov::oracle::{solve, until};
+use crate::krylov::{Minres, Outcome};
 use crate::saddle::oracle::{
     DenseInverse, Full, assert_spectrum, inverse, operator, real_eigenvalues, spectrum, stacked,
 };
 use crate::saddle::samples::{random, trusses, two_chains};
 use crate::saddle::{SaddleMethod, SaddleOperator};
-use crate::{Prepare, Silent};
 use faer::Mat;
 use fracas_operators::Counted;
 use fracas_operators::laws::{check_preconditioner, probe};
@@ -96,23 +97,9 @@ fn minres_converges_with_both_forms() {
             let method = SaddleMethod::BlockDiagonal(on(*choice));
             let m = method.prepare(&blocks).unwrap();
             let operator = SaddleOperator::new(&blocks);
-            let n = blocks.size();
-            let rhs: Vec<f64> = probe(n, 5);
-            let system = System {
-                operator: &operator,
-                preconditioner: m.as_ref(),
-                rhs: &rhs,
-            };
-            let criteria = Criteria {
-                relative_tolerance: 1e-8,
-                max_iterations: 150,
-            };
-            let krylov: KrylovChoice = "minres".parse().unwrap();
-            let mut x = vec![0.0; n];
-            let report = krylov
-                .method()
-                .solve(&system, &criteria, &mut x, &mut Silent)
-                .unwrap();
+            let rhs: Vec<f64> = probe(blocks.size(), 5);
+            let (_, report) = solve(&Minres {}, &operator, &m, &rhs, until(1e-8, 150));
+            let report = report.unwrap();
             assert_eq!(report.outcome, Outcome::Converged, "{choice:?}");
             assert!(report.relative_residual <= 1e-8);
         }

@@ -1,7 +1,8 @@
 use super::*;
 use crate::direct::DirectChoice;
 use crate::eigen::dense;
-use crate::krylov::{Criteria, Gmres, KrylovMethod, Outcome, Sqmr, System};
+use crate::krylov::oracle::{solve, until};
+use crate::krylov::{Gmres, KrylovMethod, Outcome, Sqmr, System};
 use crate::saddle::samples::{random, sparse, trusses};
 use crate::saddle::{AugmentationChoice, Racp, SaddleMethod, SaddleOperator};
 use crate::{Prepare, Silent};
@@ -304,13 +305,9 @@ fn short_recurrences_apply_to_open_faces_from_the_right_start() {
         preconditioner: m.as_ref(),
         rhs: &rhs,
     };
-    let criteria = Criteria {
-        relative_tolerance: 1e-10,
-        max_iterations: 200,
-    };
     let mut x = elimination.start(&rhs);
     let report = Sqmr {}
-        .solve(&system, &criteria, &mut x, &mut Silent)
+        .solve(&system, &until(1e-10, 200), &mut x, &mut Silent)
         .unwrap();
     assert_eq!(report.outcome, Outcome::Converged);
     let mut r = rhs.clone();
@@ -338,20 +335,8 @@ fn every_method_of_the_list_takes_slipping_and_open_faces() {
                     "{method}, row {l}"
                 );
             }
-            let system = System {
-                operator: &saddle,
-                preconditioner: m.as_ref(),
-                rhs: &x,
-            };
-            let criteria = Criteria {
-                relative_tolerance: 1e-10,
-                max_iterations: n,
-            };
-            let mut z = vec![0.0; n];
-            let report = Gmres::default()
-                .solve(&system, &criteria, &mut z, &mut Silent)
-                .unwrap();
-            assert_eq!(report.outcome, Outcome::Converged, "{method}");
+            let (_, report) = solve(&Gmres::default(), &saddle, &m, &x, until(1e-10, n));
+            assert_eq!(report.unwrap().outcome, Outcome::Converged, "{method}");
         }
     }
 }

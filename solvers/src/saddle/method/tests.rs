@@ -1,9 +1,9 @@
 use super::*;
-use crate::krylov::{Criteria, KrylovChoice, Outcome, System};
+use crate::krylov::oracle::{solve, until};
+use crate::krylov::{KrylovChoice, Outcome};
 use crate::saddle::oracle::unsymmetric;
 use crate::saddle::samples::{random, trusses};
 use crate::saddle::{Cost, FlowBlocks, SaddleOperator};
-use crate::{Observer, Silent};
 use fracas_operators::laws::{check_preconditioner, probe};
 use fracas_operators::sparse::Triplets;
 use fracas_operators::{Counted, LinearOperator};
@@ -118,21 +118,9 @@ fn solves(method: &SaddleMethod, blocks: &SaddleBlocks) -> usize {
     let expected: Vec<f64> = probe(n, 5);
     let mut rhs = vec![0.0; n];
     operator.apply(&expected, &mut rhs, &mut []);
-    let system = System {
-        operator: &operator,
-        preconditioner: m.as_ref(),
-        rhs: &rhs,
-    };
-    let criteria = Criteria {
-        relative_tolerance: 1e-10,
-        max_iterations: 200,
-    };
-    let mut x = vec![0.0; n];
-    let observer: &mut dyn Observer = &mut Silent;
-    let report = KrylovChoice::default()
-        .method()
-        .solve(&system, &criteria, &mut x, observer)
-        .unwrap();
+    let krylov = KrylovChoice::default();
+    let (x, report) = solve(krylov.method(), &operator, &m, &rhs, until(1e-10, 200));
+    let report = report.unwrap();
     assert_eq!(report.outcome, Outcome::Converged, "{method}");
     for (x, expected) in x.iter().zip(&expected) {
         assert!((x - expected).abs() < 1e-6, "{method}: {x} {expected}");
@@ -195,26 +183,14 @@ fn a_wrong_block_is_named_before_any_method_begins() {
 #[test]
 fn the_cost_of_a_run_is_what_its_counters_say() {
     let blocks = trusses(3, 10.0, false);
-    let n = blocks.size();
-    let rhs: Vec<f64> = probe(n, 5);
+    let rhs: Vec<f64> = probe(blocks.size(), 5);
     for name in ["gmres", "bicgstab"] {
         let krylov: KrylovChoice = name.parse().unwrap();
         let operator = Counted::new(SaddleOperator::new(&blocks));
         let m = Counted::new(SaddleMethod::default().prepare(&blocks).unwrap());
         let cost = Cost::new(&operator, &m);
-        let system = System {
-            operator: &operator,
-            preconditioner: &m,
-            rhs: &rhs,
-        };
-        let criteria = Criteria {
-            relative_tolerance: 1e-8,
-            max_iterations: 200,
-        };
-        let report = krylov
-            .method()
-            .solve(&system, &criteria, &mut vec![0.0; n], &mut Silent)
-            .unwrap();
+        let (_, report) = solve(krylov.method(), &operator, &m, &rhs, until(1e-8, 200));
+        let report = report.unwrap();
         assert!(report.iterations > 2);
         let flops = operator.applications() * cost.product_flops
             + m.applications() * cost.application_flops;
