@@ -5,7 +5,7 @@ use super::node_map::{NONE, NodeMap};
 use super::rows::Pattern;
 use super::sweeps::SweepMatrix;
 use crate::SetupError;
-use fracas_operators::sparse::SparseMatrix;
+use fracas_operators::sparse::{SparseMatrix, first_not_finite};
 use fracas_operators::{Real, Shape};
 use rayon::prelude::*;
 
@@ -47,15 +47,13 @@ impl<'a> Sum<'a> {
                 reason: "multigrid needs a square matrix stored by rows",
             });
         }
-        for (i, row) in a.outer_iterator().enumerate() {
-            if let Some((j, value)) = row.iter().find(|(_, value)| !value.is_finite()) {
-                return Err(SetupError::NotFinite {
-                    block: BLOCK,
-                    row: i + 1,
-                    column: j + 1,
-                    value: *value,
-                });
-            }
+        if let Some((row, column, value)) = first_not_finite(a) {
+            return Err(SetupError::NotFinite {
+                block: BLOCK,
+                row: row + 1,
+                column: column + 1,
+                value,
+            });
         }
         let factor = factor.map(|f| {
             let f = if f.is_csr() { f.clone() } else { f.to_csr() };

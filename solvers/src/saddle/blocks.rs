@@ -2,7 +2,7 @@
 
 use crate::{DofCoordinate, SetupError};
 use fracas_operators::Shape;
-use fracas_operators::sparse::SparseMatrix;
+use fracas_operators::sparse::{SparseMatrix, first_not_finite};
 
 /// The blocks that fracture flow adds: `[A B1 Q1; B2 −H 0; Q2 0 T]`.
 #[derive(Clone, Debug)]
@@ -106,15 +106,13 @@ impl SaddleBlocks {
                     reason: format!("block {block} must be in compressed rows"),
                 });
             }
-            for (i, row) in matrix.outer_iterator().enumerate() {
-                if let Some((j, value)) = row.iter().find(|(_, value)| !value.is_finite()) {
-                    return Err(SetupError::NotFinite {
-                        block,
-                        row: i + 1,
-                        column: j + 1,
-                        value: *value,
-                    });
-                }
+            if let Some((row, column, value)) = first_not_finite(matrix) {
+                return Err(SetupError::NotFinite {
+                    block,
+                    row: row + 1,
+                    column: column + 1,
+                    value,
+                });
             }
         }
         Ok(())
