@@ -1,9 +1,10 @@
 //! Nodes gathered into aggregates of strongly connected neighbours.
 
 use super::node_map::NONE;
-use super::rows::Pattern;
+use super::rows::{Pattern, chunks};
 use super::sweeps::SweepMatrix;
 use fracas_operators::Real;
+use rayon::prelude::*;
 
 /// Which aggregate every node belongs to; a node without any connection stays [`NONE`]: the smoother solves it exactly.
 #[derive(Clone, Debug)]
@@ -67,48 +68,57 @@ impl Strong {
                 sum + v * v
             })
         };
-        let mut sums = vec![0.0_f64; nodes];
-        let mut list: Vec<u32> = Vec::new();
-        let visit = |node: usize, sums: &mut [f64], list: &mut Vec<u32>| {
-            list.clear();
-            for i in node * group..(node + 1) * group {
-                for (j, block) in a.row(i) {
-                    let other = j / group;
-                    if sums[other] == 0.0 {
-                        list.push(other as u32);
-                    }
-                    // a stored zero block must not be listed twice
-                    sums[other] += square(block).max(f64::MIN_POSITIVE);
-                }
-            }
+        let own = |node: usize| -> f64 {
+            let rows = node * group..(node + 1) * group;
+            let blocks = rows.flat_map(|i| a.row(i).filter(|(j, _)| j / group == node));
+            blocks.map(|(_, block)| square(block)).sum()
         };
-        let mut diagonal = vec![0.0; nodes];
-        let (mut offsets, mut neighbours, mut weights) = (vec![0], Vec::new(), Vec::new());
-        for (node, norm) in diagonal.iter_mut().enumerate() {
-            for i in node * group..(node + 1) * group {
-                let own = a.row(i).filter(|(j, _)| j / group == node);
-                *norm += own.map(|(_, block)| square(block)).sum::<f64>();
-            }
-        }
-        for node in 0..nodes {
-            visit(node, &mut sums, &mut list);
-            for other in &list {
-                let j = *other as usize;
-                let weight = sums[j] / (diagonal[node] * diagonal[j]).sqrt();
-                let bonded = bonds.is_none_or(|b| b.row(node).binary_search(other).is_ok());
-                if j != node && bonded && weight > theta * theta {
-                    neighbours.push(*other);
-                    weights.push(weight as f32);
+        let diagonal: Vec<f64> = (0..nodes).into_par_iter().map(own).collect();
+        type Rows = (Vec<usize>, Vec<u32>, Vec<f32>);
+        let scratch = || (vec![0.0_f64; nodes], Vec::<u32>::new());
+        let parts: Vec<Rows> = chunks(nodes)
+            .map_init(scratch, |(sums, list), range| {
+                let (mut ends, mut neighbours, mut weights) = Rows::default();
+                for node in range {
+                    list.clear();
+                    for i in node * group..(node + 1) * group {
+                        for (j, block) in a.row(i) {
+                            let other = j / group;
+                            if sums[other] == 0.0 {
+                                list.push(other as u32);
+                            }
+                            // a stored zero block must not be listed twice
+                            sums[other] += square(block).max(f64::MIN_POSITIVE);
+                        }
+                    }
+                    for other in &*list {
+                        let j = *other as usize;
+                        let weight = sums[j] / (diagonal[node] * diagonal[j]).sqrt();
+                        let bonded = bonds.is_none_or(|b| b.row(node).binary_search(other).is_ok());
+                        if j != node && bonded && weight > theta * theta {
+                            neighbours.push(*other);
+                            weights.push(weight as f32);
+                        }
+                        sums[j] = 0.0;
+                    }
+                    ends.push(neighbours.len());
                 }
-                sums[j] = 0.0;
-            }
-            offsets.push(neighbours.len());
+                (ends, neighbours, weights)
+            })
+            .collect();
+        let length = parts.iter().map(|part| part.1.len()).sum();
+        let mut strong = Self {
+            offsets: vec![0],
+            neighbours: Vec::with_capacity(length),
+            weights: Vec::with_capacity(length),
+        };
+        for (ends, neighbours, weights) in parts {
+            let start = strong.neighbours.len();
+            strong.offsets.extend(ends.iter().map(|end| start + end));
+            strong.neighbours.extend(neighbours);
+            strong.weights.extend(weights);
         }
-        Self {
-            offsets,
-            neighbours,
-            weights,
-        }
+        strong
     }
 
     fn of(&self, node: usize) -> impl Iterator<Item = (usize, f32)> {

@@ -48,7 +48,7 @@ impl<'a> Sum<'a> {
                 reason: "multigrid needs a square matrix stored by rows",
             });
         }
-        finite_entries(a)?;
+        finite_entries(BLOCK, a)?;
         let factor = factor.map(|f| {
             let f = if f.is_csr() { f.clone() } else { f.to_csr() };
             let transpose = f.transpose_view().to_csr();

@@ -3,13 +3,13 @@
 use super::cycle::Shape;
 use super::finest::Sum;
 use super::hierarchy::Hierarchy;
-use super::node_map::NodeMap;
+use super::node_map::{NONE, NodeMap};
 use super::rigid_body::{constants, rigid_body_modes};
 use super::scratch::{cast, doubles};
 use super::{Amg, Cycle, Precision, Summary};
 use crate::{DofCoordinate, SetupError};
 use fracas_operators::sparse::SparseMatrix;
-use fracas_operators::vector::norm_inf;
+use fracas_operators::vector::{for_row_ranges, norm_inf};
 use fracas_operators::{Preconditioner, Real};
 
 /// One multigrid cycle per solve.
@@ -29,6 +29,9 @@ enum Either {
     Single(Hierarchy<f32>),
     Double(Hierarchy<f64>),
 }
+
+/// Entries that one task copies.
+const GRAIN: usize = 1 << 14;
 
 /// Without coordinates nothing but translations is known of the rigid-body modes.
 const CONSTANTS: &str = "constants (no coordinates)";
@@ -140,15 +143,21 @@ impl AmgInverse {
         let n = 3 * self.map.nodes();
         let (b, work) = cast::<R>(work).split_at_mut(n);
         let (x, work) = work.split_at_mut(n);
-        b.fill(R::zero());
-        for (slot, r) in self.map.slots().iter().zip(r) {
-            b[*slot as usize] = R::of(r / size);
-        }
+        for_row_ranges(0, GRAIN, b, &|start, part| {
+            for (b, i) in part.iter_mut().zip(&self.map.unknowns()[start..]) {
+                *b = match *i {
+                    NONE => R::zero(),
+                    i => R::of(r[i as usize] / size),
+                };
+            }
+        });
         hierarchy.cycle(self.shape, 0, b, x, work);
         let back = self.over_correction * size / self.scale;
-        for (slot, z) in self.map.slots().iter().zip(z) {
-            *z = back * x[*slot as usize].to_f64_exact();
-        }
+        for_row_ranges(0, GRAIN, z, &|start, part| {
+            for (z, slot) in part.iter_mut().zip(&self.map.slots()[start..]) {
+                *z = back * x[*slot as usize].to_f64_exact();
+            }
+        });
     }
 }
 

@@ -74,6 +74,11 @@ impl NodeMap {
         &self.slots
     }
 
+    /// Unknown of every slot, or [`NONE`].
+    pub(super) fn unknowns(&self) -> &[u32] {
+        &self.unknowns
+    }
+
     /// Unknowns of a node, [`NONE`] for a constrained component.
     pub(super) fn of_node(&self, node: usize) -> &[u32] {
         &self.unknowns[3 * node..][..3]

@@ -5,6 +5,7 @@ use super::shared::Shared;
 use fracas_operators::Real;
 use fracas_operators::simd::{Kernel, Lanes, Level, MAX_WIDTH, prefetch};
 use fracas_operators::vector::{for_each_task, for_row_ranges};
+use rayon::prelude::*;
 
 /// Rows that are asked for ahead of their use, the same part of each: 3 KiB of f32 of a 3-D stiffness.
 const ROWS_AHEAD: usize = 3;
@@ -48,31 +49,44 @@ impl<R: Real> SweepMatrix<R> {
     ) -> Self {
         let rows = offsets.len() - 1;
         let schedule = Schedule::new(&offsets, &columns);
-        let mut diagonals = Vec::with_capacity(rows);
-        let mut row: Vec<(u32, [R; 9])> = Vec::new();
-        for i in 0..rows {
-            let range = offsets[i]..offsets[i + 1];
-            row.clear();
-            row.extend(
-                columns[range.clone()]
-                    .iter()
-                    .copied()
-                    .zip(blocks[range.clone()].iter().copied()),
-            );
-            // a stable sort keeps ascending columns within L and U
-            row.sort_by_key(|(j, _)| match *j as usize {
-                j if j == i => 1,
-                j if schedule.before(j, i) => 0,
-                _ => 2_u8,
-            });
-            for (k, (j, block)) in range.clone().zip(&row) {
-                columns[k] = *j;
-                blocks[k] = *block;
-            }
-            let lower = row.iter().position(|(j, _)| *j as usize == i);
-            diagonals.push(range.start + lower.unwrap_or(0));
-            debug_assert!(lower.is_some(), "row {i} has no diagonal block");
+        let mut diagonals = vec![0; rows];
+        let (mut rest_c, mut rest_b, mut rest_d) =
+            (&mut columns[..], &mut blocks[..], &mut diagonals[..]);
+        let mut tasks = Vec::with_capacity(rows.div_ceil(ROWS_PER_TASK));
+        for start in (0..rows).step_by(ROWS_PER_TASK) {
+            let end = rows.min(start + ROWS_PER_TASK);
+            let length = offsets[end] - offsets[start];
+            tasks.push((
+                start,
+                rest_c.split_off_mut(..length).unwrap_or_default(),
+                rest_b.split_off_mut(..length).unwrap_or_default(),
+                rest_d.split_off_mut(..end - start).unwrap_or_default(),
+            ));
         }
+        tasks
+            .into_par_iter()
+            .for_each_init(Vec::new, |row: &mut Vec<(u32, [R; 9])>, task| {
+                let (start, columns, blocks, diagonals) = task;
+                for (i, diagonal) in (start..).zip(diagonals) {
+                    let range = offsets[i] - offsets[start]..offsets[i + 1] - offsets[start];
+                    let (columns, blocks) = (&mut columns[range.clone()], &mut blocks[range]);
+                    row.clear();
+                    row.extend(columns.iter().copied().zip(blocks.iter().copied()));
+                    // a stable sort keeps ascending columns within L and U
+                    row.sort_by_key(|(j, _)| match *j as usize {
+                        j if j == i => 1,
+                        j if schedule.before(j, i) => 0,
+                        _ => 2_u8,
+                    });
+                    for (place, (j, block)) in row.iter().enumerate() {
+                        columns[place] = *j;
+                        blocks[place] = *block;
+                    }
+                    let lower = row.iter().position(|(j, _)| *j as usize == i);
+                    debug_assert!(lower.is_some(), "row {i} has no diagonal block");
+                    *diagonal = offsets[i] + lower.unwrap_or(0);
+                }
+            });
         blocks.push([R::zero(); 9]);
         Self {
             offsets,

@@ -2,6 +2,7 @@
 
 use super::aggregation::Aggregates;
 use super::node_map::NONE;
+use rayon::prelude::*;
 
 /// Norm of what is left of a mode after the earlier ones are taken out, relative to the mode, below which it is
 /// dependent on the aggregate (a single node has no rotations). Unit: 1.
@@ -26,19 +27,25 @@ impl<const K: usize> Tentative<K> {
                 members[*aggregate as usize].push(node as u32);
             }
         }
+        let block_rows = |nodes: &[u32]| -> Vec<usize> {
+            let of_node = |n: &u32| *n as usize * group..(*n as usize + 1) * group;
+            nodes.iter().flat_map(of_node).collect()
+        };
+        let parts: Vec<([[f64; K]; K], Vec<[f64; K]>)> = members
+            .par_iter()
+            .map(|nodes| {
+                let mut local: Vec<[f64; K]> = block_rows(nodes)
+                    .into_iter()
+                    .flat_map(|i| modes[i])
+                    .collect();
+                (orthonormalise(&mut local), local)
+            })
+            .collect();
         let mut rows = vec![[[0.0; K]; 3]; modes.len()];
         let mut coarse = Vec::with_capacity(aggregates.count);
-        let mut local: Vec<[f64; K]> = Vec::new();
-        for nodes in &members {
-            let block_rows = || {
-                nodes
-                    .iter()
-                    .flat_map(|n| *n as usize * group..(*n as usize + 1) * group)
-            };
-            local.clear();
-            local.extend(block_rows().flat_map(|i| modes[i]));
-            coarse.push(orthonormalise(&mut local));
-            for (i, q) in block_rows().zip(local.chunks_exact(3)) {
+        for (nodes, (r, local)) in members.iter().zip(parts) {
+            coarse.push(r);
+            for (i, q) in block_rows(nodes).into_iter().zip(local.chunks_exact(3)) {
                 rows[i].copy_from_slice(q);
             }
         }

@@ -1,5 +1,6 @@
 //! The blocks of a generalized saddle point, with what is known about them.
 
+use crate::smoothers::entries::finite_entries;
 use crate::{DofCoordinate, SetupError};
 use fracas_operators::Shape;
 use fracas_operators::sparse::SparseMatrix;
@@ -106,16 +107,7 @@ impl SaddleBlocks {
                     reason: format!("block {block} must be in compressed rows"),
                 });
             }
-            for (i, row) in matrix.outer_iterator().enumerate() {
-                if let Some((j, value)) = row.iter().find(|(_, value)| !value.is_finite()) {
-                    return Err(SetupError::NotFinite {
-                        block,
-                        row: i + 1,
-                        column: j + 1,
-                        value: *value,
-                    });
-                }
-            }
+            finite_entries(block, matrix)?;
         }
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use crate::SetupError;
 use fracas_operators::Shape;
-use fracas_operators::sparse::SparseMatrix;
+use fracas_operators::sparse::{SparseMatrix, first_not_finite};
 use std::borrow::Cow;
 
 /// The matrix in messages.
@@ -24,23 +24,21 @@ pub(crate) fn rows(a: &SparseMatrix<f64>) -> Result<Cow<'_, SparseMatrix<f64>>, 
     } else {
         Cow::Owned(a.to_csr())
     };
-    finite_entries(&a)?;
+    finite_entries(BLOCK, &a)?;
     Ok(a)
 }
 
 /// Checks that every entry of a matrix by rows is a number.
-pub(crate) fn finite_entries(a: &SparseMatrix<f64>) -> Result<(), SetupError> {
-    for (i, row) in a.outer_iterator().enumerate() {
-        if let Some((j, value)) = row.iter().find(|(_, value)| !value.is_finite()) {
-            return Err(SetupError::NotFinite {
-                block: BLOCK,
-                row: i + 1,
-                column: j + 1,
-                value: *value,
-            });
-        }
+pub(crate) fn finite_entries(block: &'static str, a: &SparseMatrix<f64>) -> Result<(), SetupError> {
+    match first_not_finite(a) {
+        Some((row, column, value)) => Err(SetupError::NotFinite {
+            block,
+            row: row + 1,
+            column: column + 1,
+            value,
+        }),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 /// The diagonal, checked to be positive; a missing entry is 0.
