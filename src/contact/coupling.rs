@@ -121,6 +121,51 @@ impl<R: Real> Coupling<R> {
         }
     }
 
+    /// `s B`: the coupling of tractions counted in units of s.
+    #[must_use]
+    pub fn in_traction_unit(mut self, unit: R) -> Self {
+        let weights = self.around.iter_mut().map(|(_, weight)| weight);
+        let areas = self.faces.iter_mut().flat_map(|face| &mut face.node_areas);
+        weights
+            .chain(areas)
+            .for_each(|factor| *factor = *factor * unit);
+        self
+    }
+
+    /// Largest |entry| of B; 0 where it has none.
+    pub fn largest_entry(&self) -> R {
+        let mut largest = R::zero();
+        for node in &self.pushed {
+            for (f, weight) in &self.around[node.first as usize..node.last as usize] {
+                for e in &self.faces[*f as usize].frame {
+                    for (row, e_i) in node.unknowns.iter().zip(e) {
+                        if *row != PRESCRIBED {
+                            largest = largest.max((*weight * *e_i).abs());
+                        }
+                    }
+                }
+            }
+        }
+        largest
+    }
+
+    /// `y ← y + |B|ᵀ|u|`: what the jumps `Bᵀu` are the difference of.
+    pub fn add_absolute_jumps(&self, u: &[R], y: &mut [R]) {
+        assert_product(self.shape().transposed(), u, y);
+        for node in &self.pushed {
+            let size = node.unknowns.map(|row| match row {
+                PRESCRIBED => R::zero(),
+                j => u[j as usize].abs(),
+            });
+            for (f, weight) in &self.around[node.first as usize..node.last as usize] {
+                for (k, e) in self.faces[*f as usize].frame.iter().enumerate() {
+                    let jump = e[0].abs() * size[0] + e[1].abs() * size[1] + e[2].abs() * size[2];
+                    y[3 * *f as usize + k] += weight.abs() * jump;
+                }
+            }
+        }
+    }
+
     /// Forces on the nodes, splitting the list of nodes and `y` together (both are ordered).
     fn add_forces(&self, nodes: &[Pushed], offset: usize, alpha: R, t: &[R], y: &mut [R]) {
         if nodes.len() > GRAIN {
