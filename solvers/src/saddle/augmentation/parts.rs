@@ -1,6 +1,6 @@
 //! C piece by piece, for an A that nobody assembles as a whole.
 
-use super::{Augmentation, AugmentationChoice, AugmentationMatrix, SaddleBlocks};
+use super::{Augmentation, AugmentationChoice, AugmentationMatrix, Block, SaddleBlocks};
 use crate::SetupError;
 use crate::direct::DirectChoice;
 
@@ -79,6 +79,31 @@ impl AugmentationMatrix {
                 assert_eq!(empty.size(), 0, "pieces of C of different kinds");
                 *empty = next;
             }
+        }
+    }
+}
+
+impl AugmentationMatrix {
+    /// `factor · C`: C for tractions counted in other units, `factor` > 0.
+    #[must_use]
+    pub fn scaled(self, factor: f64) -> Self {
+        assert!(factor > 0.0, "C times {factor}");
+        let blocks = |blocks: Vec<Block>, factor: f64| -> Vec<Block> {
+            let scaled = |block: Block| block.map(|row| row.map(|v| v * factor));
+            blocks.into_iter().map(scaled).collect()
+        };
+        match self {
+            Self::Diagonal { c } => Self::Diagonal {
+                c: c.into_iter().map(|v| v * factor).collect(),
+            },
+            Self::FaceBlocks { c, inverse } => Self::FaceBlocks {
+                c: blocks(c, factor),
+                inverse: blocks(inverse, 1.0 / factor),
+            },
+            Self::Dense { c, inverse } => Self::Dense {
+                c: c * faer::Scale(factor),
+                inverse: inverse * faer::Scale(1.0 / factor),
+            },
         }
     }
 }
