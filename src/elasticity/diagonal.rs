@@ -31,8 +31,7 @@ pub fn diagonal(mesh: &HexMesh, materials: &[Elastic]) -> Result<Vec<f64>, Elast
                 let geometry = check::geometry(mesh, e)?;
                 let material = materials[usize::from(mesh.regions[e])];
                 for (a, entry) in entries.iter_mut().enumerate() {
-                    let block = geometry.stiffness_block(a, a, material);
-                    *entry = [block[0], block[4], block[8]];
+                    *entry = geometry.stiffness_diagonal(a, material);
                 }
                 Ok(())
             })?;
