@@ -15,4 +15,5 @@ pub use assembled::{lift, reduced, stiffness};
 pub use constraints::Constraints;
 pub use error::ElasticityError;
 pub use material::Elastic;
+pub(crate) use matrix_free::Colours;
 pub use matrix_free::{Bricks, Hexes, Restricted, matrix_free};
