@@ -70,6 +70,17 @@ fn weights(fractures: &FractureMesh) -> Vec<(u32, u32, f64)> {
 impl<R: Real> Coupling<R> {
     /// The coupling of all faces of `fractures` to the displacements that `constraints` leave free.
     pub fn new(fractures: &FractureMesh, constraints: &Constraints) -> Self {
+        let index = |dof: usize| constraints.free_index(dof).map_or(PRESCRIBED, |j| j as u32);
+        Self::numbered(fractures, constraints.free_len(), index)
+    }
+
+    /// The coupling to all displacements of `nodes` nodes, `3·node + component`, whether prescribed or not.
+    pub fn in_full_numbering(fractures: &FractureMesh, nodes: usize) -> Self {
+        Self::numbered(fractures, 3 * nodes, |dof| dof as u32)
+    }
+
+    /// The coupling to `rows` unknowns, `index(3·node + component)` of them or [`PRESCRIBED`].
+    fn numbered(fractures: &FractureMesh, rows: usize, index: impl Fn(usize) -> u32) -> Self {
         let mut nodes: Vec<u32> = fractures
             .faces
             .iter()
@@ -80,12 +91,7 @@ impl<R: Real> Coupling<R> {
         let local = |node: u32| nodes.partition_point(|n| *n < node) as u32;
         let unknowns: Vec<[u32; 3]> = nodes
             .iter()
-            .map(|node| {
-                std::array::from_fn(|i| {
-                    let dof = 3 * *node as usize + i;
-                    constraints.free_index(dof).map_or(PRESCRIBED, |j| j as u32)
-                })
-            })
+            .map(|node| std::array::from_fn(|i| index(3 * *node as usize + i)))
             .collect();
         let faces = fractures
             .faces
@@ -114,7 +120,7 @@ impl<R: Real> Coupling<R> {
         }
         Self {
             faces,
-            rows: constraints.free_len(),
+            rows,
             unknowns,
             pushed,
             around,
@@ -164,6 +170,14 @@ impl<R: Real> Coupling<R> {
                 }
             }
         }
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.faces)
+            + size_of_val(&*self.unknowns)
+            + size_of_val(&*self.pushed)
+            + size_of_val(&*self.around)
     }
 
     /// Forces on the nodes, splitting the list of nodes and `y` together (both are ordered).

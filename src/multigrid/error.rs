@@ -28,6 +28,18 @@ pub enum GeometricError {
         /// `f32` or `f64`.
         precision: &'static str,
     },
+    /// A diagonal block that is not positive definite.
+    #[error(
+        "level {level} of the hierarchy is not positive definite near ({:.6e}, {:.6e}, {:.6e}) m: a block of rock is held \
+         neither by boundary conditions nor by a fracture, or its stiffness is lost in the digits of the hierarchy (then \
+         take precision f64)", place[0], place[1], place[2]
+    )]
+    Indefinite {
+        /// Level, 0 the finest.
+        level: usize,
+        /// The node [m].
+        place: [f64; 3],
+    },
     /// A mesh without a stiffness.
     #[error(transparent)]
     Elasticity(#[from] ElasticityError),

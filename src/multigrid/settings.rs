@@ -1,6 +1,7 @@
 //! Plain settings of geometric multigrid.
 
-use fracas_solvers::amg::{Cycle, Precision};
+use fracas_solvers::amg::Precision;
+use fracas_solvers::multigrid::Cycle;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
