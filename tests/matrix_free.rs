@@ -59,7 +59,7 @@ fn c_from_the_elements_around_fractures_is_c_of_the_assembled_matrix() {
             let blocks = blocks.into_traction_unit(size.unit);
             let free = MatrixFreeSaddle::in_traction_unit(&system, size.unit).unwrap();
             for choice in AugmentationChoice::ALL {
-                let pieces = free.augmentation(&system, choice, size.unit);
+                let pieces = free.augmentation(&system, choice);
                 if !choice.is_local() {
                     let refused = matches!(
                         pieces,
@@ -104,10 +104,7 @@ fn loads_and_scales_without_a_matrix_are_those_of_the_blocks() {
         let size = system.magnitude().unwrap();
         let blocks = blocks.into_traction_unit(size.unit);
         let free = MatrixFreeSaddle::in_traction_unit(&system, size.unit).unwrap();
-        let (b, expected) = (
-            free.rhs(&system, &body.forces().unwrap(), size.unit),
-            blocks.rhs(),
-        );
+        let (b, expected) = (free.rhs(&system, &body.forces().unwrap()), blocks.rhs());
         let largest = expected.iter().fold(0.0f64, |m, v| m.max(v.abs()));
         assert_eq!(b.len(), expected.len());
         for (b, e) in b.iter().zip(&expected) {

@@ -1,6 +1,7 @@
-//! The saddle point of a body without a single assembled matrix but H.
+//! The saddle point of a body without a single assembled matrix but H, and RACP around it.
 
 mod pieces;
+mod racp;
 mod residual;
 
 use crate::contact::{Coupling, prescribed_jump};
@@ -10,8 +11,10 @@ use fracas_operators::operator::assert_product;
 use fracas_operators::sparse::{Csr, SparseMatrix};
 use fracas_operators::{AdjointOperator, Layout, LinearOperator, Real, Shape};
 use fracas_solvers::saddle::unit_of_tractions;
+use std::sync::Arc;
 
 pub use pieces::PiecesError;
+pub use racp::{MatrixFreeError, MatrixFreeRacp, RacpParts};
 
 /// `[A B; Bᵀ −H]` over the free displacements and the tractions: A cell by cell, B face by face, H by its few entries.
 ///
@@ -21,8 +24,9 @@ pub use pieces::PiecesError;
 /// Memory: O(cells) numbers instead of the 243 entries per node of an assembled A.
 pub struct MatrixFreeSaddle<R> {
     a: Restricted<Box<dyn AdjointOperator<R>>>,
-    b: Coupling<R>,
+    b: Arc<Coupling<R>>,
     h: Option<Csr<R>>,
+    unit: f64,
 }
 
 impl<R: Real> MatrixFreeSaddle<R> {
@@ -44,8 +48,9 @@ impl<R: Real> MatrixFreeSaddle<R> {
         let h = system.stabilization().map(|h| Csr::new(scaled(&h, unit)));
         Ok(Self {
             a: Restricted::new(full, system.constraints.clone()),
-            b: b.in_traction_unit(R::of(unit)),
+            b: Arc::new(b.in_traction_unit(R::of(unit))),
             h,
+            unit,
         })
     }
 
@@ -55,8 +60,13 @@ impl<R: Real> MatrixFreeSaddle<R> {
         Layout::new(["u", "t"], [shape.rows, shape.cols])
     }
 
+    /// What tractions are counted in [Pa].
+    pub fn unit(&self) -> f64 {
+        self.unit
+    }
+
     /// B.
-    pub fn coupling(&self) -> &Coupling<R> {
+    pub fn coupling(&self) -> &Arc<Coupling<R>> {
         &self.b
     }
 
@@ -68,7 +78,7 @@ impl<R: Real> MatrixFreeSaddle<R> {
 
 impl MatrixFreeSaddle<f64> {
     /// `(f_f − A_fc u_c, −s B_cᵀ u_c)` for nodal forces `force` over all displacements [N] and tractions in units of s.
-    pub fn rhs(&self, system: &StickSystem<'_>, force: &[f64], unit: f64) -> Vec<f64> {
+    pub fn rhs(&self, system: &StickSystem<'_>, force: &[f64]) -> Vec<f64> {
         let constraints = system.constraints;
         let [n_u, n_t] = self.layout().lengths;
         let mut rhs = Vec::with_capacity(n_u + n_t);
@@ -79,7 +89,7 @@ impl MatrixFreeSaddle<f64> {
         }
         crate::elasticity::lift(self.a.full(), constraints, &mut rhs);
         let jump = prescribed_jump(system.fractures, constraints);
-        rhs.extend(jump.into_iter().map(|jump| -unit * jump));
+        rhs.extend(jump.into_iter().map(|jump| -self.unit * jump));
         rhs
     }
 }

@@ -32,14 +32,13 @@ impl MatrixFreeSaddle<f64> {
         &self,
         system: &StickSystem<'_>,
         choice: AugmentationChoice,
-        unit: f64,
     ) -> Result<Augmentation, PiecesError> {
         choice.require_local()?;
         let around = Around::new(system.mesh, system.fractures);
         let faces = &system.fractures.faces;
         let pieces = faces.chunks(FACES).enumerate().map(|(i, chunk)| {
             let piece = around.piece(system, chunk)?;
-            let mut piece = piece.into_traction_unit(unit);
+            let mut piece = piece.into_traction_unit(self.unit());
             piece.h = self
                 .stabilization()
                 .map(|h| diagonal_blocks(h, FACES * i, chunk.len()));

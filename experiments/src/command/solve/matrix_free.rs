@@ -5,9 +5,8 @@ use super::iteration::{Built, Names};
 use super::{Solve, Status, memory};
 use crate::command::progress::Progress;
 use anyhow::Context;
-use fracas::matrix_free::MatrixFreeSaddle;
-use fracas::multigrid::Geometric;
-use fracas_solvers::saddle::{AugmentationChoice, RacpInverse};
+use fracas::matrix_free::{MatrixFreeRacp, MatrixFreeSaddle, RacpParts};
+use fracas_solvers::saddle::AugmentationChoice;
 use std::io::Write;
 use std::time::Instant;
 
@@ -29,7 +28,7 @@ impl Solve {
         let magnitude = system.magnitude().with_context(context)?;
         let unit = self.traction_unit.unwrap_or(magnitude.unit);
         let saddle = MatrixFreeSaddle::in_traction_unit(&system, unit).with_context(context)?;
-        let own = saddle.rhs(&system, &force, unit);
+        let own = saddle.rhs(&system, &force);
         drop(force);
         let [n_u, n_t] = saddle.layout().lengths;
         progress.say(&format!("n_u = {n_u}, n_t = {n_t}, n_p = 0"));
@@ -37,26 +36,26 @@ impl Solve {
         let (rhs, b) = self.right_hand_side(has_rhs, own, &mut progress);
 
         let start = Instant::now();
-        progress.say("setting up C");
-        let c = saddle.augmentation(&system, choice, unit)?.matrix;
-        progress.say("setting up the hierarchy");
-        let in_pascal = c.clone().scaled(1.0 / (unit * unit));
-        let inner = Geometric::default().build(&system, &in_pascal)?;
-        drop(in_pascal);
+        progress.say("setting up");
+        let racp = MatrixFreeRacp {
+            augmentation: choice,
+            ..MatrixFreeRacp::default()
+        };
+        let RacpParts {
+            inverse, hierarchy, ..
+        } = racp.ready(&saddle, &system, &mut progress)?;
         // the operators carry what they need: the mesh has done its work
         drop(body);
-        let hierarchy = Some(inner.summary());
         let equations = MatrixFree {
             saddle,
             stiffest: magnitude.stiffest,
         };
-        let preconditioner = RacpInverse::with_operator(equations.saddle.coupling(), c, inner);
         let setup_s = start.elapsed().as_secs_f64();
         self.iterate(
             &Built {
                 equations: &equations,
-                preconditioner: &preconditioner,
-                hierarchy,
+                preconditioner: &inverse,
+                hierarchy: Some(hierarchy),
                 names: Names {
                     method: "racp".into(),
                     augmentation: Some(choice.to_string()),
