@@ -1,6 +1,6 @@
 //! The model: from a fractured scene to the blocks of its saddle point.
 //!
-//! Rooms, each importing only those before it: `units` ◄ `mesh` ◄ {`elasticity`, `contact`} ◄ `scene` ◄ `system` ◄ {`matrix_free`, `jacobian`}; `io` writes.
+//! Rooms, each importing only those before it: `units` ◄ `mesh` ◄ {`elasticity`, `contact`} ◄ `scene` ◄ `system` ◄ {`matrix_free`, `multigrid`, `jacobian`}; `io` writes.
 
 pub mod contact;
 pub mod elasticity;
@@ -8,6 +8,7 @@ pub mod io;
 pub mod jacobian;
 pub mod matrix_free;
 pub mod mesh;
+pub mod multigrid;
 pub mod scene;
 pub mod system;
 pub mod units;

@@ -10,6 +10,7 @@ mod elastic_sample;
 pub mod error;
 pub mod fsai;
 pub mod krylov;
+pub mod multigrid;
 pub mod observer;
 pub mod prepare;
 pub mod saddle;

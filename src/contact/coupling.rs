@@ -70,6 +70,17 @@ fn weights(fractures: &FractureMesh) -> Vec<(u32, u32, f64)> {
 impl<R: Real> Coupling<R> {
     /// The coupling of all faces of `fractures` to the displacements that `constraints` leave free.
     pub fn new(fractures: &FractureMesh, constraints: &Constraints) -> Self {
+        let index = |dof: usize| constraints.free_index(dof).map_or(PRESCRIBED, |j| j as u32);
+        Self::numbered(fractures, constraints.free_len(), index)
+    }
+
+    /// The coupling to all displacements of `nodes` nodes, `3·node + component`, whether prescribed or not.
+    pub fn in_full_numbering(fractures: &FractureMesh, nodes: usize) -> Self {
+        Self::numbered(fractures, 3 * nodes, |dof| dof as u32)
+    }
+
+    /// The coupling to `rows` unknowns, `index(3·node + component)` of them or [`PRESCRIBED`].
+    fn numbered(fractures: &FractureMesh, rows: usize, index: impl Fn(usize) -> u32) -> Self {
         let mut nodes: Vec<u32> = fractures
             .faces
             .iter()
@@ -80,12 +91,7 @@ impl<R: Real> Coupling<R> {
         let local = |node: u32| nodes.partition_point(|n| *n < node) as u32;
         let unknowns: Vec<[u32; 3]> = nodes
             .iter()
-            .map(|node| {
-                std::array::from_fn(|i| {
-                    let dof = 3 * *node as usize + i;
-                    constraints.free_index(dof).map_or(PRESCRIBED, |j| j as u32)
-                })
-            })
+            .map(|node| std::array::from_fn(|i| index(3 * *node as usize + i)))
             .collect();
         let faces = fractures
             .faces
@@ -114,11 +120,64 @@ impl<R: Real> Coupling<R> {
         }
         Self {
             faces,
-            rows: constraints.free_len(),
+            rows,
             unknowns,
             pushed,
             around,
         }
+    }
+
+    /// `s B`: the coupling of tractions counted in units of s.
+    #[must_use]
+    pub fn in_traction_unit(mut self, unit: R) -> Self {
+        let weights = self.around.iter_mut().map(|(_, weight)| weight);
+        let areas = self.faces.iter_mut().flat_map(|face| &mut face.node_areas);
+        weights
+            .chain(areas)
+            .for_each(|factor| *factor = *factor * unit);
+        self
+    }
+
+    /// Largest |entry| of B; 0 where it has none.
+    pub fn largest_entry(&self) -> R {
+        let mut largest = R::zero();
+        for node in &self.pushed {
+            for (f, weight) in &self.around[node.first as usize..node.last as usize] {
+                for e in &self.faces[*f as usize].frame {
+                    for (row, e_i) in node.unknowns.iter().zip(e) {
+                        if *row != PRESCRIBED {
+                            largest = largest.max((*weight * *e_i).abs());
+                        }
+                    }
+                }
+            }
+        }
+        largest
+    }
+
+    /// `y ← y + |B|ᵀ|u|`: what the jumps `Bᵀu` are the difference of.
+    pub fn add_absolute_jumps(&self, u: &[R], y: &mut [R]) {
+        assert_product(self.shape().transposed(), u, y);
+        for node in &self.pushed {
+            let size = node.unknowns.map(|row| match row {
+                PRESCRIBED => R::zero(),
+                j => u[j as usize].abs(),
+            });
+            for (f, weight) in &self.around[node.first as usize..node.last as usize] {
+                for (k, e) in self.faces[*f as usize].frame.iter().enumerate() {
+                    let jump = e[0].abs() * size[0] + e[1].abs() * size[1] + e[2].abs() * size[2];
+                    y[3 * *f as usize + k] += weight.abs() * jump;
+                }
+            }
+        }
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.faces)
+            + size_of_val(&*self.unknowns)
+            + size_of_val(&*self.pushed)
+            + size_of_val(&*self.around)
     }
 
     /// Forces on the nodes, splitting the list of nodes and `y` together (both are ordered).

@@ -53,6 +53,18 @@ impl Neighbours {
 /// # Errors
 /// [`ElasticityError`] for an inverted element or a region without a material.
 pub fn stiffness(mesh: &HexMesh, materials: &[Elastic]) -> Result<Block3<f64>, ElasticityError> {
+    stiffness_of_rows(mesh, materials, |_| true)
+}
+
+/// The rows of some nodes of the [`stiffness`]; the others stay empty.
+///
+/// # Errors
+/// As [`stiffness`].
+pub fn stiffness_of_rows(
+    mesh: &HexMesh,
+    materials: &[Elastic],
+    wanted: impl Fn(usize) -> bool + Sync,
+) -> Result<Block3<f64>, ElasticityError> {
     check::elements(mesh, materials.len())?;
     let neighbours = Neighbours::new(mesh);
     let n = mesh.nodes.len();
@@ -62,8 +74,11 @@ pub fn stiffness(mesh: &HexMesh, materials: &[Elastic]) -> Result<Block3<f64>, E
         .enumerate()
         .for_each_init(Vec::new, |columns, (task, lengths)| {
             for (i, length) in lengths.iter_mut().enumerate() {
-                neighbours.columns(mesh, task * ROWS_PER_TASK + i, columns);
-                *length = columns.len();
+                let node = task * ROWS_PER_TASK + i;
+                if wanted(node) {
+                    neighbours.columns(mesh, node, columns);
+                    *length = columns.len();
+                }
             }
         });
     for a in 0..n {
@@ -80,6 +95,9 @@ pub fn stiffness(mesh: &HexMesh, materials: &[Elastic]) -> Result<Block3<f64>, E
                     rest.0.split_at_mut(offsets[node + 1] - offsets[node]);
                 let (row_blocks, tail_blocks) = rest.1.split_at_mut(row_columns.len());
                 rest = (tail_columns, tail_blocks);
+                if row_columns.is_empty() {
+                    continue;
+                }
                 neighbours.columns(mesh, node, scratch);
                 row_columns.copy_from_slice(scratch);
                 assemble_row(

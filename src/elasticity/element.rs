@@ -208,6 +208,24 @@ impl Geometry {
         block
     }
 
+    /// Diagonal of the block (a, a), with its bits: only the `M_ii` are integrated [N/m].
+    pub fn stiffness_diagonal(&self, a: usize, material: Elastic) -> [f64; 3] {
+        let m: [f64; 3] = match self {
+            Self::Brick(size) => {
+                let m = brick_products(*size, a, a);
+                [m[0][0], m[1][1], m[2][2]]
+            }
+            Self::General(points) => std::array::from_fn(|i| {
+                let gradient = &points.gradients[a][i];
+                let squares = points.weights.iter().zip(gradient);
+                squares.fold(0.0, |sum, (weight, g)| sum + weight * (g * g))
+            }),
+        };
+        let (lambda, shear) = (material.lambda(), material.shear());
+        let trace = m[0] + m[1] + m[2];
+        m.map(|m| lambda * m + shear * (m + trace))
+    }
+
     /// The 24×24 stiffness.
     pub fn stiffness(&self, material: Elastic) -> ElementMatrix {
         let mut k = [[0.0; 24]; 24];

@@ -3,6 +3,7 @@
 mod assembled;
 mod check;
 mod constraints;
+mod diagonal;
 pub mod element;
 mod error;
 pub mod loads;
@@ -11,8 +12,10 @@ mod matrix_free;
 #[cfg(test)]
 mod sample;
 
-pub use assembled::{lift, reduced, stiffness};
+pub use assembled::{lift, reduced, stiffness, stiffness_of_rows};
 pub use constraints::Constraints;
+pub use diagonal::diagonal;
 pub use error::ElasticityError;
 pub use material::Elastic;
+pub(crate) use matrix_free::Colours;
 pub use matrix_free::{Bricks, Hexes, Restricted, matrix_free};

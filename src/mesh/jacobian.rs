@@ -2,6 +2,7 @@
 
 use super::face_geometry::{cross, dot};
 use super::{HexMesh, MeshError};
+use rayon::prelude::*;
 
 /// Reference coordinates of the eight nodes, VTK order.
 pub(super) const CORNERS: [[f64; 3]; 8] = [
@@ -71,22 +72,36 @@ pub(super) fn corners(mesh: &HexMesh, e: usize) -> [[f64; 3]; 8] {
     mesh.elements[e].map(|n| mesh.nodes[n as usize])
 }
 
+/// Elements that one task looks at.
+const PER_TASK: usize = 4096;
+
+/// The smaller of two determinants with their elements; the first one where they are equal or it is not a number.
+fn worse(first: (f64, usize), next: (f64, usize)) -> (f64, usize) {
+    let stays = first.0.is_nan() || first.0 <= next.0;
+    if stays { first } else { next }
+}
+
 /// Smallest det J of the mesh [m³].
 ///
 /// # Errors
 /// [`MeshError::Inverted`] for the element with the smallest determinant, if that is not positive; `advice` says what to
 /// change.
 pub fn check_jacobians(mesh: &HexMesh, advice: &'static str) -> Result<f64, MeshError> {
-    let mut worst = (f64::INFINITY, 0);
-    for e in 0..mesh.elements.len() {
-        let value = min_jacobian(&corners(mesh, e));
-        if value < worst.0 || value.is_nan() {
-            worst = (value, e);
+    let of_task = |(task, elements): (usize, &[[u32; 8]])| {
+        let mut worst = (f64::INFINITY, 0);
+        for (i, element) in elements.iter().enumerate() {
+            let value = min_jacobian(&element.map(|n| mesh.nodes[n as usize]));
+            worst = worse(worst, (value, task * PER_TASK + i));
         }
-        if value.is_nan() {
-            break;
-        }
-    }
+        worst
+    };
+    let tasks: Vec<(f64, usize)> = mesh
+        .elements
+        .par_chunks(PER_TASK)
+        .enumerate()
+        .map(of_task)
+        .collect();
+    let worst = tasks.into_iter().fold((f64::INFINITY, 0), worse);
     match worst.0 > 0.0 {
         true => Ok(worst.0),
         false => Err(MeshError::Inverted {

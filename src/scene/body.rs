@@ -59,9 +59,11 @@ pub struct Body {
 impl Body {
     /// Marks of the prescribed displacements, `3·node + component`.
     pub fn prescribed(&self) -> Vec<bool> {
-        (0..self.constraints.full_len())
-            .map(|dof| self.constraints.free_index(dof).is_none())
-            .collect()
+        let mut marks = vec![false; self.constraints.full_len()];
+        for (dof, _) in self.constraints.prescribed() {
+            marks[*dof as usize] = true;
+        }
+        marks
     }
 
     /// Counts, bodies and what holds them, quality, rank of the coupling.

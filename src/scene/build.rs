@@ -99,6 +99,7 @@ fn assemble(sections: &SceneSections) -> Result<Body, Located> {
         .iter()
         .map(|m| m.density.as_ref().map_or(0.0, Measure::si))
         .collect();
+    let constraints = Constraints::of_list(3 * built.mesh.nodes.len(), prescribed);
     Ok(Body {
         mesh: built.mesh,
         fractures: built.fractures,
@@ -120,7 +121,7 @@ fn assemble(sections: &SceneSections) -> Result<Body, Located> {
             .map(|rho| [0, 1, 2].map(|d: usize| rho * gravity[d] + extra[d]))
             .collect(),
         densities,
-        constraints: Constraints::new(prescribed),
+        constraints,
         tractions,
         initial_stress: sections.initial_stress.as_ref().map(|s| InitialStress {
             constant: s.constant.as_ref().map_or([0.0; 6], |c| c.si()),

@@ -83,6 +83,9 @@ gallery! {
     "layered": "What does a stiffness contrast of 1000 between layers do to the spectrum?",
         "C_local alone lets it grow with the contrast; C_local + diag(H) does not",
         ["mesh.x.cells=6", "mesh.y.cells=6", "mesh.z.cells=6"];
+    "layered_crossing": "What does a body cost from a hundred thousand to tens of millions of unknowns?",
+        "time and memory per unknown, and iterations, do not grow without an assembled A",
+        ["mesh.x.cells=8", "mesh.y.cells=8", "mesh.z.cells=8"];
     "stretched": "What do cells of 1:50 do to iterations?",
         "local augmentation follows the anisotropy, a global one does not",
         ["mesh.x.cells=6", "mesh.y.cells=6", "mesh.z.cells=6"];

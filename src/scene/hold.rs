@@ -9,21 +9,23 @@ use crate::units::Measure;
 /// A face is perpendicular to an axis if its unit normal has a component larger than 1 − this: an angle of 1e-5 rad.
 const FLAT: f64 = 5e-11;
 
-/// Prescribed displacement per `3·node + component` where one is given, and loads.
+/// Prescribed displacements `(3·node + component, value)`, a later one in place of an earlier one, and loads.
 pub(super) fn hold(
     boundaries: &[BoundarySection],
     built: &BuiltMesh,
-) -> Result<(Vec<Option<f64>>, Vec<SurfaceTraction>), Located> {
-    let mut prescribed = vec![None; 3 * built.mesh.nodes.len()];
+) -> Result<(Vec<(u32, f64)>, Vec<SurfaceTraction>), Located> {
+    let mut prescribed = Vec::new();
     let mut tractions = Vec::new();
     for (i, boundary) in boundaries.iter().enumerate() {
         let number = i.to_string();
         let faces = &built.sides[boundary.side.index()];
         let mut prescribe = |given: [Option<f64>; 3]| {
-            for node in faces.iter().flat_map(|f| f.nodes) {
-                for d in (0..3).filter(|d| given[*d].is_some()) {
-                    prescribed[3 * node as usize + d] = given[d];
-                }
+            let mut nodes: Vec<u32> = faces.iter().flat_map(|f| f.nodes).collect();
+            nodes.sort_unstable();
+            nodes.dedup();
+            for node in nodes {
+                let values = given.iter().zip(3 * node..);
+                prescribed.extend(values.filter_map(|(value, dof)| Some((dof, (*value)?))));
             }
         };
         match (

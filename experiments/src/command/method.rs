@@ -1,7 +1,10 @@
 //! Which method: `--method`, `--augmentation`, `--inner`.
 
 use clap::Args;
+use fracas_solvers::amg::Amg;
+use fracas_solvers::saddle::inner::UnknownInner;
 use fracas_solvers::saddle::{AugmentationChoice, InnerChoice, NoSuchPart, SaddleMethod};
+use std::str::FromStr;
 
 /// A method with the parts that the command line chooses.
 #[derive(Args, Debug)]
@@ -12,10 +15,39 @@ pub(super) struct Method {
     /// C, in methods that have one: local, global, global_times=FACTOR, exact, local_h, exact_h, face_block.
     #[arg(long, value_name = "C")]
     augmentation: Option<AugmentationChoice>,
-    /// Solver of the displacement block, in methods that have one: exact, amg, fsai, fsai:static, jacobi, ssor.
+    /// Solver of the displacement block, in methods that have one: exact, amg, fsai, fsai:static, jacobi, ssor; for `solve`
+    /// of a scene also geometric, which assembles no A; auto takes geometric for a scene and amg for a system folder.
     #[arg(long, value_name = "M")]
-    inner: Option<InnerChoice>,
+    inner: Option<Inner>,
 }
+
+/// `--inner`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Inner {
+    /// What fits the system.
+    Auto,
+    /// Geometric multigrid, without an assembled A.
+    Geometric,
+    /// Made from assembled blocks.
+    Assembled(InnerChoice),
+}
+
+impl FromStr for Inner {
+    type Err = UnknownInnerName;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        match name {
+            "auto" => Ok(Self::Auto),
+            "geometric" => Ok(Self::Geometric),
+            _ => name.parse().map(Self::Assembled).map_err(UnknownInnerName),
+        }
+    }
+}
+
+/// A name that no inner solver has.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}; or geometric, or auto")]
+struct UnknownInnerName(UnknownInner);
 
 /// All names.
 fn help() -> String {
@@ -26,9 +58,119 @@ fn help() -> String {
     )
 }
 
+/// What the system is, as far as it decides on the inner solver.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Asked {
+    /// A scene: its mesh is a grid.
+    Scene,
+    /// A scene, and work that reads the entries of A: the option.
+    SceneWithEntries(&'static str),
+    /// A system folder.
+    Folder,
+}
+
+/// How a system is solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Route {
+    /// From assembled blocks.
+    Assembled(SaddleMethod),
+    /// RACP with this C around geometric multigrid, without an assembled A.
+    MatrixFree(AugmentationChoice),
+}
+
+/// A route and, where `auto` chose, why.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Chosen {
+    pub(super) route: Route,
+    pub(super) reason: Option<String>,
+}
+
+/// Geometric multigrid where it cannot be.
+#[derive(Debug, thiserror::Error)]
+enum NotGeometric {
+    #[error(
+        "--inner geometric belongs to --method racp; {0} takes exact, amg, fsai, fsai:static, jacobi or ssor"
+    )]
+    Method(&'static str),
+    #[error(
+        "--inner geometric needs a scene, whose mesh is a grid; a system folder has matrices alone, take --inner amg"
+    )]
+    Folder,
+    #[error("--inner geometric has no assembled A, and {0} reads its entries; take --inner amg")]
+    Entries(&'static str),
+}
+
 impl Method {
-    /// The settings.
-    pub(super) fn chosen(&self) -> Result<SaddleMethod, NoSuchPart> {
-        self.method.with_parts(self.augmentation, self.inner)
+    /// The settings, from assembled blocks whatever the system is.
+    pub(super) fn chosen(&self, asker: &'static str) -> anyhow::Result<SaddleMethod> {
+        match self.route(Asked::SceneWithEntries(asker))?.route {
+            Route::Assembled(method) => Ok(method),
+            Route::MatrixFree(_) => Err(NotGeometric::Entries(asker).into()),
+        }
+    }
+
+    /// How a system is solved.
+    pub(super) fn route(&self, asked: Asked) -> anyhow::Result<Chosen> {
+        let is_racp = matches!(self.method, SaddleMethod::Racp(_));
+        match self.inner {
+            None => self.assembled(None, None),
+            Some(Inner::Assembled(inner)) => self.assembled(Some(inner), None),
+            Some(Inner::Geometric) => match asked {
+                _ if !is_racp => Err(NotGeometric::Method(self.method.name()).into()),
+                Asked::Folder => Err(NotGeometric::Folder.into()),
+                Asked::SceneWithEntries(who) => Err(NotGeometric::Entries(who).into()),
+                Asked::Scene => {
+                    let c = self.augmentation_of_racp()?;
+                    c.require_local()?;
+                    Ok(Chosen {
+                        route: Route::MatrixFree(c),
+                        reason: None,
+                    })
+                }
+            },
+            Some(Inner::Auto) => self.auto(asked, is_racp),
+        }
+    }
+
+    /// Geometric where everything it needs is there, else amg where the method has an inner solver.
+    fn auto(&self, asked: Asked, is_racp: bool) -> anyhow::Result<Chosen> {
+        let reason = match asked {
+            _ if self.method.inner().is_none() => {
+                return self.assembled(None, None);
+            }
+            _ if !is_racp => format!("{} is made from assembled blocks", self.method.name()),
+            Asked::Folder => "a system folder has no grid".to_owned(),
+            Asked::SceneWithEntries(who) => format!("{who} reads the entries of A"),
+            Asked::Scene => {
+                let c = self.augmentation_of_racp()?;
+                if c.is_local() {
+                    return Ok(Chosen {
+                        route: Route::MatrixFree(c),
+                        reason: Some("geometric, because the mesh of the scene is a grid".into()),
+                    });
+                }
+                format!("C = {c} needs all of A")
+            }
+        };
+        let amg = InnerChoice::Amg(Amg::default());
+        self.assembled(Some(amg), Some(format!("amg, because {reason}")))
+    }
+
+    fn assembled(
+        &self,
+        inner: Option<InnerChoice>,
+        reason: Option<String>,
+    ) -> anyhow::Result<Chosen> {
+        let method = self.method.with_parts(self.augmentation, inner)?;
+        Ok(Chosen {
+            route: Route::Assembled(method),
+            reason,
+        })
+    }
+
+    /// C of RACP.
+    fn augmentation_of_racp(&self) -> Result<AugmentationChoice, NoSuchPart> {
+        let method = self.method.with_parts(self.augmentation, None)?;
+        Ok(method.augmentation().unwrap_or_default())
     }
 }

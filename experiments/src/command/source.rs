@@ -64,6 +64,16 @@ pub(super) struct System {
 }
 
 impl Source {
+    /// The scene, where it is one.
+    pub(super) fn scene(&self) -> Option<&str> {
+        self.place.scene.as_deref()
+    }
+
+    /// How the scene becomes a system.
+    pub(super) fn assembly(&self) -> &Assembly {
+        &self.assembly
+    }
+
     /// Reads or assembles the system; remarks go to the progress stream.
     pub(super) fn load(&self, progress: &mut Progress) -> anyhow::Result<System> {
         let system = match (&self.place.scene, &self.place.system) {
@@ -104,18 +114,34 @@ fn import(folder: &Path, progress: &mut Progress) -> anyhow::Result<System> {
 }
 
 impl Assembly {
-    /// Meshes a scene and assembles its blocks with every face in stick.
-    pub(super) fn assemble(&self, name: &str, progress: &mut Progress) -> anyhow::Result<System> {
+    /// Jump stabilization, unless it is left out.
+    pub(super) fn stabilization(&self) -> Option<JumpStabilization> {
+        (self.stabilization > 0.0).then_some(JumpStabilization {
+            scale: self.stabilization,
+        })
+    }
+
+    /// Meshes a scene that fits into memory at `bytes` and whose tractions are unique.
+    pub(super) fn mesh(
+        &self,
+        name: &str,
+        bytes: memory::PerNode,
+        progress: &mut Progress,
+    ) -> anyhow::Result<Body> {
         let scene = scene::load(name, &self.overrides)?;
-        memory::room_for(name, &scene, memory::BLOCKS)?;
-        progress.say(&format!("{}: meshing and assembling", scene.title()));
+        memory::room_for(name, &scene, bytes)?;
+        progress.say(&format!("{}: meshing", scene.title()));
         let body = scene.build()?;
         rank::require_regular(name, &body)?;
-        let stabilization = (self.stabilization > 0.0).then_some(JumpStabilization {
-            scale: self.stabilization,
-        });
+        Ok(body)
+    }
+
+    /// Meshes a scene and assembles its blocks with every face in stick.
+    pub(super) fn assemble(&self, name: &str, progress: &mut Progress) -> anyhow::Result<System> {
+        let body = self.mesh(name, memory::BLOCKS, progress)?;
+        progress.say("assembling");
         let blocks = body
-            .saddle_blocks(stabilization)
+            .saddle_blocks(self.stabilization())
             .with_context(|| format!("{name} cannot be assembled"))?;
         let mut manifest = Manifest {
             scene: Some(name.into()),

@@ -40,7 +40,7 @@ fn svg(text: &str) -> Result<PathBuf, String> {
 
 impl Spectrum {
     pub(super) fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
-        let method = self.method.chosen()?;
+        let method = self.method.chosen("spectrum")?;
         output::try_files(self.json.iter().chain(&self.plot))?;
         let mut progress = Progress::new();
         let system = self.source.load(&mut progress)?;

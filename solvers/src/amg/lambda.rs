@@ -11,11 +11,20 @@ const STEPS: usize = 10;
 const SAFETY: f64 = 1.05;
 
 /// An upper estimate of `λ_max(D⁻¹A)`, D the 3×3 diagonal blocks.
+pub(super) fn largest_eigenvalue<R: Real>(a: &SweepMatrix<R>) -> f64 {
+    let product = |x: &[R], y: &mut [R]| a.product(x, y);
+    largest_generalized(3 * a.rows(), product, |r, z| a.diagonal_solve(r, z))
+}
+
+/// An upper estimate of `λ_max(D⁻¹A)` for n unknowns, given `y ← A x` and `z ← D⁻¹ r`.
 ///
 /// # Cost
 /// Ten products: the coefficients of conjugate gradients preconditioned by D are a Lanczos matrix of D⁻¹A.
-pub(super) fn largest_eigenvalue<R: Real>(a: &SweepMatrix<R>) -> f64 {
-    let n = 3 * a.rows();
+pub(crate) fn largest_generalized<R: Real>(
+    n: usize,
+    mut product: impl FnMut(&[R], &mut [R]),
+    diagonal_solve: impl Fn(&[R], &mut [R]),
+) -> f64 {
     // a start with a part in every eigenvector, the same on every machine
     let mut r: Vec<R> = (0..n)
         .map(|i| R::of(0.1 + (1.0 + i as f64 * 1.618).sin()))
@@ -23,11 +32,11 @@ pub(super) fn largest_eigenvalue<R: Real>(a: &SweepMatrix<R>) -> f64 {
     let [mut z, mut p, mut q] = [0; 3].map(|_| vec![R::zero(); n]);
     let (mut diagonal, mut off) = (Vec::new(), Vec::new());
     let (mut beta, mut alpha_before) = (0.0, 1.0);
-    a.diagonal_solve(&r, &mut z);
+    diagonal_solve(&r, &mut z);
     p.copy_from_slice(&z);
     let mut rho = dot(&r, &z).to_f64_exact();
     for _ in 0..STEPS {
-        a.product(&p, &mut q);
+        product(&p, &mut q);
         let curvature = dot(&p, &q).to_f64_exact();
         if !(curvature > 0.0 && rho > 0.0) {
             break;
@@ -35,7 +44,7 @@ pub(super) fn largest_eigenvalue<R: Real>(a: &SweepMatrix<R>) -> f64 {
         let alpha = rho / curvature;
         diagonal.push(1.0 / alpha + beta / alpha_before);
         axpy(R::of(-alpha), &q, &mut r);
-        a.diagonal_solve(&r, &mut z);
+        diagonal_solve(&r, &mut z);
         let next = dot(&r, &z).to_f64_exact();
         beta = next / rho;
         off.push(beta.max(0.0).sqrt() / alpha);

@@ -20,6 +20,7 @@ mod choice;
 #[cfg(test)]
 mod claims;
 mod fgmres;
+mod fitted;
 mod gmres;
 mod minres;
 #[cfg(test)]
@@ -33,6 +34,7 @@ pub use breakdown::{Breakdown, Factor};
 pub use cg::Cg;
 pub use choice::UnknownMethod;
 pub use fgmres::Fgmres;
+pub use fitted::Fitted;
 pub use gmres::Gmres;
 pub use minres::Minres;
 pub use sqmr::Sqmr;

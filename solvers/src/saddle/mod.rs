@@ -38,3 +38,4 @@ pub use monolithic::Direct;
 pub use operator::SaddleOperator;
 pub use racp::{Racp, RacpInverse};
 pub use simple::{Correction, Simple, SimpleInverse};
+pub use unit::unit_of_tractions;

@@ -23,8 +23,8 @@ use std::time::Instant;
 ///
 /// # Source
 /// A. Franceschini, M. Ferronato, M. Frigo, C. Janna, CMAME 325 (2022) 114632; the deck.
-pub struct RacpInverse<S> {
-    b: Csr<f64>,
+pub struct RacpInverse<S, B = Csr<f64>> {
+    b: B,
     c: AugmentationMatrix,
     s_u: S,
     layout: Layout<2>,
@@ -33,15 +33,18 @@ pub struct RacpInverse<S> {
 impl<S: Preconditioner<f64>> RacpInverse<S> {
     /// From exact parts: B, C and S̃_u⁻¹.
     pub fn new(b: SparseMatrix<f64>, c: AugmentationMatrix, s_u: S) -> Self {
-        assert_eq!(b.rows(), s_u.size(), "rows of B and size of S_u");
-        assert_eq!(b.cols(), c.size(), "columns of B and size of C");
-        let layout = Layout::new(["u", "t"], [b.rows(), b.cols()]);
-        Self {
-            b: Csr::with_transpose(b),
-            c,
-            s_u,
-            layout,
-        }
+        Self::with_operator(Csr::with_transpose(b), c, s_u)
+    }
+}
+
+impl<S: Preconditioner<f64>, B: AdjointOperator<f64>> RacpInverse<S, B> {
+    /// From exact parts, B being any operator that knows its adjoint: nothing needs to be assembled.
+    pub fn with_operator(b: B, c: AugmentationMatrix, s_u: S) -> Self {
+        let shape = b.shape();
+        assert_eq!(shape.rows, s_u.size(), "rows of B and size of S_u");
+        assert_eq!(shape.cols, c.size(), "columns of B and size of C");
+        let layout = Layout::new(["u", "t"], [shape.rows, shape.cols]);
+        Self { b, c, s_u, layout }
     }
 
     /// C.
@@ -50,7 +53,7 @@ impl<S: Preconditioner<f64>> RacpInverse<S> {
     }
 }
 
-impl<S: Preconditioner<f64>> Preconditioner<f64> for RacpInverse<S> {
+impl<S: Preconditioner<f64>, B: AdjointOperator<f64>> Preconditioner<f64> for RacpInverse<S, B> {
     fn size(&self) -> usize {
         self.layout.len()
     }
@@ -75,11 +78,11 @@ impl<S: Preconditioner<f64>> Preconditioner<f64> for RacpInverse<S> {
     }
 
     fn work_len(&self) -> usize {
-        self.layout.len() + self.s_u.work_len()
+        self.layout.len() + self.s_u.work_len().max(self.b.work_len())
     }
 
     fn flops(&self) -> u64 {
-        2 * Preconditioner::flops(&self.c) + self.s_u.flops() + 2 * self.b.flops()
+        2 * Preconditioner::flops(&self.c) + self.s_u.flops() + 2 * LinearOperator::flops(&self.b)
     }
 
     fn is_linear(&self) -> bool {

@@ -8,6 +8,17 @@ fn largest(matrix: &SparseMatrix<f64>) -> f64 {
     matrix.data().iter().fold(0.0, |m: f64, v| m.max(v.abs()))
 }
 
+/// The unit of tractions for the largest |entry| of A and that of B1: the power of two nearest to their ratio, see
+/// [`SaddleBlocks::traction_unit`].
+pub fn unit_of_tractions(largest_a: f64, largest_b: f64) -> f64 {
+    let ratio = largest_a / largest_b;
+    if ratio > 0.0 && ratio.is_finite() {
+        ratio.log2().round().exp2()
+    } else {
+        1.0
+    }
+}
+
 impl SaddleBlocks {
     /// A unit s of tractions in which the contact rows count as much as those of equilibrium: the power of two nearest
     /// to `max|A| / max|B1|`; 1 where a block is empty.
@@ -15,12 +26,7 @@ impl SaddleBlocks {
     /// In SI units forces are of order 1e7 and area-weighted jumps of order 1e-4: the 2-norm of the whole residual does
     /// not see the jumps, and a solution may be wrong by per cents below a relative residual of 1e-8.
     pub fn traction_unit(&self) -> f64 {
-        let ratio = largest(&self.a) / largest(&self.b1);
-        if ratio > 0.0 && ratio.is_finite() {
-            ratio.log2().round().exp2()
-        } else {
-            1.0
-        }
+        unit_of_tractions(largest(&self.a), largest(&self.b1))
     }
 
     /// The same system for tractions counted in units of `unit`: `B s`, `H s²`, `rhs_t s`; a solution gives `t = s t'`.

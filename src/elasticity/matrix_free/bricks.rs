@@ -79,10 +79,40 @@ impl<R: Real> Bricks<R> {
             Some(grid) if grid.axis_aligned => grid,
             _ => return Err(ElasticityError::NotBricks { element: 0 }),
         };
-        let [nx, ny, nz] = grid.cells;
+        let moved = |e: usize, nodes: &[u32; 8]| {
+            let expected = grid_nodes(grid.cells, place(grid.cells, e));
+            let differs = |(node, expected): (&u32, u32)| root(mesh, *node) != expected;
+            nodes.iter().zip(expected).any(differs)
+        };
+        if let Some(e) = (0..mesh.elements.len()).find(|e| moved(*e, &mesh.elements[*e])) {
+            return Err(ElasticityError::NotBricks { element: e });
+        }
+        let lines = [0, 1, 2].map(|axis: usize| &*grid.lines[axis]);
+        let elements = mesh.elements.iter().enumerate().map(|(e, nodes)| {
+            let material = materials[usize::from(mesh.regions[e])];
+            (e, *nodes, material)
+        });
+        // SAFETY: copies of a node have it for their root (checked above), so they lie where it does.
+        Ok(unsafe { Self::of_elements(grid.cells, lines, mesh.nodes.len(), elements, level) })
+    }
+
+    /// The stiffness of some bricks in a grid: `(cell, nodes, material)` each, at most one per cell of those whose nodes
+    /// are its vertices.
+    ///
+    /// # Safety
+    /// Node numbers are below `nodes`; those from the number of vertices on are copies that lie at a vertex of every
+    /// cell that uses them.
+    pub(crate) unsafe fn of_elements(
+        cells: [usize; 3],
+        lines: [&[f64]; 3],
+        nodes: usize,
+        elements: impl Iterator<Item = (usize, [u32; 8], Elastic)>,
+        level: Level,
+    ) -> Self {
+        let [nx, ny, nz] = cells;
         let stride = nx.next_multiple_of(MAX_WIDTH);
-        let mut inverse = [0, 1, 2].map(|axis| {
-            grid.lines[axis]
+        let mut inverse = lines.map(|lines| {
+            lines
                 .windows(2)
                 .map(|x| R::of(1.0 / (x[1] - x[0])))
                 .collect::<Vec<R>>()
@@ -102,24 +132,15 @@ impl<R: Real> Bricks<R> {
             }
         }
         let blocks_y = ny.div_ceil(TASK[0]);
-        for (e, nodes) in mesh.elements.iter().enumerate() {
-            let at = [e % nx, e / nx % ny, e / nx / ny];
-            let size = [0, 1, 2].map(|i| grid.lines[i][at[i] + 1] - grid.lines[i][at[i]]);
+        for (cell, nodes, material) in elements {
+            let at = place(cells, cell);
+            let size = [0, 1, 2].map(|i: usize| lines[i][at[i] + 1] - lines[i][at[i]]);
             let scale = size[0] * size[1] * size[2] / 16.0;
-            let material = materials[usize::from(mesh.regions[e])];
             let moduli = (
                 R::of(material.lambda() * scale),
                 R::of(material.shear() * scale),
             );
-            let expected = grid_nodes(grid.cells, at);
-            if nodes
-                .iter()
-                .zip(expected)
-                .any(|(node, expected)| root(mesh, *node) != expected)
-            {
-                return Err(ElasticityError::NotBricks { element: e });
-            }
-            if *nodes == expected {
+            if nodes == grid_nodes(cells, at) {
                 let place = at[0] + stride * (at[1] + ny * at[2]);
                 (lambda[place], shear[place]) = moduli;
             } else {
@@ -138,24 +159,35 @@ impl<R: Real> Bricks<R> {
             }
         }
         // SAFETY: tasks of one colour are two blocks apart along y or z, so they share no grid node; a copy of a node
-        // belongs only to elements around its original (checked above by `root`), so they share no copy either.
+        // belongs only to elements around its original (by contract), so they share no copy either.
         let tasks = unsafe { Colours::new(tasks.into()) };
-        Ok(Self {
+        Self {
             level,
-            cells: grid.cells,
-            nodes: mesh.nodes.len(),
+            cells,
+            nodes,
             inverse,
             lambda,
             shear,
             stride,
             tasks,
-        })
+        }
+    }
+
+    /// Bytes held.
+    pub(crate) fn bytes(&self) -> usize {
+        let split = self.indexed_elements() * size_of::<SplitElement<R>>();
+        2 * size_of_val(&*self.lambda) + split
     }
 
     /// Elements that take the indexed path because they touch split nodes.
     pub fn indexed_elements(&self) -> usize {
         self.tasks.iter().map(|task| task.split.len()).sum()
     }
+}
+
+/// (i, j, k) of a cell.
+fn place([nx, ny, _]: [usize; 3], cell: usize) -> [usize; 3] {
+    [cell % nx, cell / nx % ny, cell / nx / ny]
 }
 
 /// Nodes of the cell at (i, j, k) before splitting, in VTK order.

@@ -7,24 +7,24 @@ use std::marker::PhantomData;
 /// Tasks grouped by colour. Colours run one after the other in a fixed order, so every entry of the result receives its
 /// additions in the same order for any number of threads.
 #[derive(Clone, Debug)]
-pub(super) struct Colours<T> {
+pub(crate) struct Colours<T> {
     tasks: Vec<Vec<T>>,
 }
 
 impl<T: Sync> Colours<T> {
     /// # Safety
     /// Tasks of one group must never touch a common entry of the vector that [`run`](Self::run) hands them.
-    pub(super) unsafe fn new(tasks: Vec<Vec<T>>) -> Self {
+    pub(crate) unsafe fn new(tasks: Vec<Vec<T>>) -> Self {
         Self { tasks }
     }
 
     /// All tasks.
-    pub(super) fn iter(&self) -> impl Iterator<Item = &T> {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &T> {
         self.tasks.iter().flatten()
     }
 
     /// Runs every task with shared access to `y`.
-    pub(super) fn run<R: Send>(&self, y: &mut [R], task: &(impl Fn(&T, &Shared<'_, R>) + Sync)) {
+    pub(crate) fn run<R: Send>(&self, y: &mut [R], task: &(impl Fn(&T, &Shared<'_, R>) + Sync)) {
         let shared = Shared {
             start: y.as_mut_ptr(),
             len: y.len(),
@@ -37,7 +37,7 @@ impl<T: Sync> Colours<T> {
 }
 
 /// A vector to which the tasks of one colour add, each to its own entries.
-pub(super) struct Shared<'a, R> {
+pub(crate) struct Shared<'a, R> {
     start: *mut R,
     len: usize,
     lifetime: PhantomData<&'a mut [R]>,
@@ -49,7 +49,7 @@ unsafe impl<R: Send> Sync for Shared<'_, R> {}
 impl<R> Shared<'_, R> {
     /// Asks for the cache line of an entry, which may lie behind the end; changes nothing but time.
     #[inline(always)]
-    pub(super) fn prefetch(&self, index: usize) {
+    pub(crate) fn prefetch(&self, index: usize) {
         // SAFETY: an empty slice at the start of a live vector.
         simd::prefetch(unsafe { std::slice::from_raw_parts(self.start, 0) }, index);
     }
@@ -60,7 +60,7 @@ impl<R> Shared<'_, R> {
     /// The entries belong to the task that calls, and it holds no other reference to them.
     #[inline(always)]
     #[expect(clippy::mut_from_ref, reason = "disjoint by colouring")]
-    pub(super) unsafe fn part(&self, first: usize, len: usize) -> &mut [R] {
+    pub(crate) unsafe fn part(&self, first: usize, len: usize) -> &mut [R] {
         assert!(first <= self.len && len <= self.len - first);
         // SAFETY: within the vector (asserted) and exclusive (by contract).
         unsafe { std::slice::from_raw_parts_mut(self.start.add(first), len) }

@@ -81,6 +81,13 @@ impl<R: Real> Hexes<R> {
     }
 }
 
+impl<R> Hexes<R> {
+    /// Bytes held.
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&*self.elements) + size_of_val(&*self.groups)
+    }
+}
+
 /// Weighted modes 1–7 of the three coordinates of an element.
 fn weighted_shape(corners: &[[f64; 3]; 8]) -> [[f64; VARYING]; 3] {
     let mut shape = [[0.0; VARYING]; 3];

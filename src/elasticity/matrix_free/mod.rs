@@ -13,6 +13,7 @@ mod sweep;
 mod tests;
 
 pub use bricks::Bricks;
+pub(crate) use colours::Colours;
 pub use hexes::Hexes;
 pub use restricted::Restricted;
 

@@ -11,6 +11,7 @@ mod face_block;
 mod global;
 mod local;
 mod matrix;
+mod parts;
 mod stabilized;
 mod support;
 

@@ -237,3 +237,23 @@ fn names_round_trip() {
     }
     assert!("locale".parse::<AugmentationChoice>().is_err());
 }
+
+#[test]
+fn another_unit_of_tractions_scales_c_and_its_inverse() {
+    let blocks = random(12, 6, 0.4, 5);
+    for choice in AugmentationChoice::ALL {
+        let (c, four) = (
+            compute(choice, &blocks).unwrap(),
+            compute(choice, &blocks).unwrap().scaled(4.0),
+        );
+        let r: Vec<f64> = fracas_operators::laws::probe(6, 3);
+        let (mut x, mut y, mut z) = (vec![0.0; 6], vec![0.0; 6], vec![0.0; 6]);
+        c.solve(&r, &mut x, &mut []);
+        four.solve(&r, &mut y, &mut []);
+        four.apply(&y, &mut z, &mut []);
+        for i in 0..6 {
+            assert_eq!(x[i], 4.0 * y[i], "{choice}");
+            assert!((z[i] - r[i]).abs() < 1e-9, "{choice}");
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! One iteration around what is set up, and its report.
+
+use super::equations::Equations;
+use super::report::SolveReport;
+use super::residual::Residual;
+use super::{RightHandSide, Solve, Status, memory, output};
+use crate::command::progress::Progress;
+use fracas_operators::Preconditioner;
+use fracas_operators::matrix_market::write_vector;
+use fracas_solvers::Observer;
+use fracas_solvers::amg::Summary;
+use fracas_solvers::krylov::{Criteria, KrylovChoice, System};
+use fracas_solvers::saddle::Cost;
+use fracas_solvers::spectrum::Explanation;
+use std::io::Write;
+use std::time::Instant;
+
+/// What the report calls the parts.
+pub(super) struct Names {
+    pub(super) method: String,
+    pub(super) augmentation: Option<String>,
+    pub(super) inner: Option<String>,
+}
+
+/// Explains a solve that took so many seconds.
+pub(super) type Explain<'a> = &'a dyn Fn(f64) -> anyhow::Result<Explanation>;
+
+/// Everything that is ready before the iteration.
+pub(super) struct Built<'a> {
+    pub(super) equations: &'a dyn Equations,
+    pub(super) preconditioner: &'a dyn Preconditioner<f64>,
+    pub(super) hierarchy: Option<Summary>,
+    pub(super) names: Names,
+    pub(super) rhs: RightHandSide,
+    pub(super) b: &'a [f64],
+    /// Of the tractions.
+    pub(super) unit: f64,
+    pub(super) setup_s: f64,
+    pub(super) findings: Vec<String>,
+    pub(super) explain: Option<Explain<'a>>,
+}
+
+/// Vectors that no iteration has room for.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "memory holds {vectors} more vectors of {n} unknowns and the shortest iteration takes 8; use fewer cells, or free memory"
+)]
+struct NoRoom {
+    vectors: usize,
+    n: usize,
+}
+
+impl Solve {
+    /// The iteration that was asked for, or the one that fits.
+    fn krylov(&self, built: &Built<'_>) -> anyhow::Result<(KrylovChoice, Option<String>)> {
+        if let Some(asked) = self.krylov {
+            return Ok((asked.flexible_for(built.preconditioner), None));
+        }
+        let n = built.b.len();
+        // scratch of the product and the preconditioner, the solution, the residual at the end
+        let scratch = built.equations.operator().work_len();
+        let scratch = scratch.max(built.preconditioner.work_len());
+        let taken = 2 + scratch.div_ceil(n.max(1));
+        let vectors = memory::vectors_that_fit(n).saturating_sub(taken);
+        let symmetric = built.equations.is_symmetric();
+        match KrylovChoice::fitted(vectors, symmetric, built.preconditioner) {
+            Some(fitted) => Ok((fitted.choice, fitted.reason)),
+            None => Err(NoRoom { vectors, n }.into()),
+        }
+    }
+
+    /// Iterates, judges, reports.
+    pub(super) fn iterate(
+        &self,
+        built: &Built<'_>,
+        mut progress: Progress,
+        out: &mut dyn Write,
+    ) -> anyhow::Result<Status> {
+        let (krylov, reason) = self.krylov(built)?;
+        let mut findings = built.findings.clone();
+        if let Some(reason) = reason {
+            progress.say(&format!("krylov: {reason}"));
+            findings.push(format!("krylov: {reason}"));
+        }
+        let start = Instant::now();
+        progress.say("iterating");
+        let operator = built.equations.operator();
+        let system = System {
+            operator,
+            preconditioner: built.preconditioner,
+            rhs: built.b,
+        };
+        let criteria = Criteria {
+            relative_tolerance: self.tolerance,
+            max_iterations: self.max_iterations,
+        };
+        let mut x = vec![0.0; built.b.len()];
+        let result = krylov.method().solve(
+            &system,
+            &criteria,
+            &mut x,
+            &mut progress as &mut dyn Observer,
+        );
+        let solve_s = start.elapsed().as_secs_f64();
+        let explanation = match built.explain {
+            Some(explain) => {
+                progress.say("explaining");
+                Some(explain(solve_s)?)
+            }
+            None => None,
+        };
+        drop(progress);
+
+        let cost = Cost::new(operator, built.preconditioner);
+        let residual = Residual::new(built.equations, &x, built.b);
+        let [n_u, n_t, n_p] = built.equations.lengths();
+        let mut report = SolveReport {
+            outcome: "breakdown",
+            iterations: 0,
+            relative_residual: residual.relative,
+            backward_error: residual.backward,
+            contact_residual: residual.contact,
+            method: built.names.method.clone(),
+            augmentation: built.names.augmentation.clone(),
+            inner: built.names.inner.clone(),
+            krylov: krylov.to_string(),
+            rhs: built.rhs,
+            tolerance: self.tolerance,
+            traction_unit: built.unit,
+            n_u,
+            n_t,
+            n_p,
+            c_app: cost.c_app(),
+            c_s: None,
+            cost_convention: Cost::CONVENTION,
+            products: None,
+            setup_s: built.setup_s,
+            solve_s,
+            peak_memory_bytes: memory::peak_bytes(),
+            amg: built.hierarchy.clone(),
+            reason: None,
+            findings,
+            explain: explanation,
+        };
+        report.record(&result, |iterations| cost.c_s(iterations, &krylov));
+        if let Some(path) = &self.solution {
+            x[n_u..n_u + n_t].iter_mut().for_each(|t| *t *= built.unit);
+            write_vector(path, &x)?;
+        }
+        match &self.json {
+            Some(path) => output::json(path, &report, out)?,
+            None => report.print(out)?,
+        }
+        Ok(if report.outcome == "converged" {
+            Status::Done
+        } else {
+            Status::NotConverged
+        })
+    }
+}

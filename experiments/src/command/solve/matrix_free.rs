@@ -1,0 +1,75 @@
+//! A scene without an assembled A: RACP around geometric multigrid.
+
+use super::equations::MatrixFree;
+use super::iteration::{Built, Names};
+use super::{Solve, Status, memory};
+use crate::command::progress::Progress;
+use anyhow::Context;
+use fracas::matrix_free::{MatrixFreeRacp, MatrixFreeSaddle, RacpParts};
+use fracas_solvers::saddle::AugmentationChoice;
+use std::io::Write;
+use std::time::Instant;
+
+impl Solve {
+    /// Nothing is assembled but H, C and the coarse levels.
+    pub(super) fn matrix_free(
+        &self,
+        scene: &str,
+        choice: AugmentationChoice,
+        note: Option<String>,
+        mut progress: Progress,
+        out: &mut dyn Write,
+    ) -> anyhow::Result<Status> {
+        let assembly = self.source.assembly();
+        let body = assembly.mesh(scene, memory::MATRIX_FREE, &mut progress)?;
+        let context = || format!("{scene} cannot be solved");
+        let system = body.stick_system(assembly.stabilization());
+        let force = body.forces().with_context(context)?;
+        let magnitude = system.magnitude().with_context(context)?;
+        let unit = self.traction_unit.unwrap_or(magnitude.unit);
+        let saddle = MatrixFreeSaddle::in_traction_unit(&system, unit).with_context(context)?;
+        let own = saddle.rhs(&system, &force);
+        drop(force);
+        let [n_u, n_t] = saddle.layout().lengths;
+        progress.say(&format!("n_u = {n_u}, n_t = {n_t}, n_p = 0"));
+        let has_rhs = own.iter().any(|b| *b != 0.0);
+        let (rhs, b) = self.right_hand_side(has_rhs, own, &mut progress);
+
+        let start = Instant::now();
+        progress.say("setting up");
+        let racp = MatrixFreeRacp {
+            augmentation: choice,
+            ..MatrixFreeRacp::default()
+        };
+        let RacpParts {
+            inverse, hierarchy, ..
+        } = racp.ready(&saddle, &system, &mut progress)?;
+        // the operators carry what they need: the mesh has done its work
+        drop(body);
+        let equations = MatrixFree {
+            saddle,
+            stiffest: magnitude.stiffest,
+        };
+        let setup_s = start.elapsed().as_secs_f64();
+        self.iterate(
+            &Built {
+                equations: &equations,
+                preconditioner: &inverse,
+                hierarchy: Some(hierarchy),
+                names: Names {
+                    method: "racp".into(),
+                    augmentation: Some(choice.to_string()),
+                    inner: Some("geometric".into()),
+                },
+                rhs,
+                b: &b,
+                unit,
+                setup_s,
+                findings: note.into_iter().collect(),
+                explain: None,
+            },
+            progress,
+            out,
+        )
+    }
+}

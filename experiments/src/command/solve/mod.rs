@@ -1,0 +1,202 @@
+//! `fracas solve`: one linear system, its cost, its true residual.
+
+mod equations;
+mod iteration;
+mod matrix_free;
+mod report;
+mod residual;
+
+use super::method::{Asked, Method, Route};
+use super::progress::Progress;
+use super::source::{Source, System as Loaded};
+use super::{Status, explain, memory, output};
+use clap::{Args, ValueEnum};
+use equations::Assembled;
+use fracas_solvers::krylov::KrylovChoice;
+use fracas_solvers::saddle::{Ready, SaddleMethod, SaddleOperator};
+use fracas_solvers::spectrum::{Explanation, Solved};
+use iteration::{Built, Names};
+use serde::Serialize;
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::Instant;
+
+#[derive(Args, Debug)]
+pub(super) struct Solve {
+    #[command(flatten)]
+    source: Source,
+    #[command(flatten)]
+    method: Method,
+    /// Iteration: gmres, gmres:RESTART, fgmres, bicgstab, sqmr, minres, cg [default: gmres where its basis fits into memory,
+    /// else what does].
+    #[arg(long, value_name = "METHOD")]
+    krylov: Option<KrylovChoice>,
+    /// Relative to the norm of the right-hand side.
+    #[arg(long, value_name = "TOL", default_value = "1e-8", allow_negative_numbers = true, value_parser = tolerance)]
+    tolerance: f64,
+    /// Iterations over all restarts.
+    #[arg(long, value_name = "N", default_value_t = 1000)]
+    max_iterations: usize,
+    /// Unit of the tractions while iterating, so that the residual sees the contact rows; default: balanced for a scene
+    /// and its export, 1 for a system folder of another code.
+    #[arg(long, value_name = "S", value_parser = unit)]
+    traction_unit: Option<f64>,
+    /// Right-hand side [default: that of the system, or b_i = sin(i), i = 1…n, when it has none].
+    #[arg(long, value_enum)]
+    rhs: Option<RightHandSide>,
+    /// Says why it took what it took: eigenvalues seen, where the outliers live, C against H, time, one sentence of advice.
+    #[arg(long)]
+    explain: bool,
+    /// Report as JSON; `-` writes it to standard output.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// The solution (u, t, p) as a Matrix Market vector.
+    #[arg(long, value_name = "FILE.mtx")]
+    solution: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+enum RightHandSide {
+    /// Of the system.
+    #[serde(rename = "folder")]
+    Folder,
+    /// `b_i = sin(i)`, i = 1…n.
+    #[serde(rename = "sin(i)")]
+    Sin,
+    /// `b_i = 1`.
+    #[serde(rename = "ones")]
+    Ones,
+}
+
+/// A positive factor.
+fn unit(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if value > 0.0 && f64::is_finite(value) => Ok(value),
+        _ => Err("the unit is a positive number".into()),
+    }
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if value > 0.0 && value < 1.0 => Ok(value),
+        _ => Err("the tolerance is a number between 0 and 1".into()),
+    }
+}
+
+impl Solve {
+    pub(super) fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
+        let asked = match (self.source.scene(), self.explain) {
+            (None, _) => Asked::Folder,
+            (Some(_), true) => Asked::SceneWithEntries("--explain"),
+            (Some(_), false) => Asked::Scene,
+        };
+        let chosen = self.method.route(asked)?;
+        output::try_files(self.json.iter().chain(&self.solution))?;
+        let mut progress = Progress::new();
+        if let Some(reason) = &chosen.reason {
+            progress.say(&format!("inner: {reason}"));
+        }
+        let note = chosen.reason.map(|reason| format!("inner: {reason}"));
+        match (chosen.route, self.source.scene()) {
+            (Route::MatrixFree(c), Some(scene)) => self.matrix_free(scene, c, note, progress, out),
+            (Route::Assembled(method), _) => self.assembled(&method, note, progress, out),
+            (Route::MatrixFree(_), None) => anyhow::bail!("geometric multigrid needs a scene"),
+        }
+    }
+
+    /// From assembled blocks.
+    fn assembled(
+        &self,
+        method: &SaddleMethod,
+        note: Option<String>,
+        mut progress: Progress,
+        out: &mut dyn Write,
+    ) -> anyhow::Result<Status> {
+        let mut loaded = self.source.load(&mut progress)?;
+        // a foreign system keeps its units, and its residual is measured in them
+        let unit = self.traction_unit.unwrap_or(if loaded.is_ours {
+            loaded.blocks.traction_unit()
+        } else {
+            1.0
+        });
+        loaded.blocks = loaded.blocks.into_traction_unit(unit);
+        let Loaded {
+            blocks,
+            has_rhs,
+            mut findings,
+            ..
+        } = loaded;
+        findings.extend(note);
+        let blocks = &blocks;
+        let (rhs, b) = self.right_hand_side(has_rhs, blocks.rhs(), &mut progress);
+
+        let start = Instant::now();
+        progress.say("setting up");
+        let Ready {
+            inverse: preconditioner,
+            hierarchy,
+            parts,
+        } = method.ready(blocks)?;
+        let equations = Assembled {
+            blocks,
+            operator: SaddleOperator::new(blocks),
+        };
+        let setup_s = start.elapsed().as_secs_f64();
+        let explain = |solve_s: f64| -> anyhow::Result<Explanation> {
+            Ok(Explanation::new(&Solved {
+                blocks,
+                method,
+                preconditioner: &*preconditioner,
+                hierarchy: hierarchy.as_ref(),
+                parts,
+                rhs: &b,
+                setup_s,
+                solve_s,
+            })?)
+        };
+        self.iterate(
+            &Built {
+                equations: &equations,
+                preconditioner: &*preconditioner,
+                hierarchy: hierarchy.clone(),
+                names: Names {
+                    method: method.to_string(),
+                    augmentation: method.augmentation().map(|c| c.to_string()),
+                    inner: method.inner().map(|inner| inner.to_string()),
+                },
+                rhs,
+                b: &b,
+                unit,
+                setup_s,
+                findings,
+                explain: self.explain.then_some(&explain),
+            },
+            progress,
+            out,
+        )
+    }
+
+    /// The right-hand side that was asked for, `own` being that of the system.
+    fn right_hand_side(
+        &self,
+        has_rhs: bool,
+        own: Vec<f64>,
+        progress: &mut Progress,
+    ) -> (RightHandSide, Vec<f64>) {
+        let chosen = self.rhs.unwrap_or(if has_rhs {
+            RightHandSide::Folder
+        } else {
+            RightHandSide::Sin
+        });
+        if self.rhs.is_none() && !has_rhs {
+            progress.say("the system has no right-hand side: taking b_i = sin(i), i = 1…n");
+        }
+        let n = own.len();
+        let b = match chosen {
+            RightHandSide::Folder => own,
+            RightHandSide::Sin => (1..=n).map(|i| (i as f64).sin()).collect(),
+            RightHandSide::Ones => vec![1.0; n],
+        };
+        (chosen, b)
+    }
+}

@@ -1,0 +1,228 @@
+//! The 3×3 diagonal blocks of a level, inverted.
+
+use fracas_operators::Real;
+
+/// Nodes that one task updates.
+const NODES_PER_TASK: usize = 4096;
+
+/// Pivot of a block with unit diagonal below which it counts as singular. Unit: 1.
+const SINGULAR: f64 = 1e-6;
+
+/// A symmetric 3×3 block by its upper part: xx, xy, xz, yy, yz, zz.
+pub type Symmetric<R> = [R; 6];
+
+/// Where the upper part of a symmetric block keeps the entry (i, j).
+const PLACE: [[usize; 3]; 3] = [[0, 1, 2], [1, 3, 4], [2, 4, 5]];
+
+/// A diagonal block that is not positive definite on its free components.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the diagonal block of node {node} is not positive definite")]
+pub struct NoInverse {
+    /// The node, from 0.
+    pub node: usize,
+}
+
+/// D⁻¹, zero in the rows and columns of fixed components.
+#[derive(Clone, Debug)]
+pub struct BlockJacobi<R> {
+    inverse: Vec<Symmetric<R>>,
+}
+
+impl<R: Real> BlockJacobi<R> {
+    /// Inverts `blocks` in place; `fixed` lists the components `3·node + i` that are no unknowns, ascending.
+    ///
+    /// # Errors
+    /// [`NoInverse`] for the first block that is not positive definite.
+    pub fn new(mut blocks: Vec<Symmetric<R>>, fixed: &[u32]) -> Result<Self, NoInverse> {
+        let mut fixed = fixed.iter().peekable();
+        for (node, block) in blocks.iter_mut().enumerate() {
+            let mut free = [true; 3];
+            while let Some(dof) = fixed.next_if(|dof| **dof as usize / 3 == node) {
+                free[*dof as usize % 3] = false;
+            }
+            *block = inverse(block, free).ok_or(NoInverse { node })?;
+        }
+        Ok(Self { inverse: blocks })
+    }
+
+    /// Nodes.
+    pub fn nodes(&self) -> usize {
+        self.inverse.len()
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.inverse)
+    }
+
+    /// `z ← D⁻¹ r`.
+    pub fn solve(&self, r: &[R], z: &mut [R]) {
+        pass(&self.inverse, r, z, &mut [], &|z, _, v| {
+            z.copy_from_slice(&v)
+        });
+    }
+
+    /// `d ← c D⁻¹ r, x ← d`.
+    pub(super) fn start(&self, c: R, r: &[R], d: &mut [R], x: &mut [R]) {
+        pass(&self.inverse, r, d, x, &|d, x, v| {
+            for i in 0..3 {
+                d[i] = c * v[i];
+                x[i] = d[i];
+            }
+        });
+    }
+
+    /// `d ← c D⁻¹ r, x ← x + d`.
+    pub(super) fn restart(&self, c: R, r: &[R], d: &mut [R], x: &mut [R]) {
+        pass(&self.inverse, r, d, x, &|d, x, v| {
+            for i in 0..3 {
+                d[i] = c * v[i];
+                x[i] += d[i];
+            }
+        });
+    }
+
+    /// `d ← a d + c D⁻¹ r, x ← x + d`.
+    pub(super) fn step(&self, a: R, c: R, r: &[R], d: &mut [R], x: &mut [R]) {
+        pass(&self.inverse, r, d, x, &|d, x, v| {
+            for i in 0..3 {
+                d[i] = a * d[i] + c * v[i];
+                x[i] += d[i];
+            }
+        });
+    }
+}
+
+/// `update(d_i, x_i, D_i⁻¹ r_i)` for every node, in parallel; x may be empty, then it is not touched.
+fn pass<R: Real>(
+    inverse: &[Symmetric<R>],
+    r: &[R],
+    d: &mut [R],
+    x: &mut [R],
+    update: &(impl Fn(&mut [R], &mut [R], [R; 3]) + Sync),
+) {
+    let n = inverse.len();
+    assert!(r.len() == 3 * n && d.len() == 3 * n && (x.is_empty() || x.len() == 3 * n));
+    if n > NODES_PER_TASK {
+        let m = (n / NODES_PER_TASK).div_ceil(2) * NODES_PER_TASK;
+        let at = x.len().min(3 * m);
+        let ((d0, d1), (x0, x1)) = (d.split_at_mut(3 * m), x.split_at_mut(at));
+        rayon::join(
+            || pass(&inverse[..m], &r[..3 * m], d0, x0, update),
+            || pass(&inverse[m..], &r[3 * m..], d1, x1, update),
+        );
+        return;
+    }
+    let (r, d, x) = (
+        r.as_chunks::<3>().0,
+        d.as_chunks_mut::<3>().0,
+        x.as_chunks_mut::<3>().0,
+    );
+    let image = |b: &Symmetric<R>, r: &[R; 3]| {
+        [
+            b[0] * r[0] + b[1] * r[1] + b[2] * r[2],
+            b[1] * r[0] + b[3] * r[1] + b[4] * r[2],
+            b[2] * r[0] + b[4] * r[1] + b[5] * r[2],
+        ]
+    };
+    if x.is_empty() {
+        for ((b, r), d) in inverse.iter().zip(r).zip(d) {
+            update(d, &mut [], image(b, r));
+        }
+    } else {
+        for (((b, r), d), x) in inverse.iter().zip(r).zip(d).zip(x) {
+            update(d, x, image(b, r));
+        }
+    }
+}
+
+/// The inverse on the free components, zero elsewhere; `None` if it is not positive definite there.
+fn inverse<R: Real>(block: &Symmetric<R>, free: [bool; 3]) -> Option<Symmetric<R>> {
+    let b = block.map(|v| v.to_f64_exact());
+    let components = [0, 1, 2].into_iter().filter(|i| free[*i]);
+    let mut scale = [0.0; 3];
+    for i in components {
+        let diagonal = b[PLACE[i][i]];
+        if !(diagonal > 0.0 && diagonal.is_finite()) {
+            return None;
+        }
+        scale[i] = diagonal.sqrt().recip();
+    }
+    // L Lᵀ of the block scaled to a unit diagonal, with ones for what is fixed; then W = L⁻¹ row by row
+    let (mut l, mut w) = ([[0.0; 3]; 3], [[0.0_f64; 3]; 3]);
+    for i in 0..3 {
+        for j in 0..=i {
+            let unit = if i == j && !free[i] { 1.0 } else { 0.0 };
+            let mut v = unit + b[PLACE[i][j]] * scale[i] * scale[j];
+            (0..j).for_each(|k| v -= l[i][k] * l[j][k]);
+            if i > j {
+                l[i][j] = v / l[j][j];
+            } else if v > SINGULAR {
+                l[i][i] = f64::sqrt(v);
+            } else {
+                return None;
+            }
+        }
+        w[i][i] = 1.0 / l[i][i];
+        for j in 0..i {
+            w[i][j] = -(j..i).map(|k| l[i][k] * w[k][j]).sum::<f64>() / l[i][i];
+        }
+    }
+    let mut out = [R::zero(); 6];
+    for i in 0..3 {
+        for j in i..3 {
+            let sum: f64 = (j..3).map(|k| w[k][i] * w[k][j]).sum();
+            out[PLACE[i][j]] = R::of(scale[i] * scale[j] * sum);
+        }
+    }
+    Some(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fixed_component_is_left_out_and_the_others_are_inverted() {
+        let block = [4.0, 1.0, 0.5, 3e3, -2.0, 9.0];
+        let m = BlockJacobi::new(vec![block, block], &[4]).unwrap();
+        let b = |i: usize, j: usize| block[PLACE[i][j]];
+        let r = [1.0, -2.0, 3.0, 1.0, -2.0, 3.0];
+        let mut z = [f64::NAN; 6];
+        m.solve(&r, &mut z);
+        for i in 0..3 {
+            let product: f64 = (0..3).map(|j| b(i, j) * z[j]).sum();
+            assert!((product - r[i]).abs() < 1e-12);
+        }
+        assert_eq!(z[4], 0.0);
+        for i in [0, 2] {
+            let product: f64 = [0, 2].iter().map(|j| b(i, *j) * z[3 + j]).sum();
+            assert!((product - r[i]).abs() < 1e-12);
+        }
+        let bad = BlockJacobi::new(vec![block, [1.0; 6]], &[]).unwrap_err();
+        assert_eq!(bad, NoInverse { node: 1 });
+    }
+
+    #[test]
+    fn the_fused_steps_are_their_formulas() {
+        let n = NODES_PER_TASK + 37;
+        let block = [2.0, 0.5, -0.25, 4.0, 0.125, 8.0];
+        let m = BlockJacobi::<f64>::new(vec![block; n], &[]).unwrap();
+        let wave = |s: f64| (0..3 * n).map(|i| (i as f64 * s).sin()).collect::<Vec<_>>();
+        let (r, d0, x0) = (wave(0.3), wave(0.7), wave(1.1));
+        let mut z = vec![0.0; 3 * n];
+        m.solve(&r, &mut z);
+        let (mut d, mut x) = (d0.clone(), x0.clone());
+        m.step(0.5, 2.0, &r, &mut d, &mut x);
+        for i in 0..3 * n {
+            assert!((d[i] - (0.5 * d0[i] + 2.0 * z[i])).abs() < 1e-14);
+            assert!((x[i] - (x0[i] + d[i])).abs() < 1e-14);
+        }
+        let (mut d, mut x) = (vec![f64::NAN; 3 * n], x0.clone());
+        m.restart(3.0, &r, &mut d, &mut x);
+        assert!((0..3 * n).all(|i| d[i] == 3.0 * z[i] && x[i] == x0[i] + d[i]));
+        x.fill(f64::NAN);
+        m.start(3.0, &r, &mut d, &mut x);
+        assert!((0..3 * n).all(|i| d[i] == 3.0 * z[i] && x[i] == d[i]));
+    }
+}

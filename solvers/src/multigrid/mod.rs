@@ -1,0 +1,23 @@
+//! Multigrid over levels that somebody else made: operators without a matrix, transfers without stored weights.
+//!
+//! A level is an operator on nodes of three components, its 3×3 diagonal blocks and a transfer to the next level; what
+//! the nodes are is not known here. Below the last level stands a solver in f64.
+//!
+//! | step | file |
+//! |---|---|
+//! | `d ← c₁ d + c₂ D⁻¹ r, x ← x + d` in one pass | `block_jacobi` |
+//! | a level, λ_max, smoothing | `level` |
+//! | V and W | `cycle` |
+//! | f64 outside, f32 or f64 inside, free unknowns outside, all of them inside | `inverse` |
+
+mod block_jacobi;
+mod bottom;
+mod cycle;
+mod inverse;
+mod level;
+
+pub use block_jacobi::{BlockJacobi, NoInverse, Symmetric};
+pub use bottom::Bottom;
+pub use cycle::{Cycle, Hierarchy};
+pub use inverse::{MultigridInverse, SomeHierarchy};
+pub use level::{Level, Transfer};

@@ -1,0 +1,109 @@
+//! C piece by piece, for an A that nobody assembles as a whole.
+
+use super::{Augmentation, AugmentationChoice, AugmentationMatrix, Block, SaddleBlocks};
+use crate::SetupError;
+use crate::direct::DirectChoice;
+
+impl AugmentationChoice {
+    /// True where the rows of C of a face need A on the supports of that face's columns of B alone.
+    pub fn is_local(self) -> bool {
+        matches!(self, Self::Local | Self::LocalH | Self::FaceBlock)
+    }
+
+    /// C of a saddle point given in pieces: faces in order, every piece with the columns of B and the diagonal blocks of H
+    /// of some faces, and with all entries of A between the rows that those columns touch.
+    ///
+    /// Equal to [`compute`](Self::compute) of the whole.
+    ///
+    /// # Cost
+    /// Memory of one piece at a time.
+    ///
+    /// # Errors
+    /// [`SetupError::NotApplicable`] for a choice that needs all of A; those of [`compute`](Self::compute), rows counted
+    /// within their piece; those of the pieces.
+    pub fn compute_in_parts<E: From<SetupError>>(
+        self,
+        parts: impl Iterator<Item = Result<SaddleBlocks, E>>,
+    ) -> Result<Augmentation, E> {
+        self.require_local()?;
+        // never asked by a local choice
+        let direct = DirectChoice::Faer.solver()?;
+        let mut whole = Augmentation {
+            matrix: AugmentationMatrix::diagonal(Vec::new()),
+            empty_columns: Vec::new(),
+        };
+        for part in parts {
+            let part = self.compute(&part?, direct.as_ref())?;
+            let before = whole.matrix.size();
+            let empty = part.empty_columns.iter().map(|i| before + i);
+            whole.empty_columns.extend(empty);
+            whole.matrix.append(part.matrix);
+        }
+        Ok(whole)
+    }
+
+    /// Refuses a choice that needs all of A.
+    ///
+    /// # Errors
+    /// [`SetupError::NotApplicable`] with what to take instead.
+    pub fn require_local(self) -> Result<(), SetupError> {
+        if self.is_local() {
+            return Ok(());
+        }
+        Err(SetupError::NotApplicable {
+            method: "an augmentation without an assembled A",
+            reason: format!(
+                "{} needs all of A; take local, local_h or face_block, or an inner solver of assembled matrices such as amg",
+                self.name()
+            ),
+        })
+    }
+}
+
+impl AugmentationMatrix {
+    /// `C ← diag(C, next)`, both sparse.
+    fn append(&mut self, next: Self) {
+        match (&mut *self, next) {
+            (Self::Diagonal { c }, Self::Diagonal { c: next }) => c.extend(next),
+            (
+                Self::FaceBlocks { c, inverse },
+                Self::FaceBlocks {
+                    c: next,
+                    inverse: next_inverse,
+                },
+            ) => {
+                c.extend(next);
+                inverse.extend(next_inverse);
+            }
+            (empty, next) => {
+                assert_eq!(empty.size(), 0, "pieces of C of different kinds");
+                *empty = next;
+            }
+        }
+    }
+}
+
+impl AugmentationMatrix {
+    /// `factor · C`: C for tractions counted in other units, `factor` > 0.
+    #[must_use]
+    pub fn scaled(self, factor: f64) -> Self {
+        assert!(factor > 0.0, "C times {factor}");
+        let blocks = |blocks: Vec<Block>, factor: f64| -> Vec<Block> {
+            let scaled = |block: Block| block.map(|row| row.map(|v| v * factor));
+            blocks.into_iter().map(scaled).collect()
+        };
+        match self {
+            Self::Diagonal { c } => Self::Diagonal {
+                c: c.into_iter().map(|v| v * factor).collect(),
+            },
+            Self::FaceBlocks { c, inverse } => Self::FaceBlocks {
+                c: blocks(c, factor),
+                inverse: blocks(inverse, 1.0 / factor),
+            },
+            Self::Dense { c, inverse } => Self::Dense {
+                c: c * faer::Scale(factor),
+                inverse: inverse * faer::Scale(1.0 / factor),
+            },
+        }
+    }
+}

@@ -1,0 +1,166 @@
+//! The saddle point of a body without a single assembled matrix but H, and RACP around it.
+
+mod pieces;
+mod racp;
+mod residual;
+
+use crate::contact::{Coupling, prescribed_jump};
+use crate::elasticity::{ElasticityError, Restricted, diagonal, matrix_free};
+use crate::system::StickSystem;
+use fracas_operators::operator::assert_product;
+use fracas_operators::sparse::{Csr, SparseMatrix};
+use fracas_operators::{AdjointOperator, Layout, LinearOperator, Real, Shape};
+use fracas_solvers::saddle::unit_of_tractions;
+use std::sync::Arc;
+
+pub use pieces::PiecesError;
+pub use racp::{MatrixFreeError, MatrixFreeRacp, RacpParts};
+
+/// `[A B; Bᵀ −H]` over the free displacements and the tractions: A cell by cell, B face by face, H by its few entries.
+///
+/// Equal to the assembled blocks up to rounding (`tests/matrix_free.rs`).
+///
+/// # Cost
+/// Memory: O(cells) numbers instead of the 243 entries per node of an assembled A.
+pub struct MatrixFreeSaddle<R> {
+    a: Restricted<Box<dyn AdjointOperator<R>>>,
+    b: Arc<Coupling<R>>,
+    h: Option<Csr<R>>,
+    unit: f64,
+}
+
+impl<R: Real> MatrixFreeSaddle<R> {
+    /// The operator of `system`, tractions in Pa.
+    ///
+    /// # Errors
+    /// [`ElasticityError`] for an inverted element or a region without material.
+    pub fn new(system: &StickSystem<'_>) -> Result<Self, ElasticityError> {
+        Self::in_traction_unit(system, 1.0)
+    }
+
+    /// The operator for tractions counted in units of `unit`: `B s`, `H s²`.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn in_traction_unit(system: &StickSystem<'_>, unit: f64) -> Result<Self, ElasticityError> {
+        let full = matrix_free::<R>(system.mesh, system.materials)?;
+        let b = Coupling::new(system.fractures, system.constraints);
+        let h = system.stabilization().map(|h| Csr::new(scaled(&h, unit)));
+        Ok(Self {
+            a: Restricted::new(full, system.constraints.clone()),
+            b: Arc::new(b.in_traction_unit(R::of(unit))),
+            h,
+            unit,
+        })
+    }
+
+    /// n_u and n_t.
+    pub fn layout(&self) -> Layout<2> {
+        let shape = self.b.shape();
+        Layout::new(["u", "t"], [shape.rows, shape.cols])
+    }
+
+    /// What tractions are counted in [Pa].
+    pub fn unit(&self) -> f64 {
+        self.unit
+    }
+
+    /// B.
+    pub fn coupling(&self) -> &Arc<Coupling<R>> {
+        &self.b
+    }
+
+    /// H, where it is not 0.
+    pub fn stabilization(&self) -> Option<&SparseMatrix<R>> {
+        self.h.as_ref().map(Csr::matrix)
+    }
+}
+
+impl MatrixFreeSaddle<f64> {
+    /// `(f_f − A_fc u_c, −s B_cᵀ u_c)` for nodal forces `force` over all displacements [N] and tractions in units of s.
+    pub fn rhs(&self, system: &StickSystem<'_>, force: &[f64]) -> Vec<f64> {
+        let constraints = system.constraints;
+        let [n_u, n_t] = self.layout().lengths;
+        let mut rhs = Vec::with_capacity(n_u + n_t);
+        rhs.extend(constraints.free().iter().map(|dof| force[*dof as usize]));
+        if constraints.prescribed().iter().all(|(_, u)| *u == 0.0) {
+            rhs.resize(n_u + n_t, 0.0);
+            return rhs;
+        }
+        crate::elasticity::lift(self.a.full(), constraints, &mut rhs);
+        let jump = prescribed_jump(system.fractures, constraints);
+        rhs.extend(jump.into_iter().map(|jump| -self.unit * jump));
+        rhs
+    }
+}
+
+/// Where A is largest, and the unit of tractions that balances both rows of the saddle point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Magnitude {
+    /// Free displacement with the largest diagonal entry of A, which is the largest |entry|: A is positive semi-definite.
+    pub stiffest: usize,
+    /// That entry [N/m].
+    pub largest: f64,
+    /// [`SaddleBlocks::traction_unit`](fracas_solvers::saddle::SaddleBlocks::traction_unit) without the blocks.
+    pub unit: f64,
+}
+
+impl StickSystem<'_> {
+    /// The size of A and B, without A.
+    ///
+    /// # Cost
+    /// O(elements), and one vector in full numbering while it runs.
+    ///
+    /// # Errors
+    /// [`ElasticityError`] for an inverted element or a region without material.
+    pub fn magnitude(&self) -> Result<Magnitude, ElasticityError> {
+        let diagonal = diagonal(self.mesh, self.materials)?;
+        let (mut stiffest, mut largest) = (0, 0.0);
+        for (i, dof) in self.constraints.free().iter().enumerate() {
+            let entry = diagonal[*dof as usize];
+            if entry > largest {
+                (stiffest, largest) = (i, entry);
+            }
+        }
+        let b = Coupling::<f64>::new(self.fractures, self.constraints).largest_entry();
+        Ok(Magnitude {
+            stiffest,
+            largest,
+            unit: unit_of_tractions(largest, b),
+        })
+    }
+}
+
+/// `s² H` in precision `R`.
+fn scaled<R: Real>(h: &SparseMatrix<f64>, unit: f64) -> SparseMatrix<R> {
+    h.map(|value| R::of(*value * (unit * unit)))
+}
+
+impl<R: Real> LinearOperator<R> for MatrixFreeSaddle<R> {
+    fn shape(&self) -> Shape {
+        Shape::square(self.layout().len())
+    }
+
+    fn apply_add(&self, alpha: R, x: &[R], y: &mut [R], work: &mut [R]) {
+        assert_product(LinearOperator::shape(self), x, y);
+        let [x_u, x_t] = self.layout().split(x);
+        let [y_u, y_t] = self.layout().split_mut(y);
+        // y_u += α (A x_u + B x_t)
+        self.a.apply_add(alpha, x_u, y_u, work);
+        self.b.apply_add(alpha, x_t, y_u, work);
+        // y_t += α (Bᵀ x_u − H x_t); H = 0 costs nothing
+        self.b.apply_adjoint_add(alpha, x_u, y_t, work);
+        if let Some(h) = &self.h {
+            h.apply_add(-alpha, x_t, y_t, work);
+        }
+    }
+
+    fn work_len(&self) -> usize {
+        self.a.work_len()
+    }
+
+    fn flops(&self) -> u64 {
+        let h = self.h.as_ref().map_or(0, LinearOperator::flops);
+        LinearOperator::<R>::flops(&self.a) + 2 * LinearOperator::<R>::flops(&self.b) + h
+    }
+}

@@ -1,0 +1,96 @@
+//! RACP around geometric multigrid, without an assembled A.
+
+use super::{MatrixFreeSaddle, PiecesError};
+use crate::contact::Coupling;
+use crate::elasticity::ElasticityError;
+use crate::multigrid::{Geometric, GeometricError, GeometricInverse};
+use crate::system::StickSystem;
+use fracas_solvers::amg::Summary;
+use fracas_solvers::saddle::{AugmentationChoice, PartCost, RacpInverse};
+use fracas_solvers::{Observer, Step};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Settings of RACP without an assembled A.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct MatrixFreeRacp {
+    /// C: local, local_h or face_block.
+    pub augmentation: AugmentationChoice,
+    /// S̃_u⁻¹.
+    pub inner: Geometric,
+}
+
+/// Why a body has no solver without an assembled A.
+#[derive(Debug, thiserror::Error)]
+pub enum MatrixFreeError {
+    /// C.
+    #[error(transparent)]
+    Augmentation(#[from] PiecesError),
+    /// The hierarchy of S_u.
+    #[error(transparent)]
+    Geometric(#[from] GeometricError),
+    /// A mesh without a stiffness.
+    #[error(transparent)]
+    Elasticity(#[from] ElasticityError),
+    /// The observer wants to stop.
+    #[error("stopped on request")]
+    Stopped,
+}
+
+/// RACP, ready, with what is known of its parts.
+pub struct RacpParts {
+    /// M⁻¹.
+    pub inverse: RacpInverse<GeometricInverse, Arc<Coupling<f64>>>,
+    /// Levels of S̃_u.
+    pub hierarchy: Summary,
+    /// What C and S̃_u cost.
+    pub cost: PartCost,
+}
+
+impl MatrixFreeRacp {
+    /// Everything that depends on the body but not on a right-hand side; `saddle` is that of `system`, which is not needed
+    /// afterwards.
+    ///
+    /// # Errors
+    /// [`MatrixFreeError`].
+    pub fn ready(
+        &self,
+        saddle: &MatrixFreeSaddle<f64>,
+        system: &StickSystem<'_>,
+        observer: &mut dyn Observer,
+    ) -> Result<RacpParts, MatrixFreeError> {
+        let mut announce = |stage, done| {
+            let step = Step::Progress {
+                stage,
+                done,
+                total: 2,
+            };
+            match observer.observe(&step).is_break() {
+                true => Err(MatrixFreeError::Stopped),
+                false => Ok(()),
+            }
+        };
+        announce("C from the elements around the fractures", 0)?;
+        let start = Instant::now();
+        let c = saddle.augmentation(system, self.augmentation)?.matrix;
+        let c_s = start.elapsed().as_secs_f64();
+        announce("hierarchy of S_u", 1)?;
+        let start = Instant::now();
+        let in_pascal = c.clone().scaled(1.0 / (saddle.unit() * saddle.unit()));
+        let inner = self.inner.build(system, &in_pascal)?;
+        let hierarchy = inner.summary();
+        let cost = PartCost {
+            c_s,
+            inner_s: start.elapsed().as_secs_f64(),
+            inner_flops: fracas_operators::Preconditioner::flops(&inner),
+        };
+        Ok(RacpParts {
+            inverse: RacpInverse::with_operator(saddle.coupling().clone(), c, inner),
+            hierarchy,
+            cost,
+        })
+    }
+}

@@ -1,0 +1,77 @@
+//! Below the coarsest grid: a direct solver where it is small, algebraic multigrid where it no longer halves.
+
+use super::grid::Grid;
+use super::hierarchy::position;
+use super::{Geometric, GeometricError};
+use crate::mesh::HexMesh;
+use fracas_operators::Real;
+use fracas_operators::sparse::{Block3, SparseMatrix};
+use fracas_solvers::DofCoordinate;
+use fracas_solvers::amg::{Amg, Summary};
+use fracas_solvers::multigrid::Bottom;
+
+/// The solver of the coarsest level with its summary.
+pub(super) fn bottom<R: Real>(
+    settings: &Geometric,
+    mesh: &HexMesh,
+    grid: &Grid<'_>,
+    matrix: &Block3<R>,
+    fixed: &[u8],
+) -> Result<(Bottom, Summary), GeometricError> {
+    let n = 3 * grid.nodes;
+    let diagonal = |i: usize| entry(matrix, i, i);
+    let is_free = |i: &u32| {
+        let i = *i as usize;
+        fixed[i / 3] >> (i % 3) & 1 == 0 && diagonal(i) != 0.0
+    };
+    let free: Vec<u32> = (0..n as u32).filter(is_free).collect();
+    let mut index = vec![u32::MAX; n];
+    free.iter()
+        .enumerate()
+        .for_each(|(k, i)| index[*i as usize] = k as u32);
+    let (mut starts, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
+    for i in &free {
+        let i = *i as usize;
+        for (j, value) in matrix.row(i) {
+            let value = 0.5 * (value.to_f64_exact() + entry(matrix, j, i));
+            if index[j] != u32::MAX && value != 0.0 {
+                columns.push(index[j]);
+                values.push(value);
+            }
+        }
+        starts.push(columns.len());
+    }
+    let a = SparseMatrix::new((free.len(), free.len()), starts, columns, values);
+    let coordinates: Vec<DofCoordinate> = free
+        .iter()
+        .map(|i| DofCoordinate {
+            position: position(mesh, grid, *i as usize / 3),
+            component: (i % 3) as u8,
+        })
+        .collect();
+    let algebraic = Amg::default();
+    let amg = Amg {
+        coarsest: if free.len() <= settings.coarsest {
+            free.len()
+        } else {
+            algebraic.coarsest
+        },
+        precision: settings.precision,
+        over_correction: 1.0,
+        ..algebraic
+    };
+    let inverse = amg
+        .build(&a, Some(&coordinates))
+        .map_err(|error| error.in_block("S_u"))?;
+    let summary = inverse.summary();
+    Ok((Bottom::new(Box::new(inverse), free, n), summary))
+}
+
+/// Entry (i, j).
+fn entry<R: Real>(matrix: &Block3<R>, i: usize, j: usize) -> f64 {
+    let range = matrix.offsets()[i / 3]..matrix.offsets()[i / 3 + 1];
+    match matrix.columns()[range.clone()].binary_search(&((j / 3) as u32)) {
+        Ok(at) => matrix.blocks()[range.start + at][3 * (i % 3) + j % 3].to_f64_exact(),
+        Err(_) => 0.0,
+    }
+}

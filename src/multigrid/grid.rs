@@ -1,0 +1,128 @@
+//! The cells of one level and the elements in them.
+
+use crate::mesh::HexMesh;
+use std::borrow::Cow;
+use std::ops::Range;
+
+/// Steps along x, y, z from the lowest corner of a cell to each corner, VTK order.
+pub(super) const STEPS: [[usize; 3]; 8] = [
+    [0, 0, 0],
+    [1, 0, 0],
+    [1, 1, 0],
+    [0, 1, 0],
+    [0, 0, 1],
+    [1, 0, 1],
+    [1, 1, 1],
+    [0, 1, 1],
+];
+
+/// Per axis, the corners on the upper face of a cell and those of the next cell that lie on them.
+pub(super) const ACROSS: [[[usize; 2]; 4]; 3] = [
+    [[1, 0], [2, 3], [5, 4], [6, 7]],
+    [[3, 0], [2, 1], [7, 4], [6, 5]],
+    [[4, 0], [5, 1], [6, 2], [7, 3]],
+];
+
+/// Largest ratio of mean spacings up to which an axis is coarsened together with the finest one. Unit: 1.
+const SAME_SPACING: f64 = 2.0;
+
+/// A box of cells; a cell that fractures cut holds one element per side, each with its own corner nodes.
+///
+/// Nodes are numbered as vertices, x fastest; further copies of a vertex come behind all of those.
+#[derive(Clone, Debug)]
+pub(super) struct Grid<'a> {
+    pub(super) cells: [usize; 3],
+    /// Positions per axis, before any map [m].
+    pub(super) lines: [Cow<'a, [f64]>; 3],
+    /// Which line of the finest grid each line is.
+    pub(super) origin: [Vec<u32>; 3],
+    pub(super) nodes: usize,
+    pub(super) elements: Cow<'a, [[u32; 8]]>,
+    /// First element of every cell, and one more; `None` where element = cell.
+    pub(super) first: Option<Vec<u32>>,
+    /// Vertices of the copies (of the coarse levels only).
+    pub(super) copies: Vec<u32>,
+}
+
+impl<'a> Grid<'a> {
+    /// The finest grid, or `None` if the mesh follows none.
+    pub(super) fn of_mesh(mesh: &'a HexMesh) -> Option<Self> {
+        let grid = mesh.grid.as_ref()?;
+        if grid.cells.iter().product::<usize>() != mesh.elements.len() {
+            return None;
+        }
+        Some(Self {
+            cells: grid.cells,
+            lines: [0, 1, 2].map(|d: usize| Cow::Borrowed(&*grid.lines[d])),
+            origin: grid.cells.map(|n| (0..=n as u32).collect()),
+            nodes: mesh.nodes.len(),
+            elements: Cow::Borrowed(&mesh.elements),
+            first: None,
+            copies: Vec::new(),
+        })
+    }
+
+    /// Number of the cell (i, j, k).
+    pub(super) fn cell(&self, at: [usize; 3]) -> usize {
+        at[0] + self.cells[0] * (at[1] + self.cells[1] * at[2])
+    }
+
+    /// (i, j, k) of a cell.
+    pub(super) fn place(&self, cell: usize) -> [usize; 3] {
+        let [nx, ny, _] = self.cells;
+        [cell % nx, cell / nx % ny, cell / (nx * ny)]
+    }
+
+    /// Number of the vertex (i, j, k).
+    pub(super) fn vertex(&self, at: [usize; 3]) -> usize {
+        at[0] + (self.cells[0] + 1) * (at[1] + (self.cells[1] + 1) * at[2])
+    }
+
+    /// Vertices.
+    pub(super) fn vertices(&self) -> usize {
+        self.cells.iter().map(|n| n + 1).product()
+    }
+
+    /// Elements of a cell.
+    pub(super) fn elements_in(&self, cell: usize) -> Range<usize> {
+        match &self.first {
+            Some(first) => first[cell] as usize..first[cell + 1] as usize,
+            None => cell..cell + 1,
+        }
+    }
+
+    /// True where two elements of neighbouring cells share the four nodes of the face between them.
+    pub(super) fn joined(&self, low: usize, high: usize, axis: usize) -> bool {
+        let (low, high) = (&self.elements[low], &self.elements[high]);
+        ACROSS[axis].iter().all(|[a, b]| low[*a] == high[*b])
+    }
+
+    /// Edge lengths of a cell, before any map.
+    pub(super) fn size(&self, at: [usize; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|d: usize| self.lines[d][at[d] + 1] - self.lines[d][at[d]])
+    }
+
+    /// The axes to halve next: those whose mean spacing is about the finest.
+    pub(super) fn axes_to_halve(&self) -> [bool; 3] {
+        let spacing = [0, 1, 2].map(|d: usize| {
+            let lines = &self.lines[d];
+            match self.cells[d] {
+                1 => f64::INFINITY,
+                n => (lines[n] - lines[0]) / n as f64,
+            }
+        });
+        let finest = spacing.iter().copied().fold(f64::INFINITY, f64::min);
+        spacing.map(|h| h.is_finite() && h <= SAME_SPACING * finest)
+    }
+
+    /// Vertex (i, j, k) of the finest grid at which a node lies.
+    pub(super) fn finest_place(&self, node: usize) -> [usize; 3] {
+        let vertex = match node.checked_sub(self.vertices()) {
+            Some(copy) => self.copies[copy] as usize,
+            None => node,
+        };
+        let [nx, ny] = [self.cells[0] + 1, self.cells[1] + 1];
+        let at = [vertex % nx, vertex / nx % ny, vertex / (nx * ny)];
+        [0, 1, 2].map(|d: usize| self.origin[d][at[d]] as usize)
+    }
+}

@@ -1,0 +1,249 @@
+//! From a body to all levels.
+
+use super::bottom::bottom;
+use super::coarsening::coarsen;
+use super::elements::Elements;
+use super::faces::{self, FractureTerm};
+use super::fixed;
+use super::grid::Grid;
+use super::interpolation::{Interpolation, Owners};
+use super::operators::{Coarse, Finest};
+use super::pattern::Pattern;
+use super::remainder::{Rows, Step};
+use super::{Geometric, GeometricError};
+use crate::elasticity::{Bricks, Elastic, Hexes};
+use crate::system::StickSystem;
+use fracas_operators::simd::Level as Instructions;
+use fracas_operators::sparse::Block3;
+use fracas_operators::{AdjointOperator, LinearOperator, Real};
+use fracas_solvers::amg::Summary;
+use fracas_solvers::multigrid::{Hierarchy, Level, Symmetric};
+use std::borrow::Cow;
+use std::sync::Arc;
+
+/// Levels beyond which a grid cannot have been halved.
+const MOST_LEVELS: usize = 32;
+
+/// The level that is being worked on.
+struct Current<'a, R> {
+    grid: Grid<'a>,
+    elements: Elements<'a>,
+    /// Fixed components per node.
+    fixed: Vec<u8>,
+    /// Elements on the two sides of a fracture.
+    links: Vec<[u32; 2]>,
+    /// What of its matrix is not bricks; `None` on the finest level.
+    remainder: Option<Arc<Block3<R>>>,
+}
+
+/// All levels of `S_u / scale`, and a summary of what is below them. `materials` and `c_inverse` are divided by the scale.
+pub(super) fn hierarchy<R: Real>(
+    settings: &Geometric,
+    system: &StickSystem<'_>,
+    materials: &[Elastic],
+    c_inverse: &[[[f64; 3]; 3]],
+) -> Result<(Hierarchy<R>, Summary), GeometricError> {
+    let mut current = Current::<R> {
+        grid: Grid::of_mesh(system.mesh).ok_or(GeometricError::NoGrid)?,
+        elements: Elements::of_mesh(system.mesh, materials),
+        fixed: fixed::prescribed(system.constraints),
+        links: Vec::new(),
+        remainder: None,
+    };
+    let mut levels = Vec::new();
+    loop {
+        let coarsening = coarsen(&current.grid, current.grid.axes_to_halve());
+        let coarse = &coarsening.coarse;
+        let owners = Owners::new(&current.grid, &coarsening);
+        let fixed_coarse = fixed::coarse(&current.fixed, &owners, coarse);
+        let last = 3 * coarse.nodes <= settings.coarsest
+            || coarse.axes_to_halve() == [false; 3]
+            || levels.len() + 1 == MOST_LEVELS;
+        let kinds = if last {
+            vec![Elements::NONE; coarse.elements.len()]
+        } else {
+            let bits = [&*current.fixed, &*fixed_coarse];
+            fixed::whole_bricks(&current.grid, &current.elements, &coarsening, &owners, bits)
+        };
+        let links = match current.remainder {
+            None => faces::links(system.fractures, &coarsening.parent),
+            Some(_) => faces::unique(current.links.iter().copied(), &coarsening.parent),
+        };
+        let step = Step {
+            fine: &current.grid,
+            elements: &current.elements,
+            coarsening: &coarsening,
+            owners: &owners,
+            fixed: &current.fixed,
+            kinds: &kinds,
+        };
+        let mut rows = Rows::new(Pattern::new(coarse, &kinds, &links));
+        rows.add_elements(step)?;
+        match &current.remainder {
+            None => faces::add_faces(&mut rows, step, system.fractures, c_inverse),
+            Some(above) => rows.add_product(step, above),
+        }
+        let remainder = Arc::new(rows.finish(&fixed_coarse));
+        let transfer = Interpolation::new(&owners, coarse);
+        drop(owners);
+        levels.push(current.level(system, materials, c_inverse, levels.len(), transfer)?);
+        if last {
+            let (bottom, below) = bottom(settings, system.mesh, coarse, &remainder, &fixed_coarse)?;
+            let hierarchy = Hierarchy::new(levels, bottom, settings.cycle, settings.degree);
+            return Ok((hierarchy, below));
+        }
+        current = Current {
+            grid: coarsening.coarse,
+            elements: Elements::Bricks {
+                kinds: Cow::Owned(kinds),
+                materials,
+            },
+            fixed: fixed_coarse,
+            links,
+            remainder: Some(remainder),
+        };
+    }
+}
+
+impl<R: Real> Current<'_, R> {
+    /// The level as one that smooths.
+    fn level(
+        &mut self,
+        system: &StickSystem<'_>,
+        materials: &[Elastic],
+        c_inverse: &[[[f64; 3]; 3]],
+        depth: usize,
+        transfer: Interpolation<R>,
+    ) -> Result<Level<R>, GeometricError> {
+        let mut diagonal: Vec<Symmetric<R>> = vec![[R::zero(); 6]; self.grid.nodes];
+        self.elements.add_diagonals(&self.grid, &mut diagonal)?;
+        match &self.remainder {
+            None => faces::add_diagonals(system.fractures, c_inverse, &mut diagonal),
+            Some(remainder) => add_diagonal_blocks(remainder, &mut diagonal),
+        }
+        if !diagonal.as_flattened().iter().all(|v| v.is_finite()) {
+            return Err(overflow::<R>(depth));
+        }
+        // a coarse component that no free fine one sees is no unknown
+        for (bits, block) in self.fixed.iter_mut().zip(&diagonal) {
+            for (i, k) in [0, 3, 5].into_iter().enumerate() {
+                if depth > 0 && block[k] == R::zero() {
+                    *bits |= 1 << i;
+                }
+            }
+        }
+        let (operator, bytes) = self.operator(system, materials, c_inverse)?;
+        let fixed = fixed::list(&self.fixed);
+        let level = Level::new(operator, bytes, diagonal, fixed, Box::new(transfer));
+        let level = level.map_err(|error| GeometricError::Indefinite {
+            level: depth,
+            place: self.position(system, error.node),
+        })?;
+        if level.lambda_max().is_finite() && level.lambda_max() > 0.0 {
+            Ok(level)
+        } else {
+            Err(overflow::<R>(depth))
+        }
+    }
+
+    /// The operator and its bytes.
+    #[expect(clippy::type_complexity, reason = "a pair")]
+    fn operator(
+        &self,
+        system: &StickSystem<'_>,
+        materials: &[Elastic],
+        c_inverse: &[[[f64; 3]; 3]],
+    ) -> Result<(Box<dyn LinearOperator<R>>, usize), GeometricError> {
+        let Some(remainder) = &self.remainder else {
+            let mesh = system.mesh;
+            let fractures = FractureTerm::new(system.fractures, mesh.nodes.len(), c_inverse);
+            let (stiffness, bytes): (Box<dyn AdjointOperator<R>>, usize) = match self.elements {
+                Elements::Bricks { .. } => {
+                    let bricks = Bricks::new(mesh, materials)?;
+                    let bytes = bricks.bytes();
+                    (Box::new(bricks), bytes)
+                }
+                Elements::Hexes { .. } => {
+                    let hexes = Hexes::new(mesh, materials)?;
+                    let bytes = hexes.bytes();
+                    (Box::new(hexes), bytes)
+                }
+            };
+            let bytes = bytes + fractures.bytes();
+            return Ok((
+                Box::new(Finest {
+                    stiffness,
+                    fractures,
+                }),
+                bytes,
+            ));
+        };
+        let bricks = self.bricks(materials);
+        let stored = remainder.block_count() * (size_of::<[R; 9]>() + size_of::<u32>())
+            + size_of_val(remainder.offsets());
+        let bytes = stored + bricks.as_ref().map_or(0, Bricks::bytes);
+        let remainder = Arc::clone(remainder);
+        Ok((Box::new(Coarse { bricks, remainder }), bytes))
+    }
+
+    /// The bricks of a coarse level, if it has any.
+    fn bricks(&self, materials: &[Elastic]) -> Option<Bricks<R>> {
+        let grid = &self.grid;
+        let kind = |e: usize| self.elements.brick_kind(e);
+        if (0..grid.elements.len()).all(|e| kind(e) == Elements::NONE) {
+            return None;
+        }
+        let elements = (0..grid.cells.iter().product()).flat_map(|cell| {
+            let inside = grid
+                .elements_in(cell)
+                .filter(|e| kind(*e) != Elements::NONE);
+            inside.map(move |e| (cell, grid.elements[e], materials[usize::from(kind(e))]))
+        });
+        let lines = [0, 1, 2].map(|d: usize| &*grid.lines[d]);
+        // SAFETY: `coarsen` numbers vertices first, then copies, each a class of corners at one vertex.
+        Some(unsafe {
+            Bricks::of_elements(
+                grid.cells,
+                lines,
+                grid.nodes,
+                elements,
+                Instructions::best(),
+            )
+        })
+    }
+
+    /// Where a node lies [m].
+    fn position(&self, system: &StickSystem<'_>, node: usize) -> [f64; 3] {
+        match self.remainder {
+            None => system.mesh.nodes[node],
+            Some(_) => position(system.mesh, &self.grid, node),
+        }
+    }
+}
+
+/// Where a node of a coarse level lies [m].
+pub(super) fn position(mesh: &crate::mesh::HexMesh, grid: &Grid<'_>, node: usize) -> [f64; 3] {
+    let [i, j, k] = grid.finest_place(node);
+    let [nx, ny] = [0, 1].map(|d: usize| grid.origin[d].last().map_or(1, |n| *n as usize + 1));
+    mesh.nodes[i + nx * (j + ny * k)]
+}
+
+fn overflow<R: Real>(level: usize) -> GeometricError {
+    GeometricError::Overflow {
+        level,
+        precision: R::NAME,
+    }
+}
+
+/// Adds the diagonal blocks of an assembled matrix.
+fn add_diagonal_blocks<R: Real>(matrix: &Block3<R>, diagonal: &mut [Symmetric<R>]) {
+    for (i, to) in diagonal.iter_mut().enumerate() {
+        let range = matrix.offsets()[i]..matrix.offsets()[i + 1];
+        if let Ok(at) = matrix.columns()[range.clone()].binary_search(&(i as u32)) {
+            let block = &matrix.blocks()[range.start + at];
+            for (to, k) in to.iter_mut().zip([0, 1, 2, 4, 5, 8]) {
+                *to += block[k];
+            }
+        }
+    }
+}

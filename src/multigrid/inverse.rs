@@ -1,0 +1,109 @@
+//! The ready preconditioner.
+
+use super::faces;
+use super::hierarchy::hierarchy;
+use super::{Geometric, GeometricError};
+use crate::elasticity::Elastic;
+use crate::system::StickSystem;
+use fracas_operators::Preconditioner;
+use fracas_solvers::amg::{Precision, Summary};
+use fracas_solvers::multigrid::{MultigridInverse, SomeHierarchy};
+use fracas_solvers::saddle::AugmentationMatrix;
+
+/// What the coarse spaces reproduce.
+const SPACES: &str = "linear fields on every side of a fracture";
+
+/// One multigrid cycle per solve: `z ≈ S_u⁻¹ r` over the free displacements.
+pub struct GeometricInverse {
+    cycle: MultigridInverse,
+}
+
+impl Geometric {
+    /// The hierarchy of `S_u = A + B C⁻¹Bᵀ` for `system`; C belongs to B in m² (tractions in Pa), diagonal or one block per
+    /// face.
+    ///
+    /// # Cost
+    /// Time and memory proportional to the unknowns; A is never assembled.
+    ///
+    /// # Errors
+    /// [`GeometricError`].
+    pub fn build(
+        &self,
+        system: &StickSystem<'_>,
+        c: &AugmentationMatrix,
+    ) -> Result<GeometricInverse, GeometricError> {
+        let expected = 3 * system.fractures.faces.len();
+        if c.size() != expected {
+            return Err(GeometricError::SizeOfC {
+                expected,
+                found: c.size(),
+            });
+        }
+        // S_u / scale has entries around 1
+        let stiffest = system.materials.iter().map(Elastic::constrained);
+        let volume = system.mesh.grid.as_ref().map_or(1.0, |grid| {
+            let length = |d: usize| grid.lines[d][grid.cells[d]] - grid.lines[d][0];
+            let cells: usize = grid.cells.iter().product();
+            length(0) * length(1) * length(2) / cells as f64
+        });
+        let largest = stiffest.fold(0.0, f64::max) * volume.cbrt();
+        let scale = largest.log2().round().exp2();
+        let materials: Vec<Elastic> = system
+            .materials
+            .iter()
+            .map(|m| Elastic {
+                young: m.young / scale,
+                ..*m
+            })
+            .collect();
+        let c_inverse = faces::inverse_blocks(c, scale).ok_or(GeometricError::DenseC)?;
+        let (hierarchy, below) = match self.precision {
+            Precision::F32 => {
+                let (h, below) = hierarchy(self, system, &materials, &c_inverse)?;
+                (SomeHierarchy::Single(h), below)
+            }
+            Precision::F64 => {
+                let (h, below) = hierarchy(self, system, &materials, &c_inverse)?;
+                (SomeHierarchy::Double(h), below)
+            }
+        };
+        let f = self.over_correction;
+        Ok(GeometricInverse {
+            cycle: MultigridInverse::new(hierarchy, scale, f, below, SPACES),
+        })
+    }
+}
+
+impl GeometricInverse {
+    /// Levels, complexities, bytes.
+    pub fn summary(&self) -> Summary {
+        self.cycle.summary()
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.summary().levels.iter().map(|level| level.bytes).sum()
+    }
+}
+
+impl Preconditioner<f64> for GeometricInverse {
+    fn size(&self) -> usize {
+        self.cycle.size()
+    }
+
+    fn solve(&self, r: &[f64], z: &mut [f64], work: &mut [f64]) {
+        self.cycle.solve(r, z, work);
+    }
+
+    fn work_len(&self) -> usize {
+        self.cycle.work_len()
+    }
+
+    fn flops(&self) -> u64 {
+        self.cycle.flops()
+    }
+
+    fn is_single(&self) -> bool {
+        self.cycle.is_single()
+    }
+}

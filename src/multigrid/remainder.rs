@@ -1,0 +1,246 @@
+//! What of a coarse matrix is not bricks: `Σ P_eᵀ K_e P_e` of cut or mixed cells, and `Pᵀ R P` of the level above.
+
+use super::coarsening::{Coarsening, for_each_fine};
+use super::elements::{BrickCache, ElementBlocks, Elements};
+use super::grid::{Grid, STEPS};
+use super::interpolation::{Owners, weights};
+use super::pattern::Pattern;
+use crate::elasticity::{Colours, ElasticityError};
+use fracas_operators::Real;
+use fracas_operators::sparse::Block3;
+
+/// A level and the way to the next one.
+#[derive(Clone, Copy)]
+pub(super) struct Step<'a> {
+    pub(super) fine: &'a Grid<'a>,
+    pub(super) elements: &'a Elements<'a>,
+    pub(super) coarsening: &'a Coarsening,
+    pub(super) owners: &'a Owners,
+    /// Fixed components of the fine nodes.
+    pub(super) fixed: &'a [u8],
+    /// Coarse elements that are bricks.
+    pub(super) kinds: &'a [u16],
+}
+
+/// Block rows under assembly.
+pub(super) struct Rows<R> {
+    pub(super) pattern: Pattern,
+    pub(super) blocks: Vec<[R; 9]>,
+}
+
+impl<R: Real> Rows<R> {
+    pub(super) fn new(pattern: Pattern) -> Self {
+        let blocks = vec![[R::zero(); 9]; pattern.columns.len()];
+        Self { pattern, blocks }
+    }
+
+    /// Adds to block (row, column), which the pattern holds.
+    pub(super) fn add(&mut self, row: usize, column: u32, block: &[f64; 9]) {
+        let at = self.pattern.place(row, column);
+        for (to, v) in self.blocks[at].iter_mut().zip(block) {
+            *to += R::of(*v);
+        }
+    }
+
+    /// Adds `Σ P_eᵀ K_e P_e` over the fine elements with a matrix in coarse elements that are no bricks.
+    pub(super) fn add_elements(&mut self, step: Step<'_>) -> Result<(), ElasticityError> {
+        let coarse = &step.coarsening.coarse;
+        let layers = |from: usize| (from..coarse.cells[2]).step_by(2).collect::<Vec<_>>();
+        // SAFETY: every second layer of cells has nodes, so rows, of its own.
+        let colours = unsafe { Colours::new(vec![layers(0), layers(1)]) };
+        let pattern = &self.pattern;
+        let failed = std::sync::OnceLock::new();
+        colours.run(&mut self.blocks, &|k, blocks| {
+            let mut cache = BrickCache::default();
+            let plane = coarse.cells[0] * coarse.cells[1];
+            for cell in k * plane..(k + 1) * plane {
+                for piece in coarse.elements_in(cell) {
+                    if step.kinds[piece] != Elements::NONE {
+                        continue;
+                    }
+                    let sum = match galerkin(step, cell, piece, &mut cache) {
+                        Ok(sum) => sum,
+                        Err(error) => {
+                            let _ = failed.set(error);
+                            return;
+                        }
+                    };
+                    let corners = &coarse.elements[piece];
+                    for (row, node) in sum.iter().zip(corners) {
+                        let range = pattern.range(*node as usize);
+                        // SAFETY: a row of this layer.
+                        let to = unsafe { blocks.part(range.start, range.len()) };
+                        let columns = &pattern.columns[range];
+                        for (block, column) in row.iter().zip(corners) {
+                            let at = columns.partition_point(|c| c < column);
+                            for (to, v) in to[at].iter_mut().zip(block) {
+                                *to += R::of(*v);
+                            }
+                        }
+                    }
+                }
+            }
+        });
+        failed.into_inner().map_or(Ok(()), Err)
+    }
+
+    /// Adds `Pᵀ R P`.
+    pub(super) fn add_product(&mut self, step: Step<'_>, above: &Block3<R>) {
+        let coarse = &step.coarsening.coarse;
+        let mut slot = vec![u32::MAX; coarse.nodes];
+        let mut columns: Vec<u32> = Vec::new();
+        let mut images: Vec<[f64; 9]> = Vec::new();
+        let parents = |node: usize| {
+            let corners = coarse.elements[step.owners.element[node] as usize];
+            let weights = step.owners.weights(coarse, node);
+            corners.into_iter().zip(weights).filter(|(_, w)| *w != 0.0)
+        };
+        for i in 0..above.block_rows() {
+            let range = above.offsets()[i]..above.offsets()[i + 1];
+            // (R P)_i
+            for at in range {
+                let block = above.blocks()[at].map(|v| v.to_f64_exact());
+                for (column, weight) in parents(above.columns()[at] as usize) {
+                    let slot = &mut slot[column as usize];
+                    if *slot == u32::MAX {
+                        *slot = columns.len() as u32;
+                        columns.push(column);
+                        images.push([0.0; 9]);
+                    }
+                    let image = &mut images[*slot as usize];
+                    image
+                        .iter_mut()
+                        .zip(block)
+                        .for_each(|(to, v)| *to += weight * v);
+                }
+            }
+            if columns.is_empty() {
+                continue;
+            }
+            for (row, weight) in parents(i) {
+                for (column, image) in columns.iter().zip(&images) {
+                    self.add(row as usize, *column, &image.map(|v| weight * v));
+                }
+            }
+            columns.drain(..).for_each(|c| slot[c as usize] = u32::MAX);
+            images.clear();
+        }
+    }
+
+    /// The matrix without rows and columns of fixed components, and without blocks of zeros.
+    pub(super) fn finish(mut self, fixed: &[u8]) -> Block3<R> {
+        let rows = self.pattern.offsets.len() - 1;
+        let mut kept = 0;
+        let mut begin = 0;
+        for i in 0..rows {
+            let end = self.pattern.offsets[i + 1];
+            for at in begin..end {
+                let column = self.pattern.columns[at];
+                let mut block = self.blocks[at];
+                let (r, c) = (fixed[i], fixed[column as usize]);
+                if r | c != 0 {
+                    for k in 0..9 {
+                        if (r >> (k / 3) | c >> (k % 3)) & 1 == 1 {
+                            block[k] = R::zero();
+                        }
+                    }
+                }
+                if block.iter().any(|v| *v != R::zero()) {
+                    self.pattern.columns[kept] = column;
+                    self.blocks[kept] = block;
+                    kept += 1;
+                }
+            }
+            begin = end;
+            self.pattern.offsets[i + 1] = kept;
+        }
+        self.pattern.columns.truncate(kept);
+        self.blocks.truncate(kept);
+        // room for the zero block that a product needs
+        self.blocks.shrink_to(kept + 1);
+        self.pattern.columns.shrink_to_fit();
+        Block3::from_raw(
+            self.pattern.offsets,
+            self.pattern.columns,
+            self.blocks,
+            rows,
+        )
+    }
+}
+
+/// `Σ P_eᵀ K_e P_e` over the fine elements in one coarse element.
+fn galerkin(
+    step: Step<'_>,
+    cell: usize,
+    piece: usize,
+    cache: &mut BrickCache,
+) -> Result<ElementBlocks, ElasticityError> {
+    let Coarsening {
+        coarse,
+        parent,
+        starts,
+    } = step.coarsening;
+    let mut sum = [[[0.0; 9]; 8]; 8];
+    let place = coarse.place(cell);
+    let mut outcome = Ok(());
+    for_each_fine(place, starts, |at| {
+        for e in step.fine.elements_in(step.fine.cell(at)) {
+            if parent[e] as usize != piece || !step.elements.has(e) || outcome.is_err() {
+                continue;
+            }
+            match step.elements.matrix(step.fine, e, at, cache) {
+                Err(error) => outcome = Err(error),
+                Ok(mut k) => {
+                    mask(
+                        &mut k,
+                        step.fine.elements[e].map(|n| step.fixed[n as usize]),
+                    );
+                    let w = STEPS.map(|up| {
+                        let local = [0, 1, 2].map(|d: usize| at[d] - starts[d][place[d]] + up[d]);
+                        weights(step.owners.shares(place, local))
+                    });
+                    add_congruent(&mut sum, &k, &w);
+                }
+            }
+        }
+    });
+    outcome.map(|()| sum)
+}
+
+/// Zeros in rows and columns of fixed components.
+fn mask(k: &mut ElementBlocks, fixed: [u8; 8]) {
+    if fixed == [0; 8] {
+        return;
+    }
+    for a in 0..8 {
+        for b in 0..8 {
+            for n in 0..9 {
+                if (fixed[a] >> (n / 3) | fixed[b] >> (n % 3)) & 1 == 1 {
+                    k[a][b][n] = 0.0;
+                }
+            }
+        }
+    }
+}
+
+/// `sum ← sum + Wᵀ K W` for weights `w[fine node][coarse corner]`.
+fn add_congruent(sum: &mut ElementBlocks, k: &ElementBlocks, w: &[[f64; 8]; 8]) {
+    for a in 0..8 {
+        // K W, one row of it
+        let mut row = [[0.0; 9]; 8];
+        for b in 0..8 {
+            for (to, w) in row.iter_mut().zip(w[b]) {
+                if w != 0.0 {
+                    to.iter_mut().zip(k[a][b]).for_each(|(to, v)| *to += w * v);
+                }
+            }
+        }
+        for (to, w) in sum.iter_mut().zip(w[a]) {
+            if w != 0.0 {
+                for (to, v) in to.as_flattened_mut().iter_mut().zip(row.as_flattened()) {
+                    *to += w * v;
+                }
+            }
+        }
+    }
+}

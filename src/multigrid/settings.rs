@@ -1,0 +1,34 @@
+//! Plain settings of geometric multigrid.
+
+use fracas_solvers::amg::Precision;
+use fracas_solvers::multigrid::Cycle;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Geometric multigrid of S_u.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Geometric {
+    /// Degree of the Chebyshev polynomial before and after the coarse correction.
+    pub degree: usize,
+    /// How often a level visits the next one.
+    pub cycle: Cycle,
+    /// Scalars of the hierarchy.
+    pub precision: Precision,
+    /// Unknowns at which a direct solver takes over.
+    pub coarsest: usize,
+    /// Factor on the result: RACP gains from eigenvalues of `S̃_u⁻¹S_u` *around* 1, a V-cycle leaves them in (0, 1].
+    pub over_correction: f64,
+}
+
+impl Default for Geometric {
+    fn default() -> Self {
+        Self {
+            degree: 3,
+            cycle: Cycle::default(),
+            precision: Precision::default(),
+            coarsest: 1000,
+            over_correction: 1.0,
+        }
+    }
+}
