@@ -10,6 +10,7 @@ pub mod e04_efficiency;
 pub mod e05_mesh_independence;
 pub mod e06_c_laboratory;
 pub mod e07_contact_state;
+pub mod e08_size;
 pub mod list;
 pub mod measure;
 pub mod plot;

@@ -12,6 +12,7 @@ pub static EXPERIMENTS: &[&dyn Experiment] = &[
     &crate::e05_mesh_independence::MeshIndependence,
     &crate::e06_c_laboratory::CLaboratory,
     &crate::e07_contact_state::ContactStates,
+    &crate::e08_size::Size,
 ];
 
 /// What `fracas reproduce` runs without arguments: about two minutes on two cores.

@@ -22,18 +22,11 @@ pub(super) struct Coarsening {
     pub(super) starts: [Vec<usize>; 3],
 }
 
-/// Halves the marked axes; the last cell of an odd number stays as it is.
+/// The coarse grid whose cells begin at the fine lines `starts` of each axis, at most two fine cells each.
 ///
 /// # Cost
 /// O(elements) time, 32 bytes per coarse element of scratch.
-pub(super) fn coarsen(fine: &Grid<'_>, axes: [bool; 3]) -> Coarsening {
-    let starts = [0, 1, 2].map(|d: usize| {
-        let mut starts: Vec<usize> = (0..fine.cells[d])
-            .step_by(if axes[d] { 2 } else { 1 })
-            .collect();
-        starts.push(fine.cells[d]);
-        starts
-    });
+pub(super) fn coarsen(fine: &Grid<'_>, starts: [Vec<usize>; 3]) -> Coarsening {
     let cells = [0, 1, 2].map(|d: usize| starts[d].len() - 1);
     let mut coarse = Grid {
         cells,

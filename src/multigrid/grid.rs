@@ -115,6 +115,11 @@ impl<'a> Grid<'a> {
         spacing.map(|h| h.is_finite() && h <= SAME_SPACING * finest)
     }
 
+    /// Every line of every axis.
+    pub(super) fn all_lines(&self) -> [Vec<usize>; 3] {
+        self.cells.map(|n| (0..=n).collect())
+    }
+
     /// Vertex (i, j, k) of the finest grid at which a node lies.
     pub(super) fn finest_place(&self, node: usize) -> [usize; 3] {
         let vertex = match node.checked_sub(self.vertices()) {

@@ -1,6 +1,7 @@
 //! From a body to all levels.
 
 use super::bottom::bottom;
+use super::coarse_lines::{CoarseLines, Next};
 use super::coarsening::coarsen;
 use super::elements::Elements;
 use super::faces::{self, FractureTerm};
@@ -50,14 +51,20 @@ pub(super) fn hierarchy<R: Real>(
         links: Vec::new(),
         remainder: None,
     };
+    let lines = CoarseLines::new(system.mesh, materials);
     let mut levels = Vec::new();
     loop {
-        let coarsening = coarsen(&current.grid, current.grid.axes_to_halve());
+        let starts = match lines.next(&current.grid) {
+            Next::Lines(starts) => starts,
+            // the finest grid of a small body: its coarse grid is the grid itself
+            Next::Nothing => current.grid.all_lines(),
+        };
+        let coarsening = coarsen(&current.grid, starts);
         let coarse = &coarsening.coarse;
         let owners = Owners::new(&current.grid, &coarsening);
         let fixed_coarse = fixed::coarse(&current.fixed, &owners, coarse);
         let last = 3 * coarse.nodes <= settings.coarsest
-            || coarse.axes_to_halve() == [false; 3]
+            || matches!(lines.next(coarse), Next::Nothing)
             || levels.len() + 1 == MOST_LEVELS;
         let kinds = if last {
             vec![Elements::NONE; coarse.elements.len()]

@@ -7,6 +7,7 @@
 //! | step | file |
 //! |---|---|
 //! | cells, lines, elements of a level | `grid` |
+//! | which lines a coarse grid keeps | `coarse_lines` |
 //! | coarse cells, their pieces, copies of their corners | `coarsening` |
 //! | P and Pᵀ | `interpolation` |
 //! | prescribed components, which coarse cells are bricks | `fixed` |
@@ -17,6 +18,7 @@
 //! | all levels | `hierarchy`, `bottom` |
 
 mod bottom;
+mod coarse_lines;
 mod coarsening;
 mod elements;
 mod error;
@@ -30,6 +32,8 @@ mod operators;
 mod pattern;
 mod remainder;
 mod settings;
+#[cfg(test)]
+mod tests;
 
 pub use error::GeometricError;
 pub use inverse::GeometricInverse;

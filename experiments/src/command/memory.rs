@@ -1,10 +1,12 @@
 //! Memory of this process: what it took, and whether there is enough for what it is asked.
 
 use fracas::scene::Scene;
+use fracas_operators::{LinearOperator, Preconditioner};
+use fracas_solvers::krylov::{Fitted, KrylovChoice};
 
 /// What a grid node takes [bytes].
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PerNode {
+pub(crate) struct PerNode {
     /// Where no map moves the nodes.
     bricks: u64,
     /// Where one does.
@@ -14,23 +16,23 @@ pub(super) struct PerNode {
 }
 
 /// Mesh, fractures and sides, measured on 1.8 million nodes.
-pub(super) const MESH: PerNode = PerNode {
+pub(crate) const MESH: PerNode = PerNode {
     bricks: 160,
     mapped: 160,
     remedy: "use fewer cells, e.g. --set mesh.x.cells=8",
 };
 
 /// Mesh and assembled blocks, without any factorization, measured on 120 thousand nodes.
-pub(super) const BLOCKS: PerNode = PerNode {
+pub(crate) const BLOCKS: PerNode = PerNode {
     bricks: 4200,
     mapped: 4200,
     remedy: "use fewer cells, e.g. --set mesh.x.cells=8, or solve with --inner geometric, which assembles no A",
 };
 
-/// Mesh, operator, hierarchy and the vectors of SQMR, without an assembled A.
-pub(super) const MATRIX_FREE: PerNode = PerNode {
-    bricks: 650,
-    mapped: 1000,
+/// Mesh, operator, hierarchy and the vectors of SQMR, without an assembled A, measured on 0.9 million nodes.
+pub(crate) const MATRIX_FREE: PerNode = PerNode {
+    bricks: 550,
+    mapped: 850,
     remedy: "use fewer cells, e.g. --set mesh.x.cells=8",
 };
 
@@ -48,7 +50,7 @@ struct TooLarge {
 }
 
 /// Refuses a scene that takes more memory than the system has to give, before any of it is taken.
-pub(super) fn room_for(name: &str, scene: &Scene, bytes: PerNode) -> anyhow::Result<()> {
+pub(crate) fn room_for(name: &str, scene: &Scene, bytes: PerNode) -> anyhow::Result<()> {
     let mesh = &scene.sections().mesh;
     let nodes = mesh.nodes();
     let per_node = if mesh.map.is_some() {
@@ -76,9 +78,34 @@ pub(super) fn room_for(name: &str, scene: &Scene, bytes: PerNode) -> anyhow::Res
 const SHARE: f64 = 0.9;
 
 /// Vectors of `n` numbers that fit into memory now; as many as anybody wants where the system does not tell.
-pub(super) fn vectors_that_fit(n: usize) -> usize {
+fn vectors_that_fit(n: usize) -> usize {
     let bytes = 8.0 * n.max(1) as f64;
     available_bytes().map_or(usize::MAX, |free| (SHARE * free as f64 / bytes) as usize)
+}
+
+/// Vectors that no iteration has room for.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "memory holds {vectors} more vectors of {n} unknowns and the shortest iteration takes 8; use fewer cells, or free memory"
+)]
+struct NoRoom {
+    vectors: usize,
+    n: usize,
+}
+
+/// The iteration whose vectors fit, beside the scratch of the product and of the preconditioner.
+pub(crate) fn krylov_that_fits(
+    operator: &dyn LinearOperator<f64>,
+    preconditioner: &dyn Preconditioner<f64>,
+    symmetric: bool,
+) -> anyhow::Result<Fitted> {
+    let n = preconditioner.size();
+    let scratch = operator.work_len().max(preconditioner.work_len());
+    // and the solution
+    let taken = 1 + scratch.div_ceil(n.max(1));
+    let vectors = vectors_that_fit(n).saturating_sub(taken);
+    let fitted = KrylovChoice::fitted(vectors, symmetric, preconditioner);
+    Ok(fitted.ok_or(NoRoom { vectors, n })?)
 }
 
 /// Memory that can be taken without swapping [bytes], where the system tells (Linux).

@@ -4,6 +4,7 @@ mod bad_input;
 mod breakdowns;
 mod check;
 mod explain;
+mod geometric;
 mod modes;
 mod pipe;
 mod run;

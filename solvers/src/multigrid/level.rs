@@ -78,6 +78,21 @@ impl<R: Real> Level<R> {
         3 * self.jacobi.nodes()
     }
 
+    /// The operator; rows and columns of fixed components are not used.
+    pub fn operator(&self) -> &dyn LinearOperator<R> {
+        &*self.operator
+    }
+
+    /// The way to the next level.
+    pub fn transfer(&self) -> &dyn Transfer<R> {
+        &*self.transfer
+    }
+
+    /// Components that are no unknowns, ascending.
+    pub fn fixed(&self) -> &[u32] {
+        &self.fixed
+    }
+
     /// Upper estimate of `λ_max(D⁻¹A)`.
     pub fn lambda_max(&self) -> f64 {
         self.lambda_max

@@ -40,33 +40,18 @@ pub(super) struct Built<'a> {
     pub(super) explain: Option<Explain<'a>>,
 }
 
-/// Vectors that no iteration has room for.
-#[derive(Debug, thiserror::Error)]
-#[error(
-    "memory holds {vectors} more vectors of {n} unknowns and the shortest iteration takes 8; use fewer cells, or free memory"
-)]
-struct NoRoom {
-    vectors: usize,
-    n: usize,
-}
-
 impl Solve {
     /// The iteration that was asked for, or the one that fits.
     fn krylov(&self, built: &Built<'_>) -> anyhow::Result<(KrylovChoice, Option<String>)> {
         if let Some(asked) = self.krylov {
             return Ok((asked.flexible_for(built.preconditioner), None));
         }
-        let n = built.b.len();
-        // scratch of the product and the preconditioner, the solution, the residual at the end
-        let scratch = built.equations.operator().work_len();
-        let scratch = scratch.max(built.preconditioner.work_len());
-        let taken = 2 + scratch.div_ceil(n.max(1));
-        let vectors = memory::vectors_that_fit(n).saturating_sub(taken);
-        let symmetric = built.equations.is_symmetric();
-        match KrylovChoice::fitted(vectors, symmetric, built.preconditioner) {
-            Some(fitted) => Ok((fitted.choice, fitted.reason)),
-            None => Err(NoRoom { vectors, n }.into()),
-        }
+        let fitted = memory::krylov_that_fits(
+            built.equations.operator(),
+            built.preconditioner,
+            built.equations.is_symmetric(),
+        )?;
+        Ok((fitted.choice, fitted.reason))
     }
 
     /// Iterates, judges, reports.

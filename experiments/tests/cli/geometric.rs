@@ -1,0 +1,150 @@
+//! Claim: `solve --inner geometric` gives the solution of the assembled path without its matrix, `auto` says what it took
+//! and why, and what cannot be is refused in one sentence.
+
+use crate::run::{fracas, scratch, system_folder, write};
+use fracas_operators::matrix_market::read_vector;
+use serde_json::Value;
+use std::path::Path;
+
+/// Solves to 1e-11 and returns the report and the solution.
+fn solved(arguments: &[&str], file: &Path) -> (Value, Vec<f64>) {
+    let fixed = [
+        "--tolerance",
+        "1e-11",
+        "--json",
+        "-",
+        "--solution",
+        file.to_str().unwrap(),
+    ];
+    let ran = fracas(&[arguments, &fixed[..]].concat());
+    assert_eq!(ran.status, 0, "{arguments:?}: {}", ran.stderr);
+    let report = serde_json::from_str(&ran.stdout).unwrap();
+    (report, read_vector(file).unwrap())
+}
+
+/// `max |x − y| / max |y|`.
+fn deviation(x: &[f64], y: &[f64]) -> f64 {
+    let size = |v: f64, w: &f64| v.max(w.abs());
+    let difference: Vec<f64> = x.iter().zip(y).map(|(x, y)| x - y).collect();
+    difference.iter().fold(0.0, size) / y.iter().fold(0.0, size)
+}
+
+#[test]
+fn the_solution_is_that_of_the_assembled_path() {
+    let file = scratch("geometric").join("x.mtx");
+    for scene in ["crossing", "layered_crossing", "inclined", "tee", "patch"] {
+        for c in ["local_h", "face_block"] {
+            let common = ["solve", scene, "--augmentation", c];
+            let run = |inner| solved(&[&common[..], &["--inner", inner]].concat(), &file);
+            let ((free, x), (assembled, y)) = (run("geometric"), run("exact"));
+            assert_eq!(free["inner"], "geometric");
+            for key in ["n_u", "n_t", "traction_unit", "augmentation"] {
+                assert_eq!(free[key], assembled[key], "{scene} {key}");
+            }
+            let n_u = free["n_u"].as_u64().unwrap() as usize;
+            for part in [0..n_u, n_u..x.len()] {
+                let difference = deviation(&x[part.clone()], &y[part]);
+                assert!(difference < 1e-6, "{scene} {c}: {difference:e}");
+            }
+            let number = |report: &Value, key: &str| report[key].as_f64().unwrap();
+            assert!(number(&free, "relative_residual") <= 1e-11);
+            // its norm of 𝒜 is a lower bound: the error is never understated
+            assert!(number(&free, "backward_error") < 1e-10, "{scene}");
+            assert!(number(&free, "contact_residual") < 1e-8, "{scene}");
+            assert!(free["amg"]["levels"].as_array().unwrap().len() > 1);
+        }
+    }
+}
+
+#[test]
+fn results_do_not_depend_on_the_number_of_threads() {
+    let folder = scratch("geometric-threads");
+    let bits = |threads: &str| {
+        let file = folder.join(threads);
+        let arguments = ["--threads", threads, "solve", "layered_crossing"];
+        solved(&[&arguments[..], &["--inner", "geometric"]].concat(), &file);
+        std::fs::read(file).unwrap()
+    };
+    assert_eq!(bits("1"), bits("2"));
+}
+
+#[test]
+fn prescribed_displacements_reach_the_right_hand_side() {
+    let folder = scratch("geometric-pushed");
+    let scene = folder.join("pushed.toml");
+    let gallery = fracas::scene::named("crossing").unwrap().toml;
+    let pushed = "\n[[boundary]]\nside = \"x-\"\ndisplacement = { x = \"1 mm\" }\n";
+    write(&scene, &format!("{gallery}{pushed}"));
+    let run = |inner| {
+        let arguments = ["solve", scene.to_str().unwrap(), "--inner", inner];
+        solved(&arguments, &folder.join("x.mtx")).1
+    };
+    assert!(deviation(&run("geometric"), &run("exact")) < 1e-6);
+}
+
+#[test]
+fn auto_says_what_it_took_and_why() {
+    let folder = system_folder("geometric-auto");
+    let system = ["--system", folder.to_str().unwrap()];
+    for (arguments, inner, why) in [
+        (
+            &["crossing"][..],
+            "geometric",
+            "the mesh of the scene is a grid",
+        ),
+        (&system[..], "amg", "a system folder has no grid"),
+        (
+            &["crossing", "--augmentation", "global"],
+            "amg",
+            "C = global needs all of A",
+        ),
+        (&["crossing", "--explain"], "amg", "--explain reads"),
+        (
+            &["crossing", "--method", "simple"],
+            "amg",
+            "simple is made from assembled blocks",
+        ),
+    ] {
+        let ran = fracas(&[&["solve"], arguments, &["--inner", "auto", "--json", "-"]].concat());
+        assert_eq!(ran.status, 0, "{arguments:?}: {}", ran.stderr);
+        let report: Value = serde_json::from_str(&ran.stdout).unwrap();
+        assert_eq!(report["inner"], inner, "{arguments:?}");
+        let noted = report["findings"].to_string();
+        assert!(noted.contains(why) && ran.stderr.contains(why), "{noted}");
+    }
+}
+
+#[test]
+fn what_cannot_be_is_refused_in_one_sentence() {
+    let folder = system_folder("geometric-refused");
+    let system = ["--system", folder.to_str().unwrap()];
+    let huge = [
+        "crossing",
+        "--set",
+        "mesh.x.cells=1000",
+        "--set",
+        "mesh.y.cells=1000",
+        "--set",
+        "mesh.z.cells=400",
+    ];
+    for (arguments, sentence) in [
+        (&system[..], "needs a scene, whose mesh is a grid"),
+        (
+            &["crossing", "--augmentation", "exact"],
+            "exact needs all of A; take local, local_h or face_block",
+        ),
+        (&["crossing", "--method", "mcp"], "belongs to --method racp"),
+        (&["crossing", "--explain"], "--explain reads its entries"),
+        (&huge[..], "grid nodes take about"),
+    ] {
+        let ran = fracas(&[&["solve"], arguments, &["--inner", "geometric"]].concat());
+        assert_eq!(ran.status, 2, "{arguments:?}: {}", ran.stderr);
+        let last = ran.stderr.lines().last().unwrap();
+        assert!(
+            last.starts_with("error: ") && last.contains(sentence),
+            "{arguments:?}: {last}"
+        );
+    }
+    let spectrum = fracas(&["spectrum", "crossing", "--inner", "geometric"]);
+    assert!(spectrum.status == 2 && spectrum.stderr.contains("spectrum reads its entries"));
+}

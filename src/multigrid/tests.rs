@@ -1,0 +1,250 @@
+//! Interpolation reproduces the motions of every body; coarse operators are Galerkin.
+#![allow(clippy::unwrap_used)]
+
+use super::coarse_lines::{CoarseLines, Next};
+use super::coarsening::coarsen;
+use super::faces;
+use super::grid::Grid;
+use super::hierarchy::hierarchy;
+use super::interpolation::{Interpolation, Owners};
+use super::*;
+use crate::contact::JumpStabilization;
+use crate::scene::{Body, named};
+use faer::Mat;
+use fracas_operators::LinearOperator;
+use fracas_solvers::amg::Precision;
+use fracas_solvers::multigrid::{Level, Transfer};
+use fracas_solvers::saddle::{AugmentationMatrix, schur};
+
+/// Fractures on and off the coarse planes, tips inside coarse cells, T and X, odd counts, layers, thin and mapped cells.
+const SCENES: &[(&str, &[&str])] = &[
+    ("crossing", &[]),
+    (
+        "crossing",
+        &["mesh.x.cells=9", "mesh.y.cells=5", "mesh.z.cells=7"],
+    ),
+    ("tee", &["mesh.x.cells=7"]),
+    ("inclined", &[]),
+    ("stretched", &[]),
+    ("layered", &["mesh.z.cells=12"]),
+    ("checkerboard", &["mesh.x.cells=7", "mesh.z.cells=5"]),
+    ("floating", &[]),
+    ("analogue_b", &[]),
+    ("analogue_c", &[]),
+];
+
+fn body(scene: &str, overrides: &[&str]) -> Body {
+    let scene = named(scene).unwrap().small_scene().unwrap();
+    scene.with_overrides(overrides).unwrap().build().unwrap()
+}
+
+/// A C of the size of S, different for every row.
+fn some_c(body: &Body) -> AugmentationMatrix {
+    let e = body.materials[0].young;
+    let c = body
+        .fractures
+        .faces
+        .iter()
+        .enumerate()
+        .flat_map(|(f, face)| {
+            [0, 1, 2].map(|k| face.area.powf(1.5) / e * (1.0 + ((3 * f + k) as f64).sin().abs()))
+        });
+    AugmentationMatrix::from_diagonal(c.collect()).unwrap()
+}
+
+/// The body that every element belongs to: components over joined faces.
+fn bodies(grid: &Grid<'_>) -> Vec<usize> {
+    let mut of: Vec<usize> = (0..grid.elements.len()).collect();
+    loop {
+        let mut changed = false;
+        for cell in 0..grid.cells.iter().product() {
+            let at = grid.place(cell);
+            for axis in 0..3 {
+                let mut next = at;
+                next[axis] += 1;
+                if next[axis] == grid.cells[axis] {
+                    continue;
+                }
+                for e in grid.elements_in(cell) {
+                    for f in grid.elements_in(grid.cell(next)) {
+                        if grid.joined(e, f, axis) && of[e] != of[f] {
+                            let least = of[e].min(of[f]);
+                            (of[e], of[f]) = (least, least);
+                            changed = true;
+                        }
+                    }
+                }
+            }
+        }
+        if !changed {
+            return of;
+        }
+    }
+}
+
+#[test]
+fn every_body_keeps_its_own_linear_motions_on_every_level() {
+    for (scene, overrides) in SCENES {
+        let body = body(scene, overrides);
+        let mut grid = Grid::of_mesh(&body.mesh).unwrap();
+        let of = bodies(&grid);
+        // one body per element of the level
+        let mut label = of.clone();
+        let mut levels = 0;
+        let lines = CoarseLines::new(&body.mesh, &body.materials);
+        while let Next::Lines(starts) = lines.next(&grid) {
+            let coarsening = coarsen(&grid, starts);
+            let coarse = &coarsening.coarse;
+            let owners = Owners::new(&grid, &coarsening);
+            let p = Interpolation::<f64>::new(&owners, coarse);
+            let mut coarse_label = vec![usize::MAX; coarse.elements.len()];
+            for (e, parent) in coarsening.parent.iter().enumerate() {
+                let of = &mut coarse_label[*parent as usize];
+                assert!(
+                    *of == usize::MAX || *of == label[e],
+                    "{scene}: a piece of two bodies"
+                );
+                *of = label[e];
+            }
+            let values = |grid: &Grid<'_>, label: &[usize]| {
+                let mut u = vec![f64::NAN; 3 * grid.nodes];
+                for cell in 0..grid.cells.iter().product() {
+                    let at = grid.place(cell);
+                    for e in grid.elements_in(cell) {
+                        for (node, up) in grid.elements[e].iter().zip(super::grid::STEPS) {
+                            let x = [0, 1, 2].map(|d: usize| grid.lines[d][at[d] + up[d]]);
+                            let b = label[e] as f64;
+                            for i in 0..3 {
+                                let slope = |d: usize| ((3 * d + i) as f64 + b).sin();
+                                let v = b + slope(0) * x[0] + slope(1) * x[1] + slope(2) * x[2];
+                                let to = &mut u[3 * *node as usize + i];
+                                assert!(to.is_nan() || *to == v, "{scene}: a node of two bodies");
+                                *to = v;
+                            }
+                        }
+                    }
+                }
+                u
+            };
+            let (fine, given) = (values(&grid, &label), values(coarse, &coarse_label));
+            let mut found = vec![f64::NAN; fine.len()];
+            p.prolong(&given, &mut found);
+            for (found, fine) in found.iter().zip(&fine) {
+                assert!((found - fine).abs() < 1e-9 * (1.0 + fine.abs()), "{scene}");
+            }
+            // rᵀ(P x) = (Pᵀ r)ᵀ x
+            let r: Vec<f64> = (0..fine.len()).map(|i| (i as f64).cos()).collect();
+            let mut restricted = vec![f64::NAN; given.len()];
+            p.restrict(&r, &mut restricted);
+            let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            let (left, right) = (dot(&r, &found), dot(&restricted, &given));
+            assert!((left - right).abs() < 1e-9 * dot(&found, &found).sqrt() * dot(&r, &r).sqrt());
+            (grid, label) = (coarsening.coarse, coarse_label);
+            levels += 1;
+        }
+        assert!(levels >= 1, "{scene}");
+    }
+}
+
+#[test]
+fn lines_between_stiff_and_soft_rock_are_kept() {
+    // layers of 2 m between z = -6 and 6 m, interfaces at -4, -2, 0, 2
+    let body = body("layered", &["mesh.z.cells=24"]);
+    let lines = CoarseLines::new(&body.mesh, &body.materials);
+    let grid = Grid::of_mesh(&body.mesh).unwrap();
+    let Next::Lines(starts) = lines.next(&grid) else {
+        panic!("24 lines can be halved");
+    };
+    assert_eq!(starts[2], (0..=24).step_by(2).collect::<Vec<_>>());
+    let body = super::tests::body("layered", &["mesh.z.cells=18"]);
+    let lines = CoarseLines::new(&body.mesh, &body.materials);
+    let grid = Grid::of_mesh(&body.mesh).unwrap();
+    let Next::Lines(starts) = lines.next(&grid) else {
+        panic!("layers of three cells can become two");
+    };
+    assert_eq!(starts[2], [0, 2, 3, 5, 6, 8, 9, 11, 12, 14, 16, 18]);
+}
+
+fn dense(operator: &dyn LinearOperator<f64>, fixed: &[u32]) -> Mat<f64> {
+    let n = operator.shape().rows;
+    let is_fixed = |i: usize| fixed.binary_search(&(i as u32)).is_ok();
+    let mut work = vec![0.0; operator.work_len()];
+    let mut matrix = Mat::zeros(n, n);
+    let (mut x, mut y) = (vec![0.0; n], vec![0.0; n]);
+    for j in (0..n).filter(|j| !is_fixed(*j)) {
+        x[j] = 1.0;
+        operator.apply(&x, &mut y, &mut work);
+        x[j] = 0.0;
+        for i in (0..n).filter(|i| !is_fixed(*i)) {
+            matrix[(i, j)] = y[i];
+        }
+    }
+    matrix
+}
+
+/// P without the rows of `level`'s and the columns of `below`'s fixed components.
+fn dense_p(level: &Level<f64>, below: &Level<f64>) -> Mat<f64> {
+    let (n, m) = (level.size(), below.size());
+    let mut p = Mat::zeros(n, m);
+    let (mut x, mut y) = (vec![0.0; m], vec![0.0; n]);
+    for j in (0..m).filter(|j| below.fixed().binary_search(&(*j as u32)).is_err()) {
+        x[j] = 1.0;
+        level.transfer().prolong(&x, &mut y);
+        x[j] = 0.0;
+        level.fixed().iter().for_each(|i| y[*i as usize] = 0.0);
+        (0..n).for_each(|i| p[(i, j)] = y[i]);
+    }
+    p
+}
+
+fn largest(m: &Mat<f64>) -> f64 {
+    (0..m.ncols()).fold(0.0, |largest, j| {
+        m.col(j).iter().fold(largest, |a: f64, v| a.max(v.abs()))
+    })
+}
+
+#[test]
+fn every_operator_is_the_galerkin_product_of_the_assembled_one() {
+    for (scene, overrides) in SCENES {
+        let body = body(scene, overrides);
+        let system = body.stick_system(Some(JumpStabilization::default()));
+        let c = some_c(&body);
+        let settings = Geometric {
+            precision: Precision::F64,
+            coarsest: 30,
+            ..Geometric::default()
+        };
+        let blocks = faces::inverse_blocks(&c, 1.0).unwrap();
+        let (h, _) = hierarchy::<f64>(&settings, &system, &body.materials, &blocks).unwrap();
+        assert!(h.levels().len() >= 2, "{scene}");
+        // the finest operator is A + B C⁻¹Bᵀ
+        let assembled = system
+            .assemble(&vec![0.0; body.constraints.full_len()])
+            .unwrap();
+        let s_u = schur::primal_schur(&assembled.a, &assembled.b1, &c).unwrap();
+        let finest = dense(h.levels()[0].operator(), h.levels()[0].fixed());
+        let free = body.constraints.free();
+        assert_eq!(
+            h.levels()[0].size() - h.levels()[0].fixed().len(),
+            free.len()
+        );
+        let size = largest(&finest);
+        let mut expected = Mat::<f64>::zeros(finest.nrows(), finest.ncols());
+        for (v, (i, j)) in &s_u {
+            expected[(free[i as usize] as usize, free[j as usize] as usize)] = *v;
+        }
+        assert!(largest(&(&finest - &expected)) < 1e-11 * size, "{scene}");
+        // and every coarse one PᵀA P
+        let mut above = expected;
+        for pair in h.levels().windows(2) {
+            let p = dense_p(&pair[0], &pair[1]);
+            above = p.transpose() * &above * &p;
+            let found = dense(pair[1].operator(), pair[1].fixed());
+            let error = largest(&(&found - &above));
+            assert!(
+                error < 1e-10 * size,
+                "{scene} {overrides:?}: {error:e} of {size:e}"
+            );
+        }
+    }
+}
