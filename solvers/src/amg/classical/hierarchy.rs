@@ -2,11 +2,11 @@
 
 use super::level::{Step, step};
 use crate::SetupError;
-use crate::amg::Amg;
 use crate::amg::coarse::NotPositive;
 use crate::amg::finest::Finest;
 use crate::amg::hierarchy::{Hierarchy, Level, MOST_LEVELS, Representatives};
 use crate::amg::transfer::Transfer;
+use crate::amg::{Amg, Smoothing};
 use fracas_operators::Real;
 
 impl<R: Real> Hierarchy<R> {
@@ -23,13 +23,16 @@ impl<R: Real> Hierarchy<R> {
     ) -> Result<Self, SetupError> {
         let first = finest.matrix;
         let mut names = Representatives::new(first.rows(), unknown);
+        let smoothing = Smoothing::new(settings, &first);
+        let settings = &smoothing.in_settings(settings);
+        let about = (near_null_space, smoothing);
         let mut levels = Vec::new();
         if 3 * first.rows() <= settings.coarsest {
-            return Self::ending(levels, &first, &names, near_null_space);
+            return Self::ending(levels, &first, &names, about);
         }
         let coarse = step(&first, &finest.defect, finest.bonds.as_ref(), modes);
         let Some(mut coarse) = coarse.map_err(|NotPositive(row)| names.indefinite(row))? else {
-            return Self::ending(levels, &first, &names, near_null_space);
+            return Self::ending(levels, &first, &names, about);
         };
         levels.push(Level {
             fsai: names.smoother(settings, &first)?,
@@ -52,7 +55,7 @@ impl<R: Real> Hierarchy<R> {
             names.adopt(&next.closest, 1, 1);
             coarse = next;
         }
-        Self::ending(levels, &coarse.matrix, &names, near_null_space)
+        Self::ending(levels, &coarse.matrix, &names, about)
     }
 }
 
