@@ -1,9 +1,11 @@
 //! Nodes gathered into aggregates of strongly connected neighbours.
 
 use super::node_map::NONE;
-use super::rows::Pattern;
+use super::rows::{Pattern, chunks};
 use super::sweeps::SweepMatrix;
 use fracas_operators::Real;
+use rayon::prelude::*;
+use std::ops::Range;
 
 /// Which aggregate every node belongs to; a node without any connection stays [`NONE`]: the smoother solves it exactly.
 #[derive(Clone, Debug)]
@@ -56,42 +58,52 @@ impl Strong {
                 sum + v * v
             })
         };
-        let mut sums = vec![0.0_f64; nodes];
-        let mut list: Vec<u32> = Vec::new();
-        let visit = |node: usize, sums: &mut [f64], list: &mut Vec<u32>| {
-            list.clear();
-            for i in node * group..(node + 1) * group {
-                for (j, block) in a.row(i) {
-                    let other = j / group;
-                    if sums[other] == 0.0 {
-                        list.push(other as u32);
+        let diagonal: Vec<f64> = (0..nodes)
+            .into_par_iter()
+            .map(|node| {
+                let rows = node * group..(node + 1) * group;
+                let own = |i: usize| a.row(i).filter(|(j, _)| j / group == node);
+                rows.map(|i| own(i).map(|(_, block)| square(block)).sum::<f64>())
+                    .sum()
+            })
+            .collect();
+        let of_rows = |(sums, list): &mut (Vec<f64>, Vec<u32>), rows: Range<usize>| {
+            let (mut ends, mut neighbours, mut weights) = (Vec::new(), Vec::new(), Vec::new());
+            for node in rows {
+                list.clear();
+                for i in node * group..(node + 1) * group {
+                    for (j, block) in a.row(i) {
+                        let other = j / group;
+                        if sums[other] == 0.0 {
+                            list.push(other as u32);
+                        }
+                        // a stored zero block must not be listed twice
+                        sums[other] += square(block).max(f64::MIN_POSITIVE);
                     }
-                    // a stored zero block must not be listed twice
-                    sums[other] += square(block).max(f64::MIN_POSITIVE);
                 }
+                for other in &*list {
+                    let j = *other as usize;
+                    let weight = sums[j] / (diagonal[node] * diagonal[j]).sqrt();
+                    let bonded = bonds.is_none_or(|b| b.row(node).binary_search(other).is_ok());
+                    if j != node && bonded && weight > theta * theta {
+                        neighbours.push(*other);
+                        weights.push(weight as f32);
+                    }
+                    sums[j] = 0.0;
+                }
+                ends.push(neighbours.len());
             }
+            (ends, neighbours, weights)
         };
-        let mut diagonal = vec![0.0; nodes];
+        let parts: Vec<_> = chunks(nodes)
+            .map_init(|| (vec![0.0_f64; nodes], Vec::new()), of_rows)
+            .collect();
         let (mut offsets, mut neighbours, mut weights) = (vec![0], Vec::new(), Vec::new());
-        for (node, norm) in diagonal.iter_mut().enumerate() {
-            for i in node * group..(node + 1) * group {
-                let own = a.row(i).filter(|(j, _)| j / group == node);
-                *norm += own.map(|(_, block)| square(block)).sum::<f64>();
-            }
-        }
-        for node in 0..nodes {
-            visit(node, &mut sums, &mut list);
-            for other in &list {
-                let j = *other as usize;
-                let weight = sums[j] / (diagonal[node] * diagonal[j]).sqrt();
-                let bonded = bonds.is_none_or(|b| b.row(node).binary_search(other).is_ok());
-                if j != node && bonded && weight > theta * theta {
-                    neighbours.push(*other);
-                    weights.push(weight as f32);
-                }
-                sums[j] = 0.0;
-            }
-            offsets.push(neighbours.len());
+        for (ends, own_neighbours, own_weights) in parts {
+            let start = neighbours.len();
+            offsets.extend(ends.iter().map(|end| start + end));
+            neighbours.extend(own_neighbours);
+            weights.extend(own_weights);
         }
         Self {
             offsets,

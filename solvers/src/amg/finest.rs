@@ -47,7 +47,9 @@ impl<'a> Sum<'a> {
                 reason: "multigrid needs a square matrix stored by rows",
             });
         }
-        for (i, row) in a.outer_iterator().enumerate() {
+        let finite = |values: &[f64]| values.iter().all(|v| v.is_finite());
+        let all = a.data().par_chunks(1 << 16).all(finite);
+        for (i, row) in a.outer_iterator().enumerate().filter(|_| !all) {
             if let Some((j, value)) = row.iter().find(|(_, value)| !value.is_finite()) {
                 return Err(SetupError::NotFinite {
                     block: BLOCK,
@@ -211,7 +213,7 @@ impl<'a> Sum<'a> {
 fn inverses<R: Real>(
     pattern: &Pattern,
     blocks: &[[R; 9]],
-    unknown: impl Fn(usize) -> usize,
+    unknown: impl Fn(usize) -> usize + Sync,
 ) -> Result<Vec<[R; 9]>, SetupError> {
     let of_row = |i: usize| {
         let k = pattern.row(i).partition_point(|j| (*j as usize) < i);
@@ -234,5 +236,12 @@ fn inverses<R: Real>(
         })?;
         Ok(inverse.map(R::of))
     };
-    (0..pattern.rows()).map(of_row).collect()
+    let rows = 0..pattern.rows();
+    let all: Option<Vec<_>> = rows
+        .clone()
+        .into_par_iter()
+        .map(|i| of_row(i).ok())
+        .collect();
+    // the first row that fails, whatever the number of threads
+    all.map_or_else(|| rows.map(of_row).collect(), Ok)
 }

@@ -5,6 +5,7 @@ use super::shared::Shared;
 use fracas_operators::Real;
 use fracas_operators::simd::{Kernel, Lanes, Level, MAX_WIDTH, prefetch};
 use fracas_operators::vector::{for_each_task, for_row_ranges};
+use rayon::prelude::*;
 
 /// Rows that are asked for ahead of their use, the same part of each: 3 KiB of f32 of a 3-D stiffness.
 const ROWS_AHEAD: usize = 3;
@@ -29,6 +30,30 @@ pub(super) struct SweepMatrix<R> {
     level: Level,
 }
 
+/// Puts a row into the order L, D, U; gives the place of D.
+fn order_row<R: Real>(
+    i: usize,
+    (columns, blocks): (&mut [u32], &mut [[R; 9]]),
+    schedule: &Schedule,
+    row: &mut Vec<(u32, [R; 9])>,
+) -> usize {
+    row.clear();
+    row.extend(columns.iter().copied().zip(blocks.iter().copied()));
+    // a stable sort keeps ascending columns within L and U
+    row.sort_by_key(|(j, _)| match *j as usize {
+        j if j == i => 1,
+        j if schedule.before(j, i) => 0,
+        _ => 2_u8,
+    });
+    for (k, (j, block)) in row.iter().enumerate() {
+        columns[k] = *j;
+        blocks[k] = *block;
+    }
+    let lower = columns.iter().position(|j| *j as usize == i);
+    debug_assert!(lower.is_some(), "row {i} has no diagonal block");
+    lower.unwrap_or(0)
+}
+
 /// Which part of the rows.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Part {
@@ -48,31 +73,27 @@ impl<R: Real> SweepMatrix<R> {
     ) -> Self {
         let rows = offsets.len() - 1;
         let schedule = Schedule::new(&offsets, &columns);
-        let mut diagonals = Vec::with_capacity(rows);
-        let mut row: Vec<(u32, [R; 9])> = Vec::new();
-        for i in 0..rows {
-            let range = offsets[i]..offsets[i + 1];
-            row.clear();
-            row.extend(
-                columns[range.clone()]
-                    .iter()
-                    .copied()
-                    .zip(blocks[range.clone()].iter().copied()),
-            );
-            // a stable sort keeps ascending columns within L and U
-            row.sort_by_key(|(j, _)| match *j as usize {
-                j if j == i => 1,
-                j if schedule.before(j, i) => 0,
-                _ => 2_u8,
-            });
-            for (k, (j, block)) in range.clone().zip(&row) {
-                columns[k] = *j;
-                blocks[k] = *block;
-            }
-            let lower = row.iter().position(|(j, _)| *j as usize == i);
-            diagonals.push(range.start + lower.unwrap_or(0));
-            debug_assert!(lower.is_some(), "row {i} has no diagonal block");
+        let mut diagonals = vec![0; rows];
+        let mut tasks = Vec::with_capacity(rows / ROWS_PER_TASK + 1);
+        let (mut all_columns, mut all_blocks) = (&mut columns[..], &mut blocks[..]);
+        for (k, own) in diagonals.chunks_mut(ROWS_PER_TASK).enumerate() {
+            let rows = k * ROWS_PER_TASK..k * ROWS_PER_TASK + own.len();
+            let length = offsets[rows.end] - offsets[rows.start];
+            let (own_columns, other_columns) = all_columns.split_at_mut(length);
+            let (own_blocks, other_blocks) = all_blocks.split_at_mut(length);
+            (all_columns, all_blocks) = (other_columns, other_blocks);
+            tasks.push((rows, own, own_columns, own_blocks));
         }
+        tasks
+            .into_par_iter()
+            .for_each_init(Vec::new, |row, (rows, diagonals, columns, blocks)| {
+                let start = offsets[rows.start];
+                for (i, diagonal) in rows.zip(diagonals) {
+                    let range = offsets[i] - start..offsets[i + 1] - start;
+                    let own = (&mut columns[range.clone()], &mut blocks[range]);
+                    *diagonal = offsets[i] + order_row(i, own, &schedule, row);
+                }
+            });
         blocks.push([R::zero(); 9]);
         Self {
             offsets,

@@ -2,10 +2,14 @@
 
 use super::aggregation::Aggregates;
 use super::node_map::NONE;
+use rayon::prelude::*;
 
 /// Norm of what is left of a mode after the earlier ones are taken out, relative to the mode, below which it is
 /// dependent on the aggregate (a single node has no rotations). Unit: 1.
 const DEPENDENT: f64 = 1e-7;
+
+/// Aggregates that one task takes at least.
+const AGGREGATES_PER_TASK: usize = 64;
 
 /// `P_0` with `P_0 B_c = B` on every aggregate and `P_0ᵀP_0 = I` on the columns that exist.
 #[derive(Clone, Debug)]
@@ -28,17 +32,20 @@ impl<const K: usize> Tentative<K> {
         }
         let mut rows = vec![[[0.0; K]; 3]; modes.len()];
         let mut coarse = Vec::with_capacity(aggregates.count);
-        let mut local: Vec<[f64; K]> = Vec::new();
-        for nodes in &members {
-            let block_rows = || {
-                nodes
-                    .iter()
-                    .flat_map(|n| *n as usize * group..(*n as usize + 1) * group)
-            };
-            local.clear();
-            local.extend(block_rows().flat_map(|i| modes[i]));
-            coarse.push(orthonormalise(&mut local));
-            for (i, q) in block_rows().zip(local.chunks_exact(3)) {
+        let block_rows = |nodes: &[u32]| -> Vec<usize> {
+            let of_node = |n: &u32| *n as usize * group..(*n as usize + 1) * group;
+            nodes.iter().flat_map(of_node).collect()
+        };
+        let bases = members.par_iter().map(|nodes| {
+            let mut local: Vec<[f64; K]> = Vec::new();
+            local.extend(block_rows(nodes).into_iter().flat_map(|i| modes[i]));
+            let r = orthonormalise(&mut local);
+            (local, r)
+        });
+        let bases: Vec<_> = bases.with_min_len(AGGREGATES_PER_TASK).collect();
+        for (nodes, (local, r)) in members.iter().zip(&bases) {
+            coarse.push(*r);
+            for (i, q) in block_rows(nodes).into_iter().zip(local.chunks_exact(3)) {
                 rows[i].copy_from_slice(q);
             }
         }

@@ -25,40 +25,43 @@ impl<R: Real> Transfer<R> {
                 R::of(block[r][3 * part + c])
             })
         };
-        let (mut columns, mut blocks) = (Vec::new(), Vec::new());
-        for (aggregate, block) in p.pattern.columns.iter().zip(&p.blocks) {
-            for part in 0..parts {
-                columns.push(parts as u32 * aggregate + part as u32);
-                blocks.push(cut(block, part, false));
-            }
-        }
-        let offsets = p.pattern.offsets.iter().map(|o| parts * o).collect();
-        let forward = Block3::from_raw(offsets, columns, blocks, parts * aggregates);
-
-        // Pᵀ: counted, then filled row by row of P
-        let mut offsets = vec![0; parts * aggregates + 1];
-        for aggregate in &p.pattern.columns {
-            (0..parts).for_each(|part| offsets[parts * *aggregate as usize + part + 1] += 1);
-        }
-        (0..parts * aggregates).for_each(|j| offsets[j + 1] += offsets[j]);
-        let mut next = offsets.clone();
-        let mut columns = vec![0; parts * p.blocks.len()];
-        let mut blocks = vec![[R::zero(); 9]; parts * p.blocks.len()];
-        for i in 0..p.pattern.rows() {
-            for (aggregate, block) in p.row(i) {
+        let entries = parts * p.blocks.len();
+        let forward = || {
+            let (mut columns, mut blocks) =
+                (Vec::with_capacity(entries), Vec::with_capacity(entries));
+            for (aggregate, block) in p.pattern.columns.iter().zip(&p.blocks) {
                 for part in 0..parts {
-                    let at = &mut next[parts * aggregate + part];
-                    columns[*at] = i as u32;
-                    blocks[*at] = cut(block, part, true);
-                    *at += 1;
+                    columns.push(parts as u32 * aggregate + part as u32);
+                    blocks.push(cut(block, part, false));
                 }
             }
-        }
-        let transposed = Block3::from_raw(offsets, columns, blocks, p.pattern.rows());
-        Self {
-            p: forward,
-            transposed,
-        }
+            let offsets = p.pattern.offsets.iter().map(|o| parts * o).collect();
+            Block3::from_raw(offsets, columns, blocks, parts * aggregates)
+        };
+        let transposed = || {
+            // Pᵀ: counted, then filled row by row of P
+            let mut offsets = vec![0; parts * aggregates + 1];
+            for aggregate in &p.pattern.columns {
+                (0..parts).for_each(|part| offsets[parts * *aggregate as usize + part + 1] += 1);
+            }
+            (0..parts * aggregates).for_each(|j| offsets[j + 1] += offsets[j]);
+            let mut next = offsets.clone();
+            let mut columns = vec![0; entries];
+            let mut blocks = vec![[R::zero(); 9]; entries];
+            for i in 0..p.pattern.rows() {
+                for (aggregate, block) in p.row(i) {
+                    for part in 0..parts {
+                        let at = &mut next[parts * aggregate + part];
+                        columns[*at] = i as u32;
+                        blocks[*at] = cut(block, part, true);
+                        *at += 1;
+                    }
+                }
+            }
+            Block3::from_raw(offsets, columns, blocks, p.pattern.rows())
+        };
+        let (p, transposed) = rayon::join(forward, transposed);
+        Self { p, transposed }
     }
 
     /// `b_c ← Pᵀ r`.
