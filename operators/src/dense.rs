@@ -19,6 +19,17 @@ impl<R: Real> Dense<R> {
         }
     }
 
+    /// Takes the values, column after column.
+    pub fn from_columns(shape: Shape, values: Vec<R>) -> Self {
+        assert_eq!(values.len(), shape.rows * shape.cols, "values and entries");
+        Self { shape, values }
+    }
+
+    /// Gives the values back, column after column.
+    pub fn into_columns(self) -> Vec<R> {
+        self.values
+    }
+
     /// The matrix with entry `f(i, j)`.
     pub fn from_fn(shape: Shape, f: impl Fn(usize, usize) -> R) -> Self {
         let mut dense = Self::zeros(shape);

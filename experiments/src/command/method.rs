@@ -15,8 +15,9 @@ pub(super) struct Method {
     /// C, in methods that have one: local, global, global_times=FACTOR, exact, local_h, exact_h, face_block.
     #[arg(long, value_name = "C")]
     augmentation: Option<AugmentationChoice>,
-    /// Solver of the displacement block, in methods that have one: exact, amg, fsai, fsai:static, jacobi, ssor; for `solve`
-    /// of a scene also geometric, which assembles no A; auto takes geometric for a scene and amg for a system folder.
+    /// Solver of the displacement block, in methods that have one: exact, amg, amg:gauss_seidel, amg:fsai, amg:chebyshev,
+    /// fsai, fsai:static, jacobi, ssor; for `solve` of a scene also geometric, which assembles no A; auto takes geometric for
+    /// a scene and amg for a system folder.
     #[arg(long, value_name = "M")]
     inner: Option<Inner>,
 }

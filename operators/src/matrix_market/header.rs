@@ -63,6 +63,15 @@ pub(super) struct Header {
 }
 
 impl Header {
+    /// First row of column j that an array lists.
+    pub(super) fn first_row(&self, j: usize) -> usize {
+        match self.symmetry {
+            Symmetry::General => 0,
+            Symmetry::Symmetric => j,
+            Symmetry::Skew => j + 1,
+        }
+    }
+
     /// Values that the body must hold.
     pub(super) fn expected(&self) -> usize {
         let n = self.rows;

@@ -43,13 +43,13 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
-/// Bytes of a piece that one thread parses: about 250k entries.
-const PIECE: usize = 8 << 20;
+/// Bytes of a piece that one thread parses: about 15k entries.
+const PIECE: usize = 1 << 19;
 
-/// Cuts a body into pieces that end at line ends.
-pub(super) fn pieces(body: &[u8]) -> Vec<&[u8]> {
-    let mut pieces = Vec::with_capacity(body.len() / PIECE + 1);
-    let mut rest = body;
+/// Cuts a block into pieces that end at line ends.
+pub(super) fn pieces(block: &[u8]) -> Vec<&[u8]> {
+    let mut pieces = Vec::with_capacity(block.len() / PIECE + 1);
+    let mut rest = block;
     while rest.len() > PIECE {
         let Some(end) = rest[PIECE..].iter().position(|b| *b == b'\n') else {
             break;

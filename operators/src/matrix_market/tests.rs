@@ -1,11 +1,13 @@
 //! Round trips to the last bit, and every defect with its line.
 
-use super::read::{dense_from, sparse_from};
+use super::blocks::Failure;
+use super::read::dense_from;
 use super::*;
 use crate::Dense;
 use crate::Shape;
 use crate::sparse::{SparseMatrix, Triplets};
 use proptest::prelude::*;
+use std::io::Cursor;
 
 fn scratch(name: &str) -> std::path::PathBuf {
     let folder = std::env::temp_dir().join(format!("fracas-mm-{}", std::process::id()));
@@ -14,12 +16,19 @@ fn scratch(name: &str) -> std::path::PathBuf {
 }
 
 fn dense(text: &str) -> Vec<f64> {
-    dense_from(text.as_bytes()).unwrap().values().to_vec()
+    dense_from(&mut Cursor::new(text)).unwrap().into_columns()
+}
+
+fn sparse_from(text: &[u8]) -> Result<SparseFile, Failure> {
+    read::sparse_from(&mut Cursor::new(text))
 }
 
 /// Line and defect of a file that must be refused.
 fn refusal(text: &str) -> (usize, Defect) {
-    sparse_from(text.as_bytes()).unwrap_err()
+    match sparse_from(text.as_bytes()) {
+        Err(Failure::Content(line, defect)) => (line, defect),
+        other => panic!("{other:?}"),
+    }
 }
 
 const HEAD: &str = "%%MatrixMarket matrix coordinate real general\n";
@@ -61,6 +70,44 @@ fn duplicates_are_summed_and_reported_with_their_line() {
             column: 1
         })
     );
+}
+
+#[test]
+fn repeats_of_symmetric_files_count_once_and_mirror_images_are_refused_where_the_second_stands() {
+    let head = "%%MatrixMarket matrix coordinate real symmetric\n";
+    let read = |body: &str| sparse_from(format!("{head}{body}").as_bytes());
+    let file = read("3 3 5\n3 1 1\n2 2 8\n3 1 2\n1 1 1\n3 1 4\n").unwrap();
+    assert_eq!(file.matrix.get(0, 2), Some(&7.0));
+    assert_eq!(file.matrix.get(2, 0), Some(&7.0));
+    let [count, line, row, column] = [2, 5, 3, 1];
+    let expected = Duplicates {
+        count,
+        line,
+        row,
+        column,
+    };
+    assert_eq!(file.duplicates, Some(expected));
+    // two pairs: the upper one is named, at the line of its later entry
+    let both = refusal(&format!(
+        "{head}3 3 5\n3 2 1\n2 3 1\n1 2 1\n% remark\n2 1 1\n2 1 1\n"
+    ));
+    let expected = Defect::BothTriangles {
+        symmetry: "symmetric",
+        row: 1,
+        column: 2,
+    };
+    assert_eq!(both, (7, expected));
+}
+
+#[test]
+fn the_first_defect_of_a_file_is_the_one_that_is_named() {
+    // the quick passes look at all places before any value
+    let early = refusal(&format!("{HEAD}2 2 3\n1 1 x\n1 9 1\n1 1 1\n"));
+    assert!(matches!(early, (3, Defect::Value { .. })));
+    let split = refusal(&format!("{HEAD}2 2 1\n1 1\n 2.0\n"));
+    assert!(matches!(split, (3, Defect::Entry { .. })));
+    let skew = "%%MatrixMarket matrix coordinate real skew-symmetric\n2 2 2\n2 2 1\n9 9 1\n";
+    assert!(matches!(refusal(skew), (4, Defect::OutOfRange { .. })));
 }
 
 #[test]
@@ -317,6 +364,32 @@ proptest! {
         let read = read_sparse(&path).unwrap().matrix;
         prop_assert_eq!(read.indices(), matrix.indices());
         prop_assert!(read.data().iter().zip(matrix.data()).all(|(a, b)| a.to_bits() == b.to_bits()));
+    }
+
+    #[test]
+    fn entries_in_any_order_and_repeated_are_summed_in_the_order_of_the_file(
+        entries in prop::collection::vec((1_usize..9, 1_usize..9, -1e3..1e3_f64), 0..120),
+        symmetric in any::<bool>(),
+    ) {
+        let mut sums = std::collections::BTreeMap::new();
+        let kept = |(i, j, _): &&(usize, usize, f64)| !symmetric || i >= j;
+        let mut body = String::new();
+        for (i, j, v) in entries.iter().filter(kept) {
+            body.push_str(&format!("{i} {j} {v:e}\n"));
+            let add = |sum: &mut f64| *sum += v;
+            sums.entry((i - 1, j - 1)).and_modify(add).or_insert(*v);
+            if symmetric && i != j {
+                sums.entry((j - 1, i - 1)).and_modify(add).or_insert(*v);
+            }
+        }
+        let count = entries.iter().filter(kept).count();
+        let word = if symmetric { "symmetric" } else { "general" };
+        let text = format!("%%MatrixMarket matrix coordinate real {word}\n8 8 {count}\n{body}");
+        let file = sparse_from(text.as_bytes()).unwrap();
+        let read = file.matrix.iter().map(|(v, (i, j))| ((i as usize, j as usize), v.to_bits()));
+        prop_assert!(read.eq(sums.iter().map(|(place, v)| (*place, v.to_bits()))));
+        let stored = sums.keys().filter(|(i, j)| !symmetric || i >= j).count();
+        prop_assert_eq!(file.duplicates.map_or(0, |d| d.count), count - stored);
     }
 
     #[test]

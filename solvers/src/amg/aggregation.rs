@@ -5,6 +5,7 @@ use super::rows::{Pattern, chunks};
 use super::sweeps::SweepMatrix;
 use fracas_operators::Real;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Which aggregate every node belongs to; a node without any connection stays [`NONE`]: the smoother solves it exactly.
 #[derive(Clone, Debug)]
@@ -68,57 +69,58 @@ impl Strong {
                 sum + v * v
             })
         };
-        let own = |node: usize| -> f64 {
-            let rows = node * group..(node + 1) * group;
-            let blocks = rows.flat_map(|i| a.row(i).filter(|(j, _)| j / group == node));
-            blocks.map(|(_, block)| square(block)).sum()
-        };
-        let diagonal: Vec<f64> = (0..nodes).into_par_iter().map(own).collect();
-        type Rows = (Vec<usize>, Vec<u32>, Vec<f32>);
-        let scratch = || (vec![0.0_f64; nodes], Vec::<u32>::new());
-        let parts: Vec<Rows> = chunks(nodes)
-            .map_init(scratch, |(sums, list), range| {
-                let (mut ends, mut neighbours, mut weights) = Rows::default();
-                for node in range {
-                    list.clear();
-                    for i in node * group..(node + 1) * group {
-                        for (j, block) in a.row(i) {
-                            let other = j / group;
-                            if sums[other] == 0.0 {
-                                list.push(other as u32);
-                            }
-                            // a stored zero block must not be listed twice
-                            sums[other] += square(block).max(f64::MIN_POSITIVE);
-                        }
-                    }
-                    for other in &*list {
-                        let j = *other as usize;
-                        let weight = sums[j] / (diagonal[node] * diagonal[j]).sqrt();
-                        let bonded = bonds.is_none_or(|b| b.row(node).binary_search(other).is_ok());
-                        if j != node && bonded && weight > theta * theta {
-                            neighbours.push(*other);
-                            weights.push(weight as f32);
-                        }
-                        sums[j] = 0.0;
-                    }
-                    ends.push(neighbours.len());
-                }
-                (ends, neighbours, weights)
+        let diagonal: Vec<f64> = (0..nodes)
+            .into_par_iter()
+            .map(|node| {
+                let rows = node * group..(node + 1) * group;
+                let own = |i: usize| a.row(i).filter(|(j, _)| j / group == node);
+                rows.map(|i| own(i).map(|(_, block)| square(block)).sum::<f64>())
+                    .sum()
             })
             .collect();
-        let length = parts.iter().map(|part| part.1.len()).sum();
-        let mut strong = Self {
-            offsets: vec![0],
-            neighbours: Vec::with_capacity(length),
-            weights: Vec::with_capacity(length),
+        let of_rows = |(sums, list): &mut (Vec<f64>, Vec<u32>), rows: Range<usize>| {
+            let (mut ends, mut neighbours, mut weights) = (Vec::new(), Vec::new(), Vec::new());
+            for node in rows {
+                list.clear();
+                for i in node * group..(node + 1) * group {
+                    for (j, block) in a.row(i) {
+                        let other = j / group;
+                        if sums[other] == 0.0 {
+                            list.push(other as u32);
+                        }
+                        // a stored zero block must not be listed twice
+                        sums[other] += square(block).max(f64::MIN_POSITIVE);
+                    }
+                }
+                for other in &*list {
+                    let j = *other as usize;
+                    let weight = sums[j] / (diagonal[node] * diagonal[j]).sqrt();
+                    let bonded = bonds.is_none_or(|b| b.row(node).binary_search(other).is_ok());
+                    if j != node && bonded && weight > theta * theta {
+                        neighbours.push(*other);
+                        weights.push(weight as f32);
+                    }
+                    sums[j] = 0.0;
+                }
+                ends.push(neighbours.len());
+            }
+            (ends, neighbours, weights)
         };
-        for (ends, neighbours, weights) in parts {
-            let start = strong.neighbours.len();
-            strong.offsets.extend(ends.iter().map(|end| start + end));
-            strong.neighbours.extend(neighbours);
-            strong.weights.extend(weights);
+        let parts: Vec<_> = chunks(nodes)
+            .map_init(|| (vec![0.0_f64; nodes], Vec::new()), of_rows)
+            .collect();
+        let (mut offsets, mut neighbours, mut weights) = (vec![0], Vec::new(), Vec::new());
+        for (ends, own_neighbours, own_weights) in parts {
+            let start = neighbours.len();
+            offsets.extend(ends.iter().map(|end| start + end));
+            neighbours.extend(own_neighbours);
+            weights.extend(own_weights);
         }
-        strong
+        Self {
+            offsets,
+            neighbours,
+            weights,
+        }
     }
 
     fn of(&self, node: usize) -> impl Iterator<Item = (usize, f32)> {

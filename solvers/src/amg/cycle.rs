@@ -12,6 +12,7 @@ const SMOOTHED_SHARE: f64 = 1.0 / 20.0;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shape {
     pub(super) cycle: Cycle,
+    /// Never [`Smoother::Auto`].
     pub(super) smoother: Smoother,
     pub(super) sweeps: usize,
 }
@@ -154,7 +155,7 @@ impl<R: Real> Level<R> {
     fn smooth_first(&self, shape: Shape, b: &[R], x: &mut [R], r: &mut [R], own: &mut [R]) {
         let matrix = &self.matrix;
         match shape.smoother {
-            Smoother::GaussSeidel => {
+            Smoother::GaussSeidel | Smoother::Auto => {
                 // (D + L) x = b, so b − A x = −U x: two half products
                 matrix.forward_from_zero(b, x);
                 for _ in 1..shape.sweeps {
@@ -183,7 +184,7 @@ impl<R: Real> Level<R> {
     /// `x ← S*(x, b)`, the adjoint of the first smoothing.
     fn smooth_last(&self, shape: Shape, b: &[R], x: &mut [R], r: &mut [R], own: &mut [R]) {
         match shape.smoother {
-            Smoother::GaussSeidel => {
+            Smoother::GaussSeidel | Smoother::Auto => {
                 (0..shape.sweeps).for_each(|_| self.matrix.backward(b, x));
             }
             Smoother::Chebyshev => {
@@ -251,8 +252,10 @@ impl<R: Real> Level<R> {
         let steps = shape.sweeps as u64;
         match shape.smoother {
             // the first forward sweep and its residual read each half of the matrix once
-            Smoother::GaussSeidel if steps == 1 => 2 * sweep,
-            Smoother::GaussSeidel => sweep / 2 + (2 * steps - 1) * sweep + product + n,
+            Smoother::GaussSeidel | Smoother::Auto if steps == 1 => 2 * sweep,
+            Smoother::GaussSeidel | Smoother::Auto => {
+                sweep / 2 + (2 * steps - 1) * sweep + product + n
+            }
             Smoother::Fsai => {
                 let fsai = self.fsai.as_ref().map_or(0, |m| m.flops());
                 2 * steps * (fsai + product + 2 * n)

@@ -203,7 +203,7 @@ impl<'a> Sum<'a> {
 fn inverses<R: Real>(
     pattern: &Pattern,
     blocks: &[[R; 9]],
-    unknown: impl Fn(usize) -> usize,
+    unknown: impl Fn(usize) -> usize + Sync,
 ) -> Result<Vec<[R; 9]>, SetupError> {
     let of_row = |i: usize| {
         let k = pattern.row(i).partition_point(|j| (*j as usize) < i);
@@ -226,5 +226,12 @@ fn inverses<R: Real>(
         })?;
         Ok(inverse.map(R::of))
     };
-    (0..pattern.rows()).map(of_row).collect()
+    let rows = 0..pattern.rows();
+    let all: Option<Vec<_>> = rows
+        .clone()
+        .into_par_iter()
+        .map(|i| of_row(i).ok())
+        .collect();
+    // the first row that fails, whatever the number of threads
+    all.map_or_else(|| rows.map(of_row).collect(), Ok)
 }

@@ -8,7 +8,7 @@ use super::fsai_smoother;
 use super::summary::{LevelSummary, Summary};
 use super::sweeps::SweepMatrix;
 use super::transfer::Transfer;
-use super::{Amg, Coarsening, Smoother};
+use super::{Amg, Coarsening, Smoother, Smoothing};
 use crate::SetupError;
 use crate::fsai::FsaiInverse;
 use fracas_operators::Real;
@@ -36,6 +36,8 @@ pub(super) struct Hierarchy<R> {
     pub(super) levels: Vec<Level<R>>,
     pub(super) coarsest: Coarsest<R>,
     near_null_space: &'static str,
+    /// What smooths, and why.
+    pub(super) smoothing: Smoothing,
 }
 
 /// A block row of the finest level that stands for each block row of a coarser one, to name rows in errors.
@@ -128,13 +130,16 @@ impl<R: Real> Hierarchy<R> {
             ..
         } = finest;
         let mut names = Representatives::new(first.rows(), unknown);
+        let smoothing = Smoothing::new(settings, &first);
+        let settings = &smoothing.in_settings(settings);
+        let about = (near_null_space, smoothing);
         let mut levels = Vec::new();
         if 3 * first.rows() <= settings.coarsest {
-            return Self::ending(levels, &first, &names, near_null_space);
+            return Self::ending(levels, &first, &names, about);
         }
         let step = C::coarsen(settings, 0, &first, &defect, bonds.as_ref(), 1, &modes);
         let Some(mut coarse) = step.map_err(|NotPositive(row)| names.indefinite(row))? else {
-            return Self::ending(levels, &first, &names, near_null_space);
+            return Self::ending(levels, &first, &names, about);
         };
         levels.push(Level {
             fsai: names.smoother(settings, &first)?,
@@ -168,14 +173,14 @@ impl<R: Real> Hierarchy<R> {
             names.descend(&next, group);
             coarse = next;
         }
-        Self::ending(levels, &coarse.matrix, &names, near_null_space)
+        Self::ending(levels, &coarse.matrix, &names, about)
     }
 
     fn ending<S: Real>(
         levels: Vec<Level<R>>,
         last: &SweepMatrix<S>,
         names: &Representatives<'_>,
-        near_null_space: &'static str,
+        (near_null_space, smoothing): (&'static str, Smoothing),
     ) -> Result<Self, SetupError> {
         let n = 3 * last.rows();
         if n > LARGEST_DIRECT {
@@ -199,6 +204,7 @@ impl<R: Real> Hierarchy<R> {
             levels,
             coarsest,
             near_null_space,
+            smoothing,
         })
     }
 
@@ -224,6 +230,7 @@ impl<R: Real> Hierarchy<R> {
             operator_complexity: total(|level| level.nnz),
             grid_complexity: total(|level| level.n),
             near_null_space: self.near_null_space,
+            smoothing: self.smoothing,
             levels,
         }
     }

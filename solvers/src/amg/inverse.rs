@@ -79,10 +79,14 @@ impl Amg {
                 (Either::Double(hierarchy), scale)
             }
         };
+        let smoothing = match &hierarchy {
+            Either::Single(hierarchy) => hierarchy.smoothing,
+            Either::Double(hierarchy) => hierarchy.smoothing,
+        };
         Ok(AmgInverse {
             map,
             scale,
-            shape: Shape::from(self),
+            shape: Shape::from(&smoothing.in_settings(self)),
             over_correction: self.over_correction,
             hierarchy,
         })

@@ -13,12 +13,13 @@
 //! | `P = (I − ω D⁻¹A) P_0` | `prolongation`, `lambda` |
 //! | `A_c = PᵀA P` | `galerkin`, `coarse` |
 //! | Gauss–Seidel in coloured chunks, products | `sweeps`, `schedule` |
-//! | FSAI as smoother | `fsai_smoother` |
+//! | FSAI as smoother, and where it is called for | `fsai_smoother`, `chains` |
 //! | coarse nodes that are fine ones | `classical` |
 //! | V, W, K | `cycle` |
 
 mod aggregation;
 mod block;
+mod chains;
 mod classical;
 mod coarse;
 mod coarsest;
@@ -42,6 +43,7 @@ mod sweeps;
 mod tentative;
 mod transfer;
 
+pub use chains::Smoothing;
 pub use inverse::AmgInverse;
 pub use settings::{Amg, Coarsening, Cycle, Precision, Smoother};
 pub use summary::{LevelSummary, Summary};

@@ -18,13 +18,28 @@ pub enum Coarsening {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Smoother {
-    /// Symmetric Gauss–Seidel by nodes: forward before, backward after the coarse correction.
+    /// Gauss–Seidel, or FSAI where the matrix is made of chains of nodes (flat cells, nearly incompressible rock): there
+    /// Gauss–Seidel by nodes smooths along the chains only.
     #[default]
+    Auto,
+    /// Symmetric Gauss–Seidel by nodes: forward before, backward after the coarse correction.
     GaussSeidel,
     /// Chebyshev polynomial in block Jacobi.
     Chebyshev,
     /// Damped factorized sparse approximate inverse.
     Fsai,
+}
+
+impl Smoother {
+    /// Plain name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::GaussSeidel => "gauss_seidel",
+            Self::Chebyshev => "chebyshev",
+            Self::Fsai => "fsai",
+        }
+    }
 }
 
 /// How often a level visits the next one.
@@ -73,6 +88,24 @@ pub struct Amg {
     /// Factor on the result. `λ(M⁻¹A)` of a symmetric V-cycle lies in (0, 1]; RACP, unlike conjugate gradients, gains from
     /// eigenvalues *around* 1, because C⁻¹ has a scale of its own.
     pub over_correction: f64,
+}
+
+/// Degree of the polynomial that takes the place of one Gauss–Seidel sweep: its work, in products.
+const DEGREE: usize = 3;
+
+impl Amg {
+    /// Defaults around this smoother; for Chebyshev a polynomial of degree 3.
+    pub fn with(smoother: Smoother) -> Self {
+        let sweeps = match smoother {
+            Smoother::Chebyshev => DEGREE,
+            _ => 1,
+        };
+        Self {
+            smoother,
+            sweeps,
+            ..Self::default()
+        }
+    }
 }
 
 impl Default for Amg {

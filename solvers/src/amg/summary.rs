@@ -1,5 +1,6 @@
 //! What a hierarchy costs.
 
+use super::Smoothing;
 use serde::Serialize;
 use std::fmt;
 
@@ -25,6 +26,8 @@ pub struct Summary {
     pub grid_complexity: f64,
     /// What the coarse spaces reproduce: `"rigid-body modes"`, or `"constants (no coordinates)"`.
     pub near_null_space: &'static str,
+    /// What smooths, and why.
+    pub smoothing: Smoothing,
 }
 
 impl fmt::Display for Summary {
@@ -36,8 +39,8 @@ impl fmt::Display for Summary {
         }
         write!(
             f,
-            "operator complexity {:.2}, grid complexity {:.2}, coarse spaces hold the {}",
-            self.operator_complexity, self.grid_complexity, self.near_null_space
+            "operator complexity {:.2}, grid complexity {:.2}, coarse spaces hold the {}; smoother {}",
+            self.operator_complexity, self.grid_complexity, self.near_null_space, self.smoothing
         )
     }
 }

@@ -30,6 +30,30 @@ pub(super) struct SweepMatrix<R> {
     level: Level,
 }
 
+/// Puts a row into the order L, D, U; gives the place of D.
+fn order_row<R: Real>(
+    i: usize,
+    (columns, blocks): (&mut [u32], &mut [[R; 9]]),
+    schedule: &Schedule,
+    row: &mut Vec<(u32, [R; 9])>,
+) -> usize {
+    row.clear();
+    row.extend(columns.iter().copied().zip(blocks.iter().copied()));
+    // a stable sort keeps ascending columns within L and U
+    row.sort_by_key(|(j, _)| match *j as usize {
+        j if j == i => 1,
+        j if schedule.before(j, i) => 0,
+        _ => 2_u8,
+    });
+    for (k, (j, block)) in row.iter().enumerate() {
+        columns[k] = *j;
+        blocks[k] = *block;
+    }
+    let lower = columns.iter().position(|j| *j as usize == i);
+    debug_assert!(lower.is_some(), "row {i} has no diagonal block");
+    lower.unwrap_or(0)
+}
+
 /// Which part of the rows.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Part {
@@ -50,41 +74,24 @@ impl<R: Real> SweepMatrix<R> {
         let rows = offsets.len() - 1;
         let schedule = Schedule::new(&offsets, &columns);
         let mut diagonals = vec![0; rows];
-        let (mut rest_c, mut rest_b, mut rest_d) =
-            (&mut columns[..], &mut blocks[..], &mut diagonals[..]);
-        let mut tasks = Vec::with_capacity(rows.div_ceil(ROWS_PER_TASK));
-        for start in (0..rows).step_by(ROWS_PER_TASK) {
-            let end = rows.min(start + ROWS_PER_TASK);
-            let length = offsets[end] - offsets[start];
-            tasks.push((
-                start,
-                rest_c.split_off_mut(..length).unwrap_or_default(),
-                rest_b.split_off_mut(..length).unwrap_or_default(),
-                rest_d.split_off_mut(..end - start).unwrap_or_default(),
-            ));
+        let mut tasks = Vec::with_capacity(rows / ROWS_PER_TASK + 1);
+        let (mut all_columns, mut all_blocks) = (&mut columns[..], &mut blocks[..]);
+        for (k, own) in diagonals.chunks_mut(ROWS_PER_TASK).enumerate() {
+            let rows = k * ROWS_PER_TASK..k * ROWS_PER_TASK + own.len();
+            let length = offsets[rows.end] - offsets[rows.start];
+            let (own_columns, other_columns) = all_columns.split_at_mut(length);
+            let (own_blocks, other_blocks) = all_blocks.split_at_mut(length);
+            (all_columns, all_blocks) = (other_columns, other_blocks);
+            tasks.push((rows, own, own_columns, own_blocks));
         }
         tasks
             .into_par_iter()
-            .for_each_init(Vec::new, |row: &mut Vec<(u32, [R; 9])>, task| {
-                let (start, columns, blocks, diagonals) = task;
-                for (i, diagonal) in (start..).zip(diagonals) {
-                    let range = offsets[i] - offsets[start]..offsets[i + 1] - offsets[start];
-                    let (columns, blocks) = (&mut columns[range.clone()], &mut blocks[range]);
-                    row.clear();
-                    row.extend(columns.iter().copied().zip(blocks.iter().copied()));
-                    // a stable sort keeps ascending columns within L and U
-                    row.sort_by_key(|(j, _)| match *j as usize {
-                        j if j == i => 1,
-                        j if schedule.before(j, i) => 0,
-                        _ => 2_u8,
-                    });
-                    for (place, (j, block)) in row.iter().enumerate() {
-                        columns[place] = *j;
-                        blocks[place] = *block;
-                    }
-                    let lower = row.iter().position(|(j, _)| *j as usize == i);
-                    debug_assert!(lower.is_some(), "row {i} has no diagonal block");
-                    *diagonal = offsets[i] + lower.unwrap_or(0);
+            .for_each_init(Vec::new, |row, (rows, diagonals, columns, blocks)| {
+                let start = offsets[rows.start];
+                for (i, diagonal) in rows.zip(diagonals) {
+                    let range = offsets[i] - start..offsets[i + 1] - start;
+                    let own = (&mut columns[range.clone()], &mut blocks[range]);
+                    *diagonal = offsets[i] + order_row(i, own, &schedule, row);
                 }
             });
         blocks.push([R::zero(); 9]);

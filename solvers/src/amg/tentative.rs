@@ -8,6 +8,9 @@ use rayon::prelude::*;
 /// dependent on the aggregate (a single node has no rotations). Unit: 1.
 const DEPENDENT: f64 = 1e-7;
 
+/// Aggregates that one task takes at least.
+const AGGREGATES_PER_TASK: usize = 64;
+
 /// `P_0` with `P_0 B_c = B` on every aggregate and `P_0ᵀP_0 = I` on the columns that exist.
 #[derive(Clone, Debug)]
 pub(super) struct Tentative<const K: usize> {
@@ -27,24 +30,21 @@ impl<const K: usize> Tentative<K> {
                 members[*aggregate as usize].push(node as u32);
             }
         }
+        let mut rows = vec![[[0.0; K]; 3]; modes.len()];
+        let mut coarse = Vec::with_capacity(aggregates.count);
         let block_rows = |nodes: &[u32]| -> Vec<usize> {
             let of_node = |n: &u32| *n as usize * group..(*n as usize + 1) * group;
             nodes.iter().flat_map(of_node).collect()
         };
-        let parts: Vec<([[f64; K]; K], Vec<[f64; K]>)> = members
-            .par_iter()
-            .map(|nodes| {
-                let mut local: Vec<[f64; K]> = block_rows(nodes)
-                    .into_iter()
-                    .flat_map(|i| modes[i])
-                    .collect();
-                (orthonormalise(&mut local), local)
-            })
-            .collect();
-        let mut rows = vec![[[0.0; K]; 3]; modes.len()];
-        let mut coarse = Vec::with_capacity(aggregates.count);
-        for (nodes, (r, local)) in members.iter().zip(parts) {
-            coarse.push(r);
+        let bases = members.par_iter().map(|nodes| {
+            let mut local: Vec<[f64; K]> = Vec::new();
+            local.extend(block_rows(nodes).into_iter().flat_map(|i| modes[i]));
+            let r = orthonormalise(&mut local);
+            (local, r)
+        });
+        let bases: Vec<_> = bases.with_min_len(AGGREGATES_PER_TASK).collect();
+        for (nodes, (local, r)) in members.iter().zip(&bases) {
+            coarse.push(*r);
             for (i, q) in block_rows(nodes).into_iter().zip(local.chunks_exact(3)) {
                 rows[i].copy_from_slice(q);
             }

@@ -3,7 +3,6 @@
 use super::prolongation::Prolongation;
 use fracas_operators::sparse::Block3;
 use fracas_operators::{LinearOperator, Real};
-use rayon::prelude::*;
 
 /// Prolongation and restriction.
 #[derive(Clone, Debug)]
@@ -26,44 +25,43 @@ impl<R: Real> Transfer<R> {
                 R::of(block[r][3 * part + c])
             })
         };
-        let place = |aggregate: u32, part: usize| parts as u32 * aggregate + part as u32;
-        let entries = p.pattern.columns.par_iter().zip(&p.blocks);
-        let columns = entries
-            .clone()
-            .flat_map_iter(|(aggregate, _)| (0..parts).map(|part| place(*aggregate, part)));
-        let blocks =
-            entries.flat_map_iter(|(_, block)| (0..parts).map(|part| cut(block, part, false)));
-        let offsets = p.pattern.offsets.iter().map(|o| parts * o).collect();
-        let forward = Block3::from_raw(
-            offsets,
-            columns.collect(),
-            blocks.collect(),
-            parts * aggregates,
-        );
-
-        // row (aggregate, part) of Pᵀ: the rows of P that hold the aggregate
-        let rows = p.pattern.transposed(aggregates);
-        let of_part = |k: usize| (k / parts, k % parts);
-        let mut offsets = vec![0];
-        for k in 0..parts * aggregates {
-            offsets.push(offsets[k] + rows.row(of_part(k).0).len());
-        }
-        let lines = (0..parts * aggregates).into_par_iter().map(of_part);
-        let columns = lines
-            .clone()
-            .flat_map_iter(|(aggregate, _)| rows.row(aggregate).iter().copied());
-        let blocks = lines.flat_map_iter(|(aggregate, part)| {
-            rows.row(aggregate).iter().filter_map(move |i| {
-                let block = p.row(*i as usize).find(|(j, _)| *j == aggregate);
-                block.map(|(_, block)| cut(block, part, true))
-            })
-        });
-        let (columns, blocks) = (columns.collect(), blocks.collect());
-        let transposed = Block3::from_raw(offsets, columns, blocks, p.pattern.rows());
-        Self {
-            p: forward,
-            transposed,
-        }
+        let entries = parts * p.blocks.len();
+        let forward = || {
+            let (mut columns, mut blocks) =
+                (Vec::with_capacity(entries), Vec::with_capacity(entries));
+            for (aggregate, block) in p.pattern.columns.iter().zip(&p.blocks) {
+                for part in 0..parts {
+                    columns.push(parts as u32 * aggregate + part as u32);
+                    blocks.push(cut(block, part, false));
+                }
+            }
+            let offsets = p.pattern.offsets.iter().map(|o| parts * o).collect();
+            Block3::from_raw(offsets, columns, blocks, parts * aggregates)
+        };
+        let transposed = || {
+            // Pᵀ: counted, then filled row by row of P
+            let mut offsets = vec![0; parts * aggregates + 1];
+            for aggregate in &p.pattern.columns {
+                (0..parts).for_each(|part| offsets[parts * *aggregate as usize + part + 1] += 1);
+            }
+            (0..parts * aggregates).for_each(|j| offsets[j + 1] += offsets[j]);
+            let mut next = offsets.clone();
+            let mut columns = vec![0; entries];
+            let mut blocks = vec![[R::zero(); 9]; entries];
+            for i in 0..p.pattern.rows() {
+                for (aggregate, block) in p.row(i) {
+                    for part in 0..parts {
+                        let at = &mut next[parts * aggregate + part];
+                        columns[*at] = i as u32;
+                        blocks[*at] = cut(block, part, true);
+                        *at += 1;
+                    }
+                }
+            }
+            Block3::from_raw(offsets, columns, blocks, p.pattern.rows())
+        };
+        let (p, transposed) = rayon::join(forward, transposed);
+        Self { p, transposed }
     }
 
     /// `b_c ← Pᵀ r`.

@@ -2,7 +2,7 @@
 
 use super::bottom::Bottom;
 use super::level::Level;
-use crate::amg::{LevelSummary, Summary};
+use crate::amg::{LevelSummary, Smoother, Smoothing, Summary};
 use fracas_operators::Real;
 use fracas_operators::vector::axpy;
 use schemars::JsonSchema;
@@ -133,6 +133,10 @@ impl<R: Real> Hierarchy<R> {
             operator_complexity: total(|level| level.nnz),
             grid_complexity: total(|level| level.n),
             near_null_space: spaces,
+            smoothing: Smoothing {
+                smoother: Smoother::Chebyshev,
+                chained: None,
+            },
             levels,
         }
     }

@@ -2,7 +2,7 @@
 
 use super::scaling::ScaledInverse;
 use super::{AugmentationMatrix, SaddleBlocks, schur};
-use crate::amg::{self, Amg, AmgInverse};
+use crate::amg::{self, Amg, AmgInverse, Smoother};
 use crate::direct::DirectChoice;
 use crate::fsai::{Fsai, FsaiKind};
 use crate::smoothers::{Jacobi, Ssor};
@@ -107,7 +107,12 @@ impl InnerChoice {
                 FsaiKind::Adaptive(_) => "fsai",
                 FsaiKind::Static(_) => "fsai:static",
             },
-            Self::Amg(_) => "amg",
+            Self::Amg(amg) => match amg.smoother {
+                Smoother::Auto => "amg",
+                Smoother::GaussSeidel => "amg:gauss_seidel",
+                Smoother::Chebyshev => "amg:chebyshev",
+                Smoother::Fsai => "amg:fsai",
+            },
         }
     }
 
@@ -169,7 +174,9 @@ impl fmt::Display for InnerChoice {
 
 /// A name that is none of [`InnerChoice`]'s.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown inner solver {found:?}: expected exact, amg, fsai, fsai:static, jacobi or ssor")]
+#[error(
+    "unknown inner solver {found:?}: expected exact, amg, amg:gauss_seidel, amg:fsai, amg:chebyshev, fsai, fsai:static, jacobi or ssor"
+)]
 pub struct UnknownInner {
     /// What was given.
     pub found: String,
@@ -186,6 +193,9 @@ impl FromStr for InnerChoice {
             "fsai" => Ok(Self::Fsai(Fsai::default())),
             "fsai:static" => Ok(Self::Fsai(Fsai::of_power(1))),
             "amg" => Ok(Self::Amg(Amg::default())),
+            "amg:gauss_seidel" => Ok(Self::Amg(Amg::with(Smoother::GaussSeidel))),
+            "amg:fsai" => Ok(Self::Amg(Amg::with(Smoother::Fsai))),
+            "amg:chebyshev" => Ok(Self::Amg(Amg::with(Smoother::Chebyshev))),
             _ => Err(UnknownInner {
                 found: name.to_owned(),
             }),
@@ -210,5 +220,32 @@ pub(crate) fn name_or_settings<'de, D: serde::Deserializer<'de>>(
     match NameOrSettings::deserialize(deserializer)? {
         NameOrSettings::Name(name) => name.parse().map_err(serde::de::Error::custom),
         NameOrSettings::Settings(settings) => Ok(settings),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_gives_itself_back_and_a_wrong_one_hears_of_all() {
+        let names = [
+            "exact",
+            "amg",
+            "amg:gauss_seidel",
+            "amg:fsai",
+            "amg:chebyshev",
+            "fsai",
+            "fsai:static",
+            "jacobi",
+            "ssor",
+        ];
+        for name in names {
+            assert_eq!(name.parse::<InnerChoice>().unwrap().to_string(), name);
+        }
+        for wrong in ["amg:", "amg:sor", "AMG", ""] {
+            let message = wrong.parse::<InnerChoice>().unwrap_err().to_string();
+            assert!(names.iter().all(|name| message.contains(name)), "{message}");
+        }
     }
 }

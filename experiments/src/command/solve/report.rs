@@ -116,6 +116,9 @@ impl SolveReport {
             ("set-up", format!("{:.2} s", self.setup_s)),
             ("solve", format!("{:.2} s", self.solve_s)),
         ];
+        if let Some(amg) = &self.amg {
+            rows.push(("multigrid", amg.smoothing.to_string()));
+        }
         if let Some(bytes) = self.peak_memory_bytes {
             rows.push((
                 "peak memory",

@@ -3,6 +3,7 @@ use crate::direct::DirectChoice;
 use crate::eigen::dense;
 use crate::saddle::samples::{random, sparse, two_chains};
 use faer::Mat;
+use fracas_operators::{LinearOperator, Preconditioner};
 
 fn compute(
     choice: AugmentationChoice,

@@ -1,0 +1,159 @@
+//! Where Gauss–Seidel by nodes smooths badly.
+
+use super::sweeps::SweepMatrix;
+use super::{Amg, Smoother};
+use fracas_operators::Real;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::fmt;
+
+/// `‖A_ij‖_F / √(‖A_ii‖_F ‖A_jj‖_F)` from which a neighbour counts as a link of a chain. Unit: 1.
+///
+/// A chain of nodes that are coupled to nothing else has 1/2: half of the diagonal on either side. Cubes of Q1 elements
+/// have 0.20 (ν = 0.25), cells of 1:3, 1:5, 1:10, 1:50 have 0.41, 0.46, 0.49, 0.50 (limit: the chains across the layers);
+/// cubes with ν = 0.40, 0.45, 0.47, 0.49, 0.499 have 0.31, 0.39, 0.42, 0.47, 0.50 (along diagonals of faces).
+const LINK: f64 = 0.45;
+
+/// Share of nodes with such a neighbour from which the matrix is one of chains; fewer are outliers that the iteration
+/// around the cycle takes care of. Unit: 1.
+const SHARE: f64 = 0.25;
+
+/// Which smoother a hierarchy has, and why.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Smoothing {
+    /// Never [`Smoother::Auto`].
+    pub smoother: Smoother,
+    /// Share of the nodes that are links of a chain, `‖A_ij‖_F ≥ 0.45 √(‖A_ii‖_F ‖A_jj‖_F)` for a j ≠ i, where that
+    /// decided; `None` where the settings name the smoother.
+    pub chained: Option<f64>,
+}
+
+impl Smoothing {
+    /// What the settings say, or what the finest matrix asks for.
+    ///
+    /// # Cost
+    /// Under [`Smoother::Auto`] one pass over the blocks.
+    pub(super) fn new<R: Real>(settings: &Amg, finest: &SweepMatrix<R>) -> Self {
+        if settings.smoother != Smoother::Auto {
+            return Self {
+                smoother: settings.smoother,
+                chained: None,
+            };
+        }
+        let chained = chained(finest);
+        Self {
+            smoother: if chained >= SHARE {
+                Smoother::Fsai
+            } else {
+                Smoother::GaussSeidel
+            },
+            chained: Some(chained),
+        }
+    }
+
+    /// The settings with the smoother that was chosen.
+    pub(super) fn in_settings(self, settings: &Amg) -> Amg {
+        Amg {
+            smoother: self.smoother,
+            ..*settings
+        }
+    }
+}
+
+impl fmt::Display for Smoothing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.smoother.name())?;
+        match self.chained {
+            None => f.write_str(" as asked for"),
+            Some(share) => write!(
+                f,
+                ": {:.0} % of the nodes are links of a chain ({:.0} % call for fsai)",
+                100.0 * share,
+                100.0 * SHARE
+            ),
+        }
+    }
+}
+
+/// Share of the nodes with a neighbour that is a link.
+fn chained<R: Real>(a: &SweepMatrix<R>) -> f64 {
+    let square = |block: &[R; 9]| {
+        let values = block.iter().map(|v| v.to_f64_exact());
+        values.map(|v| v * v).sum::<f64>()
+    };
+    let sizes: Vec<f64> = (0..a.rows())
+        .into_par_iter()
+        .map(|i| square(a.diagonal(i)))
+        .collect();
+    let is_link = |i: usize| {
+        a.row(i).any(|(j, block)| {
+            // squares on both sides
+            let limit = LINK.powi(4) * sizes[i] * sizes[j];
+            let size = square(block);
+            j != i && size * size >= limit
+        })
+    };
+    let links = (0..a.rows())
+        .into_par_iter()
+        .filter(|i| is_link(*i))
+        .count();
+    links as f64 / a.rows().max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::elastic_sample::clamped_box;
+    use fracas_operators::sparse::SparseMatrix;
+
+    fn smoothing(a: &SparseMatrix<f64>, at: &[crate::DofCoordinate]) -> Smoothing {
+        let m = Amg::default().build(a, Some(at));
+        m.unwrap().summary().smoothing
+    }
+
+    #[test]
+    fn flat_cells_are_chains_and_cubes_are_not_in_any_unit() {
+        for (h, smoother) in [
+            ([1.0, 1.0, 1.0], Smoother::GaussSeidel),
+            ([1.0, 0.6, 0.8], Smoother::GaussSeidel),
+            ([1.0, 1.0, 0.1], Smoother::Fsai),
+            ([0.01, 1.0, 1.0], Smoother::Fsai),
+        ] {
+            let (a, at) = clamped_box([8, 7, 7], h, |_| 1.0);
+            let found = smoothing(&a, &at);
+            assert_eq!(found.smoother, smoother, "{h:?}: {found}");
+            let chained = found.chained.unwrap();
+            assert!(chained == 0.0 || chained > 0.8, "{h:?}: {found}");
+            // D A D with one factor per node
+            let factor = |i: usize| 10f64.powf(3.0 * (1.7 * (i / 3) as f64).sin());
+            let mut scaled = a.clone();
+            for (i, mut row) in scaled.outer_iterator_mut().enumerate() {
+                row.iter_mut()
+                    .for_each(|(j, v)| *v *= factor(i) * factor(j));
+            }
+            let map = crate::amg::node_map::NodeMap::new(&scaled, Some(&at));
+            let blocks = crate::amg::finest::Sum::new(&scaled, None).unwrap();
+            let blocks = blocks.blocks::<f64>(&map).unwrap();
+            let again = Smoothing::new(&Amg::default(), &blocks.matrix);
+            assert!((again.chained.unwrap() - chained).abs() < 0.01);
+        }
+    }
+
+    #[test]
+    fn a_stiff_layer_in_a_body_of_cubes_does_not_decide() {
+        // a stiff layer couples its nodes; the others are as in cubes
+        let (a, at) = clamped_box([8, 7, 12], [1.0; 3], |c| if c[2] == 6 { 1e3 } else { 1.0 });
+        let found = smoothing(&a, &at);
+        assert_eq!(found.smoother, Smoother::GaussSeidel, "{found}");
+    }
+
+    #[test]
+    fn a_named_smoother_is_taken_as_it_is() {
+        let (a, at) = clamped_box([6, 6, 6], [1.0, 1.0, 0.01], |_| 1.0);
+        for smoother in [Smoother::GaussSeidel, Smoother::Chebyshev, Smoother::Fsai] {
+            let m = Amg::with(smoother).build(&a, Some(&at)).unwrap();
+            let found = m.summary().smoothing;
+            assert_eq!((found.smoother, found.chained), (smoother, None));
+        }
+    }
+}
