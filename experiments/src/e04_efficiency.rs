@@ -6,11 +6,10 @@ use crate::measure::{LIMIT, TOLERANCE};
 use crate::plot::{Axis, Figure, Mark, Series};
 use crate::published::{TESTS, Test};
 use crate::report::{Cell, Check, Experiment, Findings, Level, Table};
-use crate::trial::{Budget, HEADINGS, Load, Trial, trials};
-use fracas::contact::JumpStabilization;
+use crate::trial::{Budget, HEADINGS, Load, Method, Problem, Trial, trials};
 use fracas::scene::named;
 use fracas_solvers::krylov::KrylovChoice;
-use fracas_solvers::saddle::{SaddleBlocks, SaddleMethod};
+use fracas_solvers::saddle::SaddleMethod;
 use fracas_solvers::{Observer, Step};
 use methods::{Beside, CLASSICAL, Entry, REFERENCE, entries};
 use std::ops::ControlFlow;
@@ -69,16 +68,13 @@ const BUDGET: Budget = Budget {
     cost: 2500.0,
 };
 
-fn blocks(test: &Test, overrides: &[&str], level: Level) -> anyhow::Result<SaddleBlocks> {
+fn problem(test: &Test, overrides: &[&str], level: Level) -> anyhow::Result<Problem> {
     let entry = named(test.scene).ok_or_else(|| anyhow::anyhow!("no scene {}", test.scene))?;
     let scene = match level {
         Level::Smoke => entry.small_scene()?,
         Level::Paper => entry.scene()?.with_overrides(overrides)?,
     };
-    let blocks = scene
-        .build()?
-        .saddle_blocks(Some(JumpStabilization::default()))?;
-    Ok(blocks.in_traction_unit(blocks.traction_unit()))
+    Problem::new(&scene)
 }
 
 /// Each of `theirs` after the one of `ours` that it belongs to: the first ones, in order.
@@ -290,7 +286,8 @@ impl Experiment for Efficiency {
         let (mut table, mut size_rows) = (table(), sizes_table());
         let mut rows: Vec<Measured> = Vec::new();
         for (k, test) in TESTS.iter().enumerate() {
-            let blocks = blocks(test, TRUE_SIZE[k], level)?;
+            let problem = problem(test, TRUE_SIZE[k], level)?;
+            let blocks = &problem.blocks;
             let sizes = (blocks.n_u(), blocks.n_t());
             size_rows.push([
                 test.name.into(),
@@ -318,13 +315,13 @@ impl Experiment for Efficiency {
                 if observer.observe(&step) == ControlFlow::Break(()) {
                     anyhow::bail!("stopped on request");
                 }
-                let direct = matches!(candidate.method, SaddleMethod::Direct(_));
+                let direct = matches!(candidate.method, Method::Blocks(SaddleMethod::Direct(_)));
                 let measured = if direct && blocks.size() > DIRECT_LIMIT {
                     vec![Trial::not_run(format!(
                         "not tried above {DIRECT_LIMIT} unknowns"
                     ))]
                 } else {
-                    trials(&blocks, candidate, loads, BUDGET, observer)
+                    trials(&problem, candidate, loads, BUDGET, observer)
                 };
                 for (load, trial) in loads.iter().zip(measured) {
                     let head: [Cell; 4] = [

@@ -3,13 +3,13 @@
 use crate::measure::{LIMIT, TOLERANCE};
 use crate::plot::{Axis, Figure, Mark, Series};
 use crate::report::{Cell, Check, Experiment, Findings, Level, Table};
-use crate::trial::{Budget, Candidate, HEADINGS, Load, Trial, trials};
-use fracas::contact::JumpStabilization;
+use crate::trial::{Budget, Candidate, HEADINGS, Load, Method, Problem, Trial, trials};
+use fracas::matrix_free::MatrixFreeRacp;
 use fracas::scene::named;
 use fracas_solvers::fsai::Fsai;
 use fracas_solvers::krylov::{KrylovChoice, Minres};
 use fracas_solvers::saddle::{
-    AugmentationChoice, BlockDiagonal, InnerChoice, Mcp, Racp, SaddleBlocks, SaddleMethod, Simple,
+    AugmentationChoice, BlockDiagonal, InnerChoice, Mcp, Racp, SaddleMethod, Simple,
 };
 use fracas_solvers::{Observer, Step};
 use std::ops::ControlFlow;
@@ -64,15 +64,16 @@ fn entries() -> Vec<Entry> {
             method: SaddleMethod::Racp(Racp {
                 augmentation,
                 inner,
-            }),
+            })
+            .into(),
             krylov: gmres,
         },
         limit,
     };
-    let other = |name, method, krylov, limit| Entry {
+    let other = |name, method: SaddleMethod, krylov, limit| Entry {
         candidate: Candidate {
             name,
-            method,
+            method: method.into(),
             krylov,
         },
         limit,
@@ -93,6 +94,14 @@ fn entries() -> Vec<Entry> {
     });
     vec![
         racp(REFERENCE, AugmentationChoice::LocalH, amg, usize::MAX),
+        Entry {
+            candidate: Candidate {
+                name: "RACP, local_h, geometric",
+                method: Method::Body(MatrixFreeRacp::default()),
+                krylov: gmres,
+            },
+            limit: usize::MAX,
+        },
         racp(
             "RACP, local, AMG",
             AugmentationChoice::Local,
@@ -140,7 +149,7 @@ fn entries() -> Vec<Entry> {
     ]
 }
 
-fn blocks(cells: [usize; 3]) -> anyhow::Result<SaddleBlocks> {
+fn problem(cells: [usize; 3]) -> anyhow::Result<Problem> {
     let entry = named(SCENE).ok_or_else(|| anyhow::anyhow!("no scene {SCENE}"))?;
     let [x, y, z] = cells;
     let overrides = [
@@ -148,12 +157,7 @@ fn blocks(cells: [usize; 3]) -> anyhow::Result<SaddleBlocks> {
         format!("mesh.y.cells={y}"),
         format!("mesh.z.cells={z}"),
     ];
-    let blocks = entry
-        .scene()?
-        .with_overrides(&overrides)?
-        .build()?
-        .saddle_blocks(Some(JumpStabilization::default()))?;
-    Ok(blocks.in_traction_unit(blocks.traction_unit()))
+    Problem::new(&entry.scene()?.with_overrides(&overrides)?)
 }
 
 fn table() -> Table {
@@ -270,7 +274,8 @@ impl Experiment for MeshIndependence {
         let mut table = table();
         let mut rows: Vec<Measured> = Vec::new();
         for (k, cells) in meshes.iter().enumerate() {
-            let blocks = blocks(*cells)?;
+            let problem = problem(*cells)?;
+            let blocks = &problem.blocks;
             let (n_u, n_t, n) = (blocks.n_u(), blocks.n_t(), blocks.size());
             for (e, Entry { candidate, limit }) in entries.iter().enumerate() {
                 let step = Step::Progress {
@@ -284,7 +289,7 @@ impl Experiment for MeshIndependence {
                 let measured = if n > *limit {
                     vec![Trial::not_run(format!("not tried above {limit} unknowns"))]
                 } else {
-                    trials(&blocks, candidate, &[Load::Physical], budget, observer)
+                    trials(&problem, candidate, &[Load::Physical], budget, observer)
                 };
                 for trial in measured {
                     let [x, y, z] = cells;

@@ -3,12 +3,74 @@
 use crate::command::memory;
 use crate::measure::TOLERANCE;
 use crate::report::{Cell, Level};
+use fracas::contact::JumpStabilization;
+use fracas::matrix_free::{MatrixFreeRacp, MatrixFreeSaddle};
+use fracas::scene::{Body, Scene};
 use fracas_operators::LinearOperator;
-use fracas_solvers::Observer;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
 use fracas_solvers::saddle::{Cost, Ready, SaddleBlocks, SaddleMethod, SaddleOperator};
+use fracas_solvers::{Observer, Silent};
 use std::fmt;
 use std::time::Instant;
+
+/// A body with every face in stick, and its blocks in a balanced unit of tractions.
+pub struct Problem {
+    /// The body.
+    pub body: Body,
+    /// 𝒜 and b.
+    pub blocks: SaddleBlocks,
+}
+
+impl Problem {
+    /// Meshes and assembles `scene`, with jump stabilization.
+    ///
+    /// # Errors
+    /// As the scene.
+    pub fn new(scene: &Scene) -> anyhow::Result<Self> {
+        let body = scene.build()?;
+        let blocks = body.saddle_blocks(Some(JumpStabilization::default()))?;
+        let unit = blocks.traction_unit();
+        let blocks = blocks.into_traction_unit(unit);
+        Ok(Self { body, blocks })
+    }
+
+    /// RACP around geometric multigrid; C, B and S̃_u come from the body.
+    fn matrix_free(&self, settings: MatrixFreeRacp) -> anyhow::Result<Ready> {
+        let system = self.body.stick_system(Some(JumpStabilization::default()));
+        let unit = system.magnitude()?.unit;
+        let saddle = MatrixFreeSaddle::in_traction_unit(&system, unit)?;
+        let racp = settings.ready(&saddle, &system, &mut Silent)?;
+        Ok(Ready {
+            inverse: Box::new(racp.inverse),
+            hierarchy: Some(racp.hierarchy),
+            parts: Some(racp.cost),
+        })
+    }
+}
+
+/// How M comes about.
+#[derive(Clone, Copy, Debug)]
+pub enum Method {
+    /// From the assembled blocks.
+    Blocks(SaddleMethod),
+    /// From the body, without an assembled A.
+    Body(MatrixFreeRacp),
+}
+
+impl Method {
+    fn ready(&self, problem: &Problem) -> anyhow::Result<Ready> {
+        match self {
+            Self::Blocks(method) => Ok(method.ready(&problem.blocks)?),
+            Self::Body(settings) => problem.matrix_free(*settings),
+        }
+    }
+}
+
+impl From<SaddleMethod> for Method {
+    fn from(method: SaddleMethod) -> Self {
+        Self::Blocks(method)
+    }
+}
 
 /// A method with the iteration around it.
 #[derive(Clone, Copy, Debug)]
@@ -16,7 +78,7 @@ pub struct Candidate {
     /// In tables.
     pub name: &'static str,
     /// The preconditioner.
-    pub method: SaddleMethod,
+    pub method: Method,
     /// The iteration.
     pub krylov: KrylovChoice,
 }
@@ -164,9 +226,9 @@ pub const HEADINGS: [&str; 8] = [
     "end",
 ];
 
-/// Sets the method up once and iterates for every load; what fails is a trial with its reason.
+/// Sets the method up once and iterates on the assembled 𝒜 for every load; what fails is a trial with its reason.
 pub fn trials(
-    blocks: &SaddleBlocks,
+    problem: &Problem,
     candidate: &Candidate,
     loads: &[Load],
     budget: Budget,
@@ -174,7 +236,8 @@ pub fn trials(
 ) -> Vec<Trial> {
     memory::reset_peak();
     let start = Instant::now();
-    let ready = candidate.method.ready(blocks);
+    let blocks = &problem.blocks;
+    let ready = candidate.method.ready(problem);
     let setup = Some(start.elapsed().as_secs_f64());
     let Ready {
         inverse, hierarchy, ..
@@ -249,24 +312,20 @@ fn given_up(criteria: &Criteria, budget: Budget) -> Failure {
 mod tests {
     use super::*;
     use fracas::scene::named;
-    use fracas_solvers::Silent;
     use fracas_solvers::saddle::{BlockDiagonal, InnerChoice};
 
-    fn blocks(scene: &str) -> SaddleBlocks {
-        let body = named(scene).unwrap().small_scene().unwrap().build();
-        let blocks = body.unwrap().saddle_blocks(Some(Default::default()));
-        let blocks = blocks.unwrap();
-        blocks.in_traction_unit(blocks.traction_unit())
+    fn problem(scene: &str) -> Problem {
+        Problem::new(&named(scene).unwrap().small_scene().unwrap()).unwrap()
     }
 
-    fn tried(scene: &str, method: SaddleMethod, budget: Budget) -> Trial {
+    fn tried(scene: &str, method: impl Into<Method>, budget: Budget) -> Trial {
         let candidate = Candidate {
             name: "",
-            method,
+            method: method.into(),
             krylov: KrylovChoice::default(),
         };
         let loads = [Load::Physical];
-        trials(&blocks(scene), &candidate, &loads, budget, &mut Silent).remove(0)
+        trials(&problem(scene), &candidate, &loads, budget, &mut Silent).remove(0)
     }
 
     #[test]
@@ -312,5 +371,16 @@ mod tests {
         let not_run = Trial::not_run("too large");
         assert_eq!(not_run.cells(Level::Smoke)[0], Cell::Missing);
         assert_eq!(not_run.count(), f64::INFINITY);
+    }
+
+    #[test]
+    fn a_method_made_from_the_body_solves_the_assembled_system() {
+        let most = Budget {
+            iterations: 100,
+            cost: f64::INFINITY,
+        };
+        let trial = tried("clamped", Method::Body(MatrixFreeRacp::default()), most);
+        assert!(trial.iterations.is_some(), "{:?}", trial.failure);
+        assert!(trial.complexity.is_some() && trial.cost.is_some());
     }
 }

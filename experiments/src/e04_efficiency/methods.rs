@@ -1,7 +1,8 @@
 //! The rows of the table: RACP, the published rivals and others.
 
 use crate::published::{Row, Test};
-use crate::trial::{Candidate, Load};
+use crate::trial::{Candidate, Load, Method};
+use fracas::matrix_free::MatrixFreeRacp;
 use fracas_solvers::fsai::Fsai;
 use fracas_solvers::krylov::{KrylovChoice, Minres, Sqmr};
 use fracas_solvers::saddle::{
@@ -12,6 +13,9 @@ use fracas_solvers::saddle::{
 /// The method of the project, and the classical form of its rival.
 pub(super) const REFERENCE: &str = "RACP, local_h, AMG";
 pub(super) const CLASSICAL: &str = "MCP, γ = 0, AMG";
+
+/// RACP around geometric multigrid.
+pub(super) const GEOMETRIC: &str = "RACP, local_h, geometric";
 
 const AMG: fn() -> InnerChoice = || InnerChoice::Amg(Default::default());
 
@@ -50,10 +54,10 @@ const BOTH: &[Load] = &[Load::Physical, Load::Sine];
 
 pub(super) fn entries() -> Vec<Entry> {
     let gmres = KrylovChoice::default();
-    let entry = |name, method, krylov, beside, loads| Entry {
+    let entry = |name, method: SaddleMethod, krylov, beside, loads| Entry {
         candidate: Candidate {
             name,
-            method,
+            method: method.into(),
             krylov,
         },
         beside,
@@ -94,6 +98,16 @@ pub(super) fn entries() -> Vec<Entry> {
     vec![
         entry(REFERENCE, local_h, gmres, Beside::Racp, BOTH),
         entry(REFERENCE, local_h, sqmr, Beside::Racp, BOTH),
+        Entry {
+            candidate: Candidate {
+                name: GEOMETRIC,
+                method: Method::Body(MatrixFreeRacp::default()),
+                krylov: gmres,
+            },
+            beside: Beside::Racp,
+            loads: BOTH,
+            tests: &[],
+        },
         entry(
             "RACP, face_block, AMG",
             face_block,
