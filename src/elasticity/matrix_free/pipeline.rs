@@ -54,13 +54,10 @@ impl<R: Real> Kernel<R> for Product<'_, R> {
             faces: [[[[zero; 2]; 2]; 3]; 2],
         };
         let mut odd = Stage { ..even };
+        // Swapped in every step, so that each is one address and not a choice between two.
+        let (mut now, mut other) = (&mut even, &mut odd);
         let groups = self.task.len();
         for step in 0..groups + 2 {
-            let (now, other) = if step % 2 == 0 {
-                (&mut even, &mut odd)
-            } else {
-                (&mut odd, &mut even)
-            };
             let coming = self.task.start + step;
             let comes = step < groups;
             let here = 0 < step && step <= groups;
@@ -94,7 +91,7 @@ impl<R: Real> Kernel<R> for Product<'_, R> {
                 self.add(going, 0, &other.faces[0], &mut scattered);
             }
             if comes {
-                self.shape(coming, 0, other);
+                self.shape(coming, 0, &mut *other);
             }
             if here {
                 now.point::<R, 4>();
@@ -103,14 +100,14 @@ impl<R: Real> Kernel<R> for Product<'_, R> {
                 self.add(going, 1, &other.faces[1], &mut scattered);
             }
             if comes {
-                self.shape(coming, 1, other);
+                self.shape(coming, 1, &mut *other);
             }
             if here {
                 now.point::<R, 5>();
             }
             if comes {
                 other.faces[0] = self.read(coming, 0, &gathered);
-                self.shape(coming, 2, other);
+                self.shape(coming, 2, &mut *other);
             }
             if here {
                 now.point::<R, 6>();
@@ -126,6 +123,7 @@ impl<R: Real> Kernel<R> for Product<'_, R> {
                 other.enter(1);
                 other.enter(2);
             }
+            std::mem::swap(&mut now, &mut other);
         }
     }
 }
