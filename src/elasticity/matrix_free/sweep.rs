@@ -88,7 +88,8 @@ impl<R: Real> Product<'_, R> {
         for (j, carried) in lines.clone().zip(&mut *carried) {
             let next = 1 - now;
             let behind = [at[0] + row, at[1] + row];
-            faces[next] = self.read::<L, WHOLE>(first, behind);
+            let high = self.read::<L, WHOLE>(first, behind);
+            faces[next] = high;
             let brick = Brick {
                 inverse: [r, L::splat(bricks.inverse[1][j]), t],
                 lambda: L::load(&bricks.lambda[materials..]),
@@ -98,7 +99,7 @@ impl<R: Real> Product<'_, R> {
                 self.ask(ahead, materials_ahead);
                 (ahead, materials_ahead) = (ahead + row, materials_ahead + bricks.stride);
             }
-            let [near, far] = forces(&faces[now], &faces[next], brick, &waiting[now]);
+            let [near, far] = forces(&faces[now], &high, brick, &waiting[now]);
             waiting[next] = far;
             self.add::<L, WHOLE>(&near, carried, first, at);
             (now, at) = (next, behind);
