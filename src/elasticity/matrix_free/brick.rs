@@ -203,9 +203,8 @@ mod tests {
                 shear: L::splat(rock.shear() * scale),
             };
             let corners = |y: usize| {
-                [0, 1, 2].map(|i| {
-                    [0, 1, 4, 5].map(|m| L::splat(u[3 * LEXICOGRAPHIC[m + 2 * y] + i]))
-                })
+                [0, 1, 2]
+                    .map(|i| [0, 1, 4, 5].map(|m| L::splat(u[3 * LEXICOGRAPHIC[m + 2 * y] + i])))
             };
             let (low, high) = (to_face(&corners(0)), to_face(&corners(1)));
             let nothing = [[[L::splat(0.0); 2]; 2]; 3];

@@ -148,4 +148,3 @@ impl<R: Real> AdjointOperator<R> for Hexes<R> {
         self.apply_add(alpha, x, y, work);
     }
 }
-

@@ -227,13 +227,7 @@ impl<R: Real> Product<'_, R> {
 
     /// `y += α F` on the face at low or high y.
     #[inline(always)]
-    fn add<L: Lanes<R>>(
-        &self,
-        group: usize,
-        y: usize,
-        face: &Face<L>,
-        scattered: &mut Corners<R>,
-    ) {
+    fn add<L: Lanes<R>>(&self, group: usize, y: usize, face: &Face<L>, scattered: &mut Corners<R>) {
         match self.hexes.groups[group] {
             Nodes::Lines(lines) => {
                 let [low, high] = lines[y];
