@@ -17,13 +17,15 @@ mod registers;
 pub(crate) use dispatch::Dispatch;
 
 use crate::Real;
-use std::ops::{Add, Mul, Sub};
+use std::ops::{Add, Div, Mul, Sub};
 
 /// Largest [`Lanes::WIDTH`] of any level and scalar: paddings of this length suit all of them.
 pub const MAX_WIDTH: usize = 16;
 
 /// A vector register of [`WIDTH`](Self::WIDTH) scalars. `WIDTH` is a power of two.
-pub trait Lanes<R>: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
+pub trait Lanes<R>:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
+{
     /// Scalars per register.
     const WIDTH: usize;
 
@@ -41,9 +43,6 @@ pub trait Lanes<R>: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output 
 
     /// `self − a·b`, fused where the machine fuses.
     fn minus_product(self, a: Self, b: Self) -> Self;
-
-    /// `1/self`, correctly rounded.
-    fn reciprocal(self) -> Self;
 
     /// Lanes moved up by one place, the last lane of `before` entering at the bottom.
     fn shifted(self, before: Self) -> Self;
@@ -172,7 +171,7 @@ mod tests {
                 assert_eq!(read(a * b)[i], x * y);
                 assert_eq!(read(a.mul_add(b, c))[i], x * y + z);
                 assert_eq!(read(c.minus_product(a, b))[i], z - x * y);
-                assert_eq!(read(a.reciprocal())[i], x.recip());
+                assert_eq!(read(a / b)[i], x / y);
                 assert_eq!(read(L::splat(y))[i], y);
                 assert_eq!(read(b.shifted(a))[i], data[w + i - 1]);
                 for lane in 0..w {

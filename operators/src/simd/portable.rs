@@ -2,7 +2,7 @@
 
 use super::Lanes;
 use crate::Real;
-use std::ops::{Add, Mul, Sub};
+use std::ops::{Add, Div, Mul, Sub};
 
 const WIDTH: usize = 4;
 
@@ -27,6 +27,7 @@ macro_rules! operation {
 operation!(Add, add);
 operation!(Sub, sub);
 operation!(Mul, mul);
+operation!(Div, div);
 
 impl<R: Real> Array<R> {
     #[inline(always)]
@@ -67,14 +68,6 @@ impl<R: Real> Lanes<R> for Array<R> {
     #[inline(always)]
     fn minus_product(self, a: Self, b: Self) -> Self {
         self - a * b
-    }
-
-    #[inline(always)]
-    fn reciprocal(mut self) -> Self {
-        for value in &mut self.0 {
-            *value = value.recip();
-        }
-        self
     }
 
     #[inline(always)]

@@ -31,6 +31,15 @@ macro_rules! registers {
             }
         }
 
+        impl std::ops::Div for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn div(self, other: Self) -> Self {
+                // SAFETY: see the type.
+                unsafe { Self($div(self.0, other.0)) }
+            }
+        }
+
         impl super::Lanes<$scalar> for $name {
             const WIDTH: usize = $width;
 
@@ -64,12 +73,6 @@ macro_rules! registers {
             fn minus_product(self, a: Self, b: Self) -> Self {
                 // SAFETY: see the type.
                 unsafe { Self($fnma(a.0, b.0, self.0)) }
-            }
-
-            #[inline(always)]
-            fn reciprocal(self) -> Self {
-                // SAFETY: see the type.
-                unsafe { Self($div($set1(1.0), self.0)) }
             }
 
             #[inline(always)]

@@ -147,34 +147,29 @@ pub(super) fn forces<R: Real, L: Lanes<R>>(
     [near, far]
 }
 
-/// Displacements of the corners, x fastest, as the faces at low and high y.
+/// Displacements of the corners of a face, `[component][x + 2z]`, as its modes.
 #[inline(always)]
-pub(super) fn to_faces<R: Real, L: Lanes<R>>(corners: &[[L; 8]; 3]) -> [Face<L>; 2] {
-    let mut faces = [[[[L::splat(R::zero()); 2]; 2]; 3]; 2];
-    for (y, face) in faces.iter_mut().enumerate() {
-        for c in 0..3 {
-            let u = &corners[c];
-            let left = sum_and_difference(u[2 * y], u[2 * y + 4]);
-            let right = sum_and_difference(u[2 * y + 1], u[2 * y + 5]);
-            for z in 0..2 {
-                face[c][z] = sum_and_difference(left[z], right[z]);
-            }
+pub(super) fn to_face<R: Real, L: Lanes<R>>(corners: &[[L; 4]; 3]) -> Face<L> {
+    let mut face = [[[L::splat(R::zero()); 2]; 2]; 3];
+    for c in 0..3 {
+        let [low_left, low_right, high_left, high_right] = corners[c];
+        let left = sum_and_difference(low_left, high_left);
+        let right = sum_and_difference(low_right, high_right);
+        for z in 0..2 {
+            face[c][z] = sum_and_difference(left[z], right[z]);
         }
     }
-    faces
+    face
 }
 
-/// The adjoint of [`to_faces`]: forces on the corners.
+/// The adjoint of [`to_face`]: forces on the corners.
 #[inline(always)]
-pub(super) fn to_corners<R: Real, L: Lanes<R>>(faces: &[Face<L>; 2]) -> [[L; 8]; 3] {
-    let mut corners = [[L::splat(R::zero()); 8]; 3];
-    for (y, face) in faces.iter().enumerate() {
-        for c in 0..3 {
-            let (sums, differences) = (low_and_high(face[c][0]), low_and_high(face[c][1]));
-            for x in 0..2 {
-                let [low, high] = low_and_high([sums[x], differences[x]]);
-                (corners[c][x + 2 * y], corners[c][x + 2 * y + 4]) = (low, high);
-            }
+pub(super) fn to_corners<R: Real, L: Lanes<R>>(face: &Face<L>) -> [[L; 4]; 3] {
+    let mut corners = [[L::splat(R::zero()); 4]; 3];
+    for c in 0..3 {
+        let (sums, differences) = (low_and_high(face[c][0]), low_and_high(face[c][1]));
+        for x in 0..2 {
+            [corners[c][x], corners[c][x + 2]] = low_and_high([sums[x], differences[x]]);
         }
     }
     corners
@@ -207,16 +202,20 @@ mod tests {
                 lambda: L::splat(rock.lambda() * scale),
                 shear: L::splat(rock.shear() * scale),
             };
-            let corners = [0, 1, 2].map(|i| LEXICOGRAPHIC.map(|a| L::splat(u[3 * a + i])));
-            let [low, high] = to_faces(&corners);
+            let corners = |y: usize| {
+                [0, 1, 2]
+                    .map(|i| [0, 1, 4, 5].map(|m| L::splat(u[3 * LEXICOGRAPHIC[m + 2 * y] + i])))
+            };
+            let (low, high) = (to_face(&corners(0)), to_face(&corners(1)));
             let nothing = [[[L::splat(0.0); 2]; 2]; 3];
-            let f = to_corners(&forces(&low, &high, brick, &nothing));
+            let [near, far] = forces(&low, &high, brick, &nothing);
+            let f = [to_corners(&near), to_corners(&far)];
             let mut lanes = vec![0.0; L::WIDTH];
             for i in 0..3 {
                 for (m, a) in LEXICOGRAPHIC.into_iter().enumerate() {
                     let row = &k[3 * a + i];
                     let expected: f64 = row.iter().zip(&u).map(|(k, u)| k * u).sum();
-                    f[i][m].store(&mut lanes);
+                    f[m / 2 % 2][i][m % 2 + m / 4 * 2].store(&mut lanes);
                     assert!(
                         (lanes[0] - expected).abs() < 1e-13,
                         "corner {:?}",

@@ -1,37 +1,39 @@
 //! Stiffness products on any mesh of hexahedra without a matrix.
 
-use super::colours::{Colours, Shared};
-use super::gauss::{VARYING, forces, weight};
-use super::modes::{LEXICOGRAPHIC, Modes, to_corners, to_modes};
+use super::colours::Colours;
+use super::gauss::{VARYING, weight};
+use super::groups::{Nodes, coloured, groups};
+use super::modes::LEXICOGRAPHIC;
+use super::pipeline::Product;
 use crate::elasticity::{Elastic, ElasticityError, check};
 use crate::mesh::HexMesh;
 use fracas_operators::operator::assert_product;
-use fracas_operators::simd::{Kernel, Lanes, Level, MAX_WIDTH, prefetch};
+use fracas_operators::simd::Level;
 use fracas_operators::{AdjointOperator, LinearOperator, Real, Shape};
-
-/// Elements of one task: a multiple of [`MAX_WIDTH`].
-const TASK: usize = 512;
 
 /// The stiffness `A` of a mesh of arbitrary hexahedra, in full numbering.
 ///
-/// Gauss points are recomputed in registers from the shape of each element, 21 numbers; see [`forces`].
+/// Gauss points are recomputed in registers from the shape of each element, 21 numbers. Elements that follow each other
+/// along x on lines of consecutive nodes are read line by line; the others through node numbers.
 ///
 /// # Cost
-/// Per element: 1655 flops; 23 scalars and 32 bytes of node numbers.
+/// Per element: 1557 flops; 23 scalars, and 32 bytes of node numbers where it is not on node lines.
 #[derive(Clone, Debug)]
 pub struct Hexes<R> {
     level: Level,
     nodes: usize,
-    /// Nodes per element in lexicographic order.
-    elements: Vec<[u32; 8]>,
-    /// [`NUMBERS`] registers per group of as many elements as a register holds lanes: weighted modes 1–7 of the three
-    /// coordinates, λ, G. The last group is filled up with copies without stiffness.
-    groups: Vec<R>,
+    count: usize,
+    pub(super) groups: Vec<Nodes>,
+    /// Nodes in lexicographic order per element of the groups that are not on node lines.
+    pub(super) elements: Vec<[u32; 8]>,
+    /// [`NUMBERS`] registers per group: weighted modes 1–7 of the three coordinates, λ/G, G/64. Groups that are not full
+    /// are filled up with copies without stiffness.
+    pub(super) numbers: Vec<R>,
     tasks: Colours<std::ops::Range<usize>>,
 }
 
-/// Numbers per element: weighted modes of the three coordinates, λ, G.
-const NUMBERS: usize = 3 * VARYING + 2;
+/// Numbers per element.
+pub(super) const NUMBERS: usize = 3 * VARYING + 2;
 
 impl<R: Real> Hexes<R> {
     /// The stiffness of `mesh`, one material per region.
@@ -52,31 +54,49 @@ impl<R: Real> Hexes<R> {
         level: Level,
     ) -> Result<Self, ElasticityError> {
         check::elements(mesh, materials.len())?;
-        let n = mesh.elements.len();
+        let nodes: Vec<[u32; 8]> = mesh
+            .elements
+            .iter()
+            .map(|nodes| LEXICOGRAPHIC.map(|a| nodes[a]))
+            .collect();
         let width = level.width::<R>();
-        let mut groups = vec![R::zero(); NUMBERS * n.next_multiple_of(width)];
-        for (g, group) in groups.chunks_exact_mut(NUMBERS * width).enumerate() {
+        let groups = groups(&nodes, width);
+        let mut elements = Vec::new();
+        let mut numbers = vec![R::zero(); NUMBERS * width * groups.len()];
+        let mut places = Vec::with_capacity(groups.len());
+        for (group, numbers) in groups.iter().zip(numbers.chunks_exact_mut(NUMBERS * width)) {
+            places.push(match group.lines {
+                Some(lines) => Nodes::Lines(lines),
+                None => Nodes::Any(elements.len()),
+            });
             for lane in 0..width {
-                let e = (g * width + lane).min(n - 1);
+                let e = group.elements[lane.min(group.elements.len() - 1)];
+                if group.lines.is_none() {
+                    elements.push(nodes[e]);
+                }
                 let material = materials[usize::from(mesh.regions[e])];
-                let stiff = if g * width + lane < n { 1.0 } else { 0.0 };
-                let moduli = [stiff * material.lambda(), stiff * material.shear()];
+                // λ/G = 2ν/(1 − 2ν); what a field on [−1, 1]³ lacks of its weights, ⅛, is squared in the energy.
+                let ratio = 2.0 * material.poisson / (1.0 - 2.0 * material.poisson);
+                let shear = if lane < group.elements.len() {
+                    material.shear() / 64.0
+                } else {
+                    0.0
+                };
                 let shape = weighted_shape(&check::corners(mesh, e));
-                for (i, number) in shape.into_iter().flatten().chain(moduli).enumerate() {
-                    group[i * width + lane] = R::of(number);
+                let all = shape.into_iter().flatten().chain([ratio, shear]);
+                for (i, number) in all.enumerate() {
+                    numbers[i * width + lane] = R::of(number);
                 }
             }
         }
         Ok(Self {
             level,
             nodes: mesh.nodes.len(),
-            elements: mesh
-                .elements
-                .iter()
-                .map(|nodes| LEXICOGRAPHIC.map(|a| nodes[a]))
-                .collect(),
-            groups,
-            tasks: coloured(mesh),
+            count: mesh.elements.len(),
+            tasks: coloured(&groups, &nodes, mesh.nodes.len(), width),
+            groups: places,
+            elements,
+            numbers,
         })
     }
 }
@@ -96,40 +116,12 @@ fn weighted_shape(corners: &[[f64; 3]; 8]) -> [[f64; VARYING]; 3] {
             for (place, a) in LEXICOGRAPHIC.into_iter().enumerate() {
                 // A corner counts negatively for every difference at whose low end it is.
                 let odd = (m & !place).count_ones() % 2 == 1;
-                let value = weight(m) * corners[a][i];
+                let value = 0.125 * weight(m) * corners[a][i];
                 shape[i][m - 1] += if odd { -value } else { value };
             }
         }
     }
     shape
-}
-
-/// Consecutive elements in tasks of [`TASK`], coloured first come first served; the colours depend on the mesh alone.
-fn coloured(mesh: &HexMesh) -> Colours<std::ops::Range<usize>> {
-    /// Colours that fit a mask of 64 bits; tasks beyond them, on meshes numbered at random, run alone.
-    const MASKED: usize = 64;
-    let mut used = vec![0u64; mesh.nodes.len()];
-    let mut colours: Vec<Vec<std::ops::Range<usize>>> = Vec::new();
-    let mut alone = Vec::new();
-    let n = mesh.elements.len();
-    for first in (0..n).step_by(TASK) {
-        let task = first..n.min(first + TASK);
-        let nodes = || mesh.elements[task.clone()].iter().flatten();
-        let taken = nodes().fold(0, |mask, node| mask | used[*node as usize]);
-        let colour = taken.trailing_ones() as usize;
-        if colour == MASKED {
-            alone.push(vec![task]);
-            continue;
-        }
-        nodes().for_each(|node| used[*node as usize] |= 1 << colour);
-        if colour == colours.len() {
-            colours.push(Vec::new());
-        }
-        colours[colour].push(task);
-    }
-    colours.append(&mut alone);
-    // SAFETY: a task takes a colour that no task before it at any of its nodes has.
-    unsafe { Colours::new(colours) }
 }
 
 impl<R: Real> LinearOperator<R> for Hexes<R> {
@@ -151,108 +143,15 @@ impl<R: Real> LinearOperator<R> for Hexes<R> {
     }
 
     fn flops(&self) -> u64 {
-        // Modes 72, weights 21, derivatives 72, those of the shape 72; per Gauss point 33 (cofactors, det, inverse),
-        // 45 (gradient), 18 (stress), 54 (force); back 99 + 21 + 72; α and accumulation 26.
-        1_655 * self.elements.len() as u64
+        // On node lines, additions + multiplications + 2 fused: faces 36, modes 24, weights 12, derivatives 66, those of
+        // the shape 66; per Gauss point 27 (cofactors), 6 (det, G/det), 45 (gradient), 18 (stress); forces 396 at all;
+        // back 81 + 12 + 24, onto lines 72.
+        1_557 * self.count as u64
     }
 }
 
 impl<R: Real> AdjointOperator<R> for Hexes<R> {
     fn apply_adjoint_add(&self, alpha: R, x: &[R], y: &mut [R], work: &mut [R]) {
         self.apply_add(alpha, x, y, work);
-    }
-}
-
-/// One task of one product.
-struct Product<'a, R> {
-    hexes: &'a Hexes<R>,
-    alpha: R,
-    x: &'a [R],
-    y: &'a Shared<'a, R>,
-    task: std::ops::Range<usize>,
-}
-
-impl<R: Real> Kernel<R> for Product<'_, R> {
-    #[inline(always)]
-    fn run<L: Lanes<R>>(self) {
-        // Scalars are written here a group ahead of the registers that read them: by then they have left the store queue.
-        let zero = || Corners([[[R::zero(); MAX_WIDTH]; 8]; 3]);
-        let mut corners = [zero(), zero()];
-        self.gather(self.group::<L>(self.task.start), &mut corners[0]);
-        for (g, first) in self.task.clone().step_by(L::WIDTH).enumerate() {
-            let [even, odd] = &mut corners;
-            let (now, next) = if g % 2 == 0 { (even, odd) } else { (odd, even) };
-            self.gather(self.group::<L>(first + L::WIDTH), next);
-            for number in (0..NUMBERS * L::WIDTH).step_by(64 / std::mem::size_of::<R>()) {
-                prefetch(&self.hexes.groups, NUMBERS * (first + L::WIDTH) + number);
-            }
-            self.registers::<L>(first, now);
-            self.scatter(self.group::<L>(first), now);
-        }
-    }
-}
-
-/// Values at the corners of a group: `[component][lexicographic corner][element]`; aligned so that no register
-/// straddles two cache lines.
-#[repr(align(64))]
-struct Corners<R>([[[R; MAX_WIDTH]; 8]; 3]);
-
-impl<R: Real> Product<'_, R> {
-    /// Nodes of up to `WIDTH` elements of this task from `first`; none behind its end.
-    #[inline(always)]
-    fn group<L: Lanes<R>>(&self, first: usize) -> &[[u32; 8]] {
-        let end = self.task.end;
-        &self.hexes.elements[first.min(end)..end.min(first + L::WIDTH)]
-    }
-
-    #[inline(always)]
-    fn gather(&self, elements: &[[u32; 8]], corners: &mut Corners<R>) {
-        for (lane, nodes) in elements.iter().enumerate().take(MAX_WIDTH) {
-            for (m, node) in nodes.iter().enumerate() {
-                let x = &self.x[3 * *node as usize..][..3];
-                for c in 0..3 {
-                    corners.0[c][m][lane] = x[c];
-                }
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn scatter(&self, elements: &[[u32; 8]], corners: &Corners<R>) {
-        for (lane, nodes) in elements.iter().enumerate().take(MAX_WIDTH) {
-            for (m, node) in nodes.iter().enumerate() {
-                // SAFETY: the node belongs to this task.
-                let y = unsafe { self.y.part(3 * *node as usize, 3) };
-                for c in 0..3 {
-                    y[c] += corners.0[c][m][lane];
-                }
-            }
-        }
-    }
-
-    /// Replaces corner displacements of `WIDTH` elements by α times their corner forces.
-    #[inline(always)]
-    fn registers<L: Lanes<R>>(&self, first: usize, corners: &mut Corners<R>) {
-        let zero = L::splat(R::zero());
-        let (mut u, mut shape) = ([[zero; 8]; 3], [[zero; 8]; 3]);
-        let group = &self.hexes.groups[NUMBERS * first..][..NUMBERS * L::WIDTH];
-        for c in 0..3 {
-            for m in 0..8 {
-                u[c][m] = L::load(&corners.0[c][m]);
-            }
-            for m in 1..8 {
-                shape[c][m] = L::load(&group[(VARYING * c + m - 1) * L::WIDTH..]);
-            }
-        }
-        let alpha = L::splat(self.alpha);
-        let lambda = alpha * L::load(&group[(NUMBERS - 2) * L::WIDTH..]);
-        let shear = alpha * L::load(&group[(NUMBERS - 1) * L::WIDTH..]);
-        let u: Modes<L> = to_modes(u);
-        let f = to_corners(forces(&u, &shape, lambda, shear));
-        for c in 0..3 {
-            for m in 0..8 {
-                f[c][m].store(&mut corners.0[c][m]);
-            }
-        }
     }
 }

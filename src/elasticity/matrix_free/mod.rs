@@ -4,9 +4,11 @@ mod brick;
 mod bricks;
 mod colours;
 mod gauss;
+mod groups;
 mod hexes;
 mod line;
 mod modes;
+mod pipeline;
 mod restricted;
 mod sweep;
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! One task of a product with bricks: sweeps along y, the registers over consecutive elements along x.
 
-use super::brick::{Brick, Face, forces, to_corners, to_faces};
+use super::brick::{Brick, Face, forces, to_corners, to_face};
 use super::bricks::{Bricks, SplitElement, Task};
 use super::colours::Shared;
 use super::line;
@@ -88,7 +88,8 @@ impl<R: Real> Product<'_, R> {
         for (j, carried) in lines.clone().zip(&mut *carried) {
             let next = 1 - now;
             let behind = [at[0] + row, at[1] + row];
-            faces[next] = self.read::<L, WHOLE>(first, behind);
+            let high = self.read::<L, WHOLE>(first, behind);
+            faces[next] = high;
             let brick = Brick {
                 inverse: [r, L::splat(bricks.inverse[1][j]), t],
                 lambda: L::load(&bricks.lambda[materials..]),
@@ -98,7 +99,7 @@ impl<R: Real> Product<'_, R> {
                 self.ask(ahead, materials_ahead);
                 (ahead, materials_ahead) = (ahead + row, materials_ahead + bricks.stride);
             }
-            let [near, far] = forces(&faces[now], &faces[next], brick, &waiting[now]);
+            let [near, far] = forces(&faces[now], &high, brick, &waiting[now]);
             waiting[next] = far;
             self.add::<L, WHOLE>(&near, carried, first, at);
             (now, at) = (next, behind);
@@ -209,17 +210,18 @@ impl<R: Real> Product<'_, R> {
             shear: L::load(shear),
         };
         let zero = L::splat(R::zero());
-        let mut corners = [[zero; 8]; 3];
+        let mut corners = [[[zero; 4]; 3]; 2];
         for c in 0..3 {
             for m in 0..8 {
-                corners[c][m] = L::load(&lanes[c][m]);
+                corners[m / 2 % 2][c][m % 2 + m / 4 * 2] = L::load(&lanes[c][m]);
             }
         }
-        let [low, high] = to_faces(&corners);
-        let force = to_corners(&forces(&low, &high, brick, &[[[zero; 2]; 2]; 3]));
+        let (low, high) = (to_face(&corners[0]), to_face(&corners[1]));
+        let [near, far] = forces(&low, &high, brick, &[[[zero; 2]; 2]; 3]);
+        let force = [to_corners(&near), to_corners(&far)];
         for c in 0..3 {
             for m in 0..8 {
-                force[c][m].store(&mut lanes[c][m]);
+                force[m / 2 % 2][c][m % 2 + m / 4 * 2].store(&mut lanes[c][m]);
             }
         }
         for (l, element) in elements.iter().enumerate() {

@@ -1,0 +1,98 @@
+//! Elements of a mesh in groups that fill a register, in tasks that may run in parallel.
+
+use super::colours::Colours;
+use std::ops::Range;
+
+/// Elements of one task.
+const TASK: usize = 512;
+
+/// Where the corner values of a group of elements are.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Nodes {
+    /// Neighbours along x on four lines of consecutive nodes: the first node of each line, `[along y][along z]`.
+    Lines([[u32; 2]; 2]),
+    /// Any elements: the place of the first in the list of nodes by element.
+    Any(usize),
+}
+
+/// The elements of a group, at most as many as a register has lanes, and their nodes.
+pub(super) struct Group {
+    pub(super) elements: Vec<usize>,
+    pub(super) lines: Option<[[u32; 2]; 2]>,
+}
+
+/// Groups of `width` elements with nodes in lexicographic order: neighbours on node lines where they follow each other in
+/// the mesh, the others as they come.
+pub(super) fn groups(elements: &[[u32; 8]], width: usize) -> Vec<Group> {
+    let (mut groups, mut others, mut e) = (Vec::new(), Vec::new(), 0);
+    while e < elements.len() {
+        let lines = lines(&elements[e..elements.len().min(e + width)], width);
+        if lines.is_some() {
+            let elements = (e..e + width).collect();
+            groups.push(Group { elements, lines });
+            e += width;
+            continue;
+        }
+        others.push(e);
+        e += 1;
+        if others.len() == width {
+            let elements = std::mem::take(&mut others);
+            groups.push(Group { elements, lines });
+        }
+    }
+    if !others.is_empty() {
+        groups.push(Group {
+            elements: others,
+            lines: None,
+        });
+    }
+    groups
+}
+
+/// The four node lines of `width` elements if each is the neighbour along x of the one before and no lines overlap.
+fn lines(elements: &[[u32; 8]], width: usize) -> Option<[[u32; 2]; 2]> {
+    let first = elements[0];
+    let neighbours = elements.len() == width
+        && elements.iter().enumerate().all(|(l, nodes)| {
+            (0..8).all(|m| nodes[m] as usize == first[m & !1] as usize + l + (m & 1))
+        });
+    let mut starts = [0, 2, 4, 6].map(|m| first[m]);
+    starts.sort_unstable();
+    let apart = starts.windows(2).all(|s| (s[1] - s[0]) as usize > width);
+    (neighbours && apart).then(|| [0, 1].map(|y| [0, 1].map(|z| first[2 * y + 4 * z])))
+}
+
+/// Consecutive groups in tasks of [`TASK`] elements, coloured first come first served; the colours depend on the groups
+/// alone.
+pub(super) fn coloured(
+    groups: &[Group],
+    elements: &[[u32; 8]],
+    nodes: usize,
+    width: usize,
+) -> Colours<Range<usize>> {
+    /// Colours that fit a mask of 64 bits; tasks beyond them, on meshes numbered at random, run alone.
+    const MASKED: usize = 64;
+    let mut used = vec![0u64; nodes];
+    let mut colours: Vec<Vec<Range<usize>>> = Vec::new();
+    let mut alone = Vec::new();
+    let per_task = TASK / width;
+    for first in (0..groups.len()).step_by(per_task) {
+        let task = first..groups.len().min(first + per_task);
+        let members = || groups[task.clone()].iter().flat_map(|g| &g.elements);
+        let nodes = || members().flat_map(|e| elements[*e]);
+        let taken = nodes().fold(0, |mask, node| mask | used[node as usize]);
+        let colour = taken.trailing_ones() as usize;
+        if colour == MASKED {
+            alone.push(vec![task]);
+            continue;
+        }
+        nodes().for_each(|node| used[node as usize] |= 1 << colour);
+        if colour == colours.len() {
+            colours.push(Vec::new());
+        }
+        colours[colour].push(task);
+    }
+    colours.append(&mut alone);
+    // SAFETY: a task takes a colour that no task before it at any of its nodes has.
+    unsafe { Colours::new(colours) }
+}

@@ -1,0 +1,276 @@
+//! One task of a product with general hexahedra: a pipeline of groups of elements.
+//!
+//! While the Gauss points of one group keep the multipliers busy, the additions, loads and stores of its neighbours fill
+//! the rest of the machine: the displacements of the next group become derivatives and the forces of the last one reach
+//! their nodes. All that a group leaves for later lies in memory, in one of two stages chosen by its parity.
+
+use super::brick::{Face, to_corners, to_face};
+use super::colours::Shared;
+use super::gauss::{Derivatives, VARYING, derivatives, modes_of_derivatives, point, weight};
+use super::groups::Nodes;
+use super::hexes::{Hexes, NUMBERS};
+use super::line;
+use super::modes::{across, to_both};
+use fracas_operators::Real;
+use fracas_operators::simd::{Kernel, Lanes, MAX_WIDTH, prefetch};
+
+/// One task of one product: a range of groups.
+pub(super) struct Product<'a, R> {
+    pub(super) hexes: &'a Hexes<R>,
+    pub(super) alpha: R,
+    pub(super) x: &'a [R],
+    pub(super) y: &'a Shared<'a, R>,
+    pub(super) task: std::ops::Range<usize>,
+}
+
+/// A group between its nodes and its Gauss points.
+struct Stage<L> {
+    shape: [Derivatives<L>; 3],
+    gradient: [Derivatives<L>; 3],
+    force: [Derivatives<L>; 3],
+    /// λ/G and G/64.
+    moduli: [L; 2],
+    /// Displacements of the faces at low and high y, later their forces.
+    faces: [Face<L>; 2],
+}
+
+/// Values at the corners of a group that is not on node lines: `[component][lexicographic corner][element]`; aligned so
+/// that no register straddles two cache lines.
+#[repr(align(64))]
+struct Corners<R>([[[R; MAX_WIDTH]; 8]; 3]);
+
+impl<R: Real> Kernel<R> for Product<'_, R> {
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) {
+        let zero = L::splat(R::zero());
+        let empty = || Corners([[[R::zero(); MAX_WIDTH]; 8]; 3]);
+        let (mut gathered, mut scattered) = (empty(), empty());
+        let nothing = [[[zero; 4]; 3]; 3];
+        let mut even = Stage {
+            shape: nothing,
+            gradient: nothing,
+            force: nothing,
+            moduli: [zero; 2],
+            faces: [[[[zero; 2]; 2]; 3]; 2],
+        };
+        let mut odd = Stage { ..even };
+        // Swapped in every step, so that each is one address and not a choice between two.
+        let (mut now, mut other) = (&mut even, &mut odd);
+        let groups = self.task.len();
+        for step in 0..groups + 2 {
+            let coming = self.task.start + step;
+            let comes = step < groups;
+            let here = 0 < step && step <= groups;
+            let goes = 1 < step;
+            let going = if goes { coming - 2 } else { coming };
+            if here {
+                now.point::<R, 0>();
+            }
+            if goes {
+                other.leave(0);
+            }
+            if comes {
+                self.gather::<L>(coming, &mut gathered);
+            }
+            if here {
+                now.point::<R, 1>();
+            }
+            if goes {
+                other.leave(1);
+            }
+            if here {
+                now.point::<R, 2>();
+            }
+            if goes {
+                other.leave(2);
+            }
+            if here {
+                now.point::<R, 3>();
+            }
+            if goes {
+                self.add(going, 0, &other.faces[0], &mut scattered);
+            }
+            if comes {
+                self.shape(coming, 0, &mut *other);
+            }
+            if here {
+                now.point::<R, 4>();
+            }
+            if goes {
+                self.add(going, 1, &other.faces[1], &mut scattered);
+            }
+            if comes {
+                self.shape(coming, 1, &mut *other);
+            }
+            if here {
+                now.point::<R, 5>();
+            }
+            if comes {
+                other.faces[0] = self.read(coming, 0, &gathered);
+                self.shape(coming, 2, &mut *other);
+            }
+            if here {
+                now.point::<R, 6>();
+            }
+            if comes {
+                other.faces[1] = self.read(coming, 1, &gathered);
+                other.enter(0);
+            }
+            if here {
+                now.point::<R, 7>();
+            }
+            if comes {
+                other.enter(1);
+                other.enter(2);
+            }
+            std::mem::swap(&mut now, &mut other);
+        }
+    }
+}
+
+impl<L: Copy> Stage<L> {
+    /// Forces of Gauss point Q.
+    #[inline(always)]
+    fn point<R: Real, const Q: usize>(&mut self)
+    where
+        L: Lanes<R>,
+    {
+        let [ratio, shear] = self.moduli;
+        point::<R, L, Q>(&self.shape, &self.gradient, ratio, shear, &mut self.force);
+    }
+
+    /// Derivatives of component c of the displacement.
+    #[inline(always)]
+    fn enter<R: Real>(&mut self, c: usize)
+    where
+        L: Lanes<R>,
+    {
+        let mut modes = across(&self.faces, c);
+        for m in [3, 5, 6, 7] {
+            modes[m] = modes[m] * L::splat(R::of(weight(m)));
+        }
+        self.gradient[c] = derivatives(&modes);
+    }
+
+    /// Forces on both faces, component c.
+    #[inline(always)]
+    fn leave<R: Real>(&mut self, c: usize)
+    where
+        L: Lanes<R>,
+    {
+        let mut modes = modes_of_derivatives(&self.force[c]);
+        for m in [3, 5, 6, 7] {
+            modes[m] = modes[m] * L::splat(R::of(weight(m)));
+        }
+        to_both(&modes, &mut self.faces, c);
+    }
+}
+
+impl<R: Real> Product<'_, R> {
+    /// Derivatives of component c of the position; with the first come the moduli.
+    #[inline(always)]
+    fn shape<L: Lanes<R>>(&self, group: usize, c: usize, stage: &mut Stage<L>) {
+        let size = NUMBERS * L::WIDTH;
+        let numbers = &self.hexes.numbers[size * group..][..size];
+        let mut modes = [L::splat(R::zero()); 8];
+        for m in 1..8 {
+            let place = (VARYING * c + m - 1) * L::WIDTH;
+            modes[m] = L::load(&numbers[place..]);
+            prefetch(numbers, size + place);
+        }
+        stage.shape[c] = derivatives(&modes);
+        if c == 0 {
+            for i in 0..2 {
+                let place = (3 * VARYING + i) * L::WIDTH;
+                stage.moduli[i] = L::load(&numbers[place..]);
+                prefetch(numbers, size + place);
+            }
+        }
+    }
+
+    /// Modes of the displacements on the face at low or high y.
+    #[inline(always)]
+    fn read<L: Lanes<R>>(&self, group: usize, y: usize, gathered: &Corners<R>) -> Face<L> {
+        match self.hexes.groups[group] {
+            Nodes::Lines(lines) => {
+                let [low, high] = lines[y];
+                line::read(&self.x[3 * low as usize..], &self.x[3 * high as usize..])
+            }
+            Nodes::Any(_) => {
+                let mut corners = [[L::splat(R::zero()); 4]; 3];
+                for c in 0..3 {
+                    for m in 0..4 {
+                        corners[c][m] = L::load(&gathered.0[c][corner(m, y)]);
+                    }
+                }
+                to_face(&corners)
+            }
+        }
+    }
+
+    /// Displacements of a group that is not on node lines, well ahead of [`read`](Self::read): by then the scalars have
+    /// left the store queue.
+    #[inline(always)]
+    fn gather<L: Lanes<R>>(&self, group: usize, gathered: &mut Corners<R>) {
+        let Nodes::Any(first) = self.hexes.groups[group] else {
+            return;
+        };
+        for (lane, nodes) in self.hexes.elements[first..][..L::WIDTH].iter().enumerate() {
+            for (m, node) in nodes.iter().enumerate() {
+                let x = &self.x[3 * *node as usize..][..3];
+                for c in 0..3 {
+                    gathered.0[c][m][lane] = x[c];
+                }
+            }
+        }
+    }
+
+    /// `y += α F` on the face at low or high y.
+    #[inline(always)]
+    fn add<L: Lanes<R>>(&self, group: usize, y: usize, face: &Face<L>, scattered: &mut Corners<R>) {
+        match self.hexes.groups[group] {
+            Nodes::Lines(lines) => {
+                let [low, high] = lines[y];
+                let len = 3 * (L::WIDTH + 1);
+                // SAFETY: both lines belong to this task and are different.
+                let (low, high) = unsafe {
+                    (
+                        self.y.part(3 * low as usize, len),
+                        self.y.part(3 * high as usize, len),
+                    )
+                };
+                let mut carried = [[L::splat(R::zero()); 2]; 3];
+                line::add(face, &mut carried, self.alpha, low, high);
+                for c in 0..3 {
+                    let (sum, difference) = (line::last(carried[c][0]), line::last(carried[c][1]));
+                    low[3 * L::WIDTH + c] += self.alpha * (sum - difference);
+                    high[3 * L::WIDTH + c] += self.alpha * (sum + difference);
+                }
+            }
+            Nodes::Any(first) => {
+                let corners = to_corners(face);
+                let alpha = L::splat(self.alpha);
+                for c in 0..3 {
+                    for m in 0..4 {
+                        (alpha * corners[c][m]).store(&mut scattered.0[c][corner(m, y)]);
+                    }
+                }
+                for (lane, nodes) in self.hexes.elements[first..][..L::WIDTH].iter().enumerate() {
+                    for m in 0..4 {
+                        let m = corner(m, y);
+                        // SAFETY: the node belongs to this task.
+                        let y = unsafe { self.y.part(3 * nodes[m] as usize, 3) };
+                        for c in 0..3 {
+                            y[c] += scattered.0[c][m][lane];
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Corner m of the face at low or high y, among those of the element.
+const fn corner(m: usize, y: usize) -> usize {
+    m % 2 + 2 * y + m / 2 * 4
+}
