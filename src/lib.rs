@@ -1,6 +1,6 @@
 //! The model: from a fractured scene to the blocks of its saddle point.
 //!
-//! Rooms, each importing only those before it: `units` ◄ `mesh` ◄ {`elasticity`, `contact`} ◄ `scene` ◄ `system` ◄ {`matrix_free`, `multigrid`, `jacobian`}; `io` writes.
+//! Rooms, each importing only those before it: `units` ◄ `mesh` ◄ {`elasticity`, `contact`} ◄ `scene` ◄ `system` ◄ {`multigrid` ◄ `matrix_free`, `jacobian`}; `io` writes.
 
 pub mod contact;
 pub mod elasticity;

@@ -60,7 +60,7 @@ impl StickSystem<'_> {
     /// H for faces in given states, or `None` where it is absent or has no entries.
     pub fn stabilization_for(
         &self,
-        state: impl Fn(usize) -> ContactState,
+        state: impl Fn(usize) -> ContactState + Sync,
     ) -> Option<SparseMatrix<f64>> {
         let h = self
             .stabilization?

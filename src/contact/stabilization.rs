@@ -2,8 +2,9 @@
 
 use super::ContactState;
 use crate::elasticity::Elastic;
-use crate::mesh::{FaceSide, FractureEdge, FractureFace, FractureMesh, HexMesh};
-use fracas_operators::sparse::{SparseMatrix, Triplets};
+use crate::mesh::{FaceSide, FractureEdge, FractureFace, FractureMesh, HexMesh, Incidence};
+use fracas_operators::sparse::SparseMatrix;
+use rayon::prelude::*;
 
 /// `H(μ, t) = Σ_e [[μ]]_e · Y⁽ᵉ⁾ · [[t]]_e` over the inner edges e of every fracture.
 ///
@@ -72,62 +73,126 @@ impl JumpStabilization {
         mesh: &HexMesh,
         fractures: &FractureMesh,
         materials: &[Elastic],
-        state: impl Fn(usize) -> ContactState,
+        state: impl Fn(usize) -> ContactState + Sync,
     ) -> SparseMatrix<f64> {
-        let n = 3 * fractures.faces.len();
-        let mut h = Triplets::new((n, n));
-        for edge in &fractures.edges {
-            let faces = edge.faces.map(|f| f as usize);
-            let shared = faces.map(|f| state(f).constrained());
-            let shared = shared[0].min(shared[1]);
-            if shared == 0 {
-                continue;
-            }
-            let y = self.edge_weight(mesh, fractures, materials, edge);
-            for (row, f) in faces.iter().enumerate() {
-                for (column, g) in faces.iter().enumerate() {
-                    let sign = if row == column { 1.0 } else { -1.0 };
-                    let (r_f, r_g) = (&fractures.faces[*f].frame, &fractures.faces[*g].frame);
+        let faces = &fractures.faces;
+        let stiffness: Vec<[[f64; 3]; 2]> = faces
+            .par_iter()
+            .with_min_len(PER_TASK)
+            .map(|face| {
+                [face.minus, face.plus].map(|side| {
+                    let element = side.element as usize;
+                    let material = materials[usize::from(mesh.regions[element])];
+                    side_stiffness(self.scale, material, side_of(mesh, element))
+                })
+            })
+            .collect();
+        let edges_of = Incidence::new(faces.len(), || {
+            let ends = fractures.edges.iter().enumerate();
+            ends.flat_map(|(e, edge)| edge.faces.map(|f| (f as usize, e as u32)))
+        });
+        // 3×3 blocks (column face, block) of the rows of a face, by column
+        let blocks_of = |f: usize| {
+            let mut row: Vec<(usize, [[f64; 3]; 3])> = Vec::with_capacity(8);
+            for edge in edges_of.row(f) {
+                let edge = &fractures.edges[*edge as usize];
+                let ends = edge.faces.map(|f| f as usize);
+                let shared = ends.map(|f| state(f).constrained());
+                let shared = shared[0].min(shared[1]);
+                let y = edge_weight(edge, fractures, &stiffness);
+                for g in ends {
+                    let sign = if f == g { 1.0 } else { -1.0 };
+                    let (r_f, r_g) = (&faces[f].frame, &faces[g].frame);
+                    let place = row.iter().position(|(column, _)| *column == g);
+                    let place = place.unwrap_or_else(|| {
+                        row.push((g, [[0.0; 3]; 3]));
+                        row.len() - 1
+                    });
                     for k in 0..shared {
                         for l in 0..shared {
                             let value: f64 = (0..3).map(|j| r_f[k][j] * y[j] * r_g[l][j]).sum();
-                            if value != 0.0 {
-                                h.add_triplet(3 * f + k, 3 * g + l, sign * value);
-                            }
+                            row[place].1[k][l] += sign * value;
                         }
                     }
                 }
             }
-        }
-        h.to_csr()
-    }
-
-    /// The diagonal of Y⁽ᵉ⁾ in global axes [m³/Pa].
-    fn edge_weight(
-        &self,
-        mesh: &HexMesh,
-        fractures: &FractureMesh,
-        materials: &[Elastic],
-        edge: &FractureEdge,
-    ) -> [f64; 3] {
-        let [k_face, l_face] = edge.faces.map(|f| &fractures.faces[f as usize]);
-        let stiffness = |side: FaceSide| {
-            let element = side.element as usize;
-            let material = materials[mesh.regions[element] as usize];
-            side_stiffness(self.scale, material, side_of(mesh, element))
+            row.sort_unstable_by_key(|(column, _)| *column);
+            row
         };
-        let (k_minus, l_minus) = (stiffness(k_face.minus), stiffness(l_face.minus));
-        let (k_plus, l_plus) = (stiffness(k_face.plus), stiffness(l_face.plus));
-        let areas: f64 = (0..2)
-            .map(|a| {
-                k_face.node_areas[edge.nodes_k[a] as usize]
-                    * l_face.node_areas[edge.nodes_l[a] as usize]
+        let tasks: Vec<Rows> = (0..faces.len().div_ceil(PER_TASK))
+            .into_par_iter()
+            .map(|task| {
+                let mut rows = Rows::default();
+                let first = task * PER_TASK;
+                for f in first..faces.len().min(first + PER_TASK) {
+                    rows.push(&blocks_of(f));
+                }
+                rows
             })
-            .sum();
-        std::array::from_fn(|j| {
-            (1.0 / (k_minus[j] + l_minus[j]) + 1.0 / (k_plus[j] + l_plus[j])) * areas
-        })
+            .collect();
+        let n = 3 * faces.len();
+        let mut h = Rows::default();
+        let nnz = tasks.iter().map(|rows| rows.values.len()).sum();
+        h.lengths.reserve_exact(n);
+        h.columns.reserve_exact(nnz);
+        h.values.reserve_exact(nnz);
+        for rows in tasks {
+            h.lengths.extend(rows.lengths);
+            h.columns.extend(rows.columns);
+            h.values.extend(rows.values);
+        }
+        let mut offsets = vec![0; n + 1];
+        for (row, length) in h.lengths.iter().enumerate() {
+            offsets[row + 1] = offsets[row] + usize::from(*length);
+        }
+        SparseMatrix::new((n, n), offsets, h.columns, h.values)
     }
+}
+
+/// Faces of one task.
+const PER_TASK: usize = 1024;
+
+/// Consecutive rows without stored zeros.
+#[derive(Debug, Default)]
+struct Rows {
+    lengths: Vec<u16>,
+    columns: Vec<u32>,
+    values: Vec<f64>,
+}
+
+impl Rows {
+    /// Appends the three rows of a face, blocks by increasing column.
+    fn push(&mut self, blocks: &[(usize, [[f64; 3]; 3])]) {
+        for k in 0..3 {
+            let before = self.values.len();
+            for (face, block) in blocks {
+                for (l, value) in block[k].iter().enumerate().filter(|(_, v)| **v != 0.0) {
+                    self.columns.push((3 * face + l) as u32);
+                    self.values.push(*value);
+                }
+            }
+            self.lengths.push((self.values.len() - before) as u16);
+        }
+    }
+}
+
+/// The diagonal of Y⁽ᵉ⁾ in global axes [m³/Pa], from `k_{F,side,j}` of every face.
+fn edge_weight(
+    edge: &FractureEdge,
+    fractures: &FractureMesh,
+    stiffness: &[[[f64; 3]; 2]],
+) -> [f64; 3] {
+    let [k_face, l_face] = edge.faces.map(|f| &fractures.faces[f as usize]);
+    let [[k_minus, k_plus], [l_minus, l_plus]] = edge.faces.map(|f| stiffness[f as usize]);
+    let areas: f64 = (0..2)
+        .map(|a| {
+            k_face.node_areas[edge.nodes_k[a] as usize]
+                * l_face.node_areas[edge.nodes_l[a] as usize]
+        })
+        .sum();
+    std::array::from_fn(|j| {
+        (1.0 / (k_minus[j] + l_minus[j]) + 1.0 / (k_plus[j] + l_plus[j])) * areas
+    })
 }
 
 /// `ω = Σ_a A_a²/A_f · Σ_side 1/k_n` [m/Pa], `k_n = Σ_j n_j² k_j`: the mean jump of a face under a unit normal traction
@@ -160,3 +225,6 @@ fn side_of(mesh: &HexMesh, element: usize) -> Side {
         volume: mesh.element_volume(element),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,14 +3,15 @@
 use super::MatrixFreeSaddle;
 use crate::contact::Coupling;
 use crate::elasticity::{Constraints, ElasticityError, reduced, stiffness_of_rows};
-use crate::mesh::{FractureFace, FractureMesh, HexMesh};
+use crate::mesh::{FractureFace, FractureMesh, HexMesh, Incidence, Places};
 use crate::system::StickSystem;
 use fracas_operators::sparse::{SparseMatrix, Triplets};
 use fracas_solvers::SetupError;
 use fracas_solvers::saddle::{Augmentation, AugmentationChoice, SaddleBlocks};
+use rayon::prelude::*;
 
-/// Faces of one piece: about 100 MB of A in the worst case.
-const FACES: usize = 8192;
+/// Faces of one piece: about 30 MB of A per thread in the worst case.
+const FACES: usize = 2048;
 
 /// A body or a choice without a C.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -36,7 +37,7 @@ impl MatrixFreeSaddle<f64> {
         choice.require_local()?;
         let around = Around::new(system.mesh, system.fractures);
         let faces = &system.fractures.faces;
-        let pieces = faces.chunks(FACES).enumerate().map(|(i, chunk)| {
+        let pieces = faces.par_chunks(FACES).enumerate().map(|(i, chunk)| {
             let piece = around.piece(system, chunk)?;
             let mut piece = piece.into_traction_unit(self.unit());
             piece.h = self
@@ -66,19 +67,22 @@ fn diagonal_blocks(h: &SparseMatrix<f64>, first: usize, count: usize) -> SparseM
 
 /// Elements around the nodes of fractures.
 struct Around {
-    /// Nodes of fractures, increasing.
-    nodes: Vec<u32>,
-    offsets: Vec<u32>,
-    elements: Vec<u32>,
+    nodes: Places,
+    elements: Incidence,
 }
 
-/// Nodes of both sides of some faces, increasing.
-fn nodes_of(faces: &[FractureFace]) -> Vec<u32> {
+/// Nodes of both sides of some faces.
+fn nodes_of(faces: &[FractureFace]) -> impl Iterator<Item = u32> {
     let sides = faces.iter().flat_map(|f| [f.minus.nodes, f.plus.nodes]);
-    let mut nodes: Vec<u32> = sides.flatten().collect();
-    nodes.sort_unstable();
-    nodes.dedup();
-    nodes
+    sides.flatten()
+}
+
+/// In increasing order, each once.
+fn sorted(numbers: impl Iterator<Item = u32>) -> Vec<u32> {
+    let mut list: Vec<u32> = numbers.collect();
+    list.sort_unstable();
+    list.dedup();
+    list
 }
 
 /// Place of `node` in an increasing list that has it.
@@ -88,41 +92,14 @@ fn place(nodes: &[u32], node: u32) -> u32 {
 
 impl Around {
     fn new(mesh: &HexMesh, fractures: &FractureMesh) -> Self {
-        let nodes = nodes_of(&fractures.faces);
-        // 1 + place among the nodes of fractures
-        let mut places = vec![0u32; mesh.nodes.len()];
-        for (node, k) in nodes.iter().zip(1..) {
-            places[*node as usize] = k;
-        }
-        let mut offsets = vec![0u32; nodes.len() + 1];
-        for node in mesh.elements.iter().flatten() {
-            offsets[places[*node as usize] as usize] += 1;
-        }
-        offsets[0] = 0;
-        for k in 0..nodes.len() {
-            offsets[k + 1] += offsets[k];
-        }
-        let mut elements = vec![0; offsets[nodes.len()] as usize];
-        let mut next = offsets.clone();
-        for (e, corners) in mesh.elements.iter().enumerate() {
-            for node in corners {
-                if let Some(k) = places[*node as usize].checked_sub(1) {
-                    elements[next[k as usize] as usize] = e as u32;
-                    next[k as usize] += 1;
-                }
-            }
-        }
-        Self {
-            nodes,
-            offsets,
-            elements,
-        }
+        let nodes = Places::new(mesh.nodes.len(), nodes_of(&fractures.faces));
+        let elements = nodes.elements(&mesh.elements);
+        Self { nodes, elements }
     }
 
     /// Elements around a node of a fracture.
     fn elements(&self, node: u32) -> &[u32] {
-        let k = place(&self.nodes, node) as usize;
-        &self.elements[self.offsets[k] as usize..self.offsets[k + 1] as usize]
+        self.nodes.of(node).map_or(&[], |k| self.elements.row(k))
     }
 
     /// A and B on the free displacements of the nodes of `faces`, the columns of B those of `faces`; elements and nodes
@@ -133,17 +110,11 @@ impl Around {
         faces: &[FractureFace],
     ) -> Result<SaddleBlocks, ElasticityError> {
         let mesh = system.mesh;
-        let touched = nodes_of(faces);
-        let mut elements: Vec<u32> = touched
-            .iter()
-            .flat_map(|node| self.elements(*node).iter().copied())
-            .collect();
-        elements.sort_unstable();
-        elements.dedup();
+        let touched = sorted(nodes_of(faces));
+        let around = touched.iter().flat_map(|node| self.elements(*node));
+        let elements = sorted(around.copied());
         let corners = |e: &u32| mesh.elements[*e as usize];
-        let mut nodes: Vec<u32> = elements.iter().flat_map(corners).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
+        let nodes = sorted(elements.iter().flat_map(corners));
         let local = HexMesh {
             nodes: nodes.iter().map(|n| mesh.nodes[*n as usize]).collect(),
             elements: elements

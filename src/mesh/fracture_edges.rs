@@ -1,13 +1,13 @@
 //! Inner edges of fractures.
 
-use std::collections::HashMap;
-
 use super::{FractureEdge, FractureFace};
+use rayon::prelude::*;
 
 /// Edges shared by exactly two faces of one fracture, ordered by (K, L); an edge with more faces (a junction) or with
 /// faces of different fractures is left out. `origin` makes the copies of a node one.
 pub fn fracture_edges(faces: &[FractureFace], origin: &[u32]) -> Vec<FractureEdge> {
-    let mut users: HashMap<[u32; 2], Vec<(u32, [u8; 2])>> = HashMap::with_capacity(2 * faces.len());
+    // (ends, face, local ends)
+    let mut users: Vec<([u32; 2], u32, [u8; 2])> = Vec::with_capacity(4 * faces.len());
     for (f, face) in faces.iter().enumerate() {
         let nodes = face.minus.nodes.map(|n| origin[n as usize]);
         for a in 0..4u8 {
@@ -17,17 +17,20 @@ pub fn fracture_edges(faces: &[FractureFace], origin: &[u32]) -> Vec<FractureEdg
                 true => ([p, q], [a, b]),
                 false => ([q, p], [b, a]),
             };
-            users.entry(ends).or_default().push((f as u32, local));
+            users.push((ends, f as u32, local));
         }
     }
+    users.par_sort_unstable();
     let mut edges: Vec<FractureEdge> = users
-        .values()
-        .filter_map(|list| match list.as_slice() {
-            [k, l] if faces[k.0 as usize].fracture == faces[l.0 as usize].fracture => {
+        .chunk_by(|a, b| a.0 == b.0)
+        .filter_map(|list| match list {
+            [(_, k, nodes_k), (_, l, nodes_l)]
+                if faces[*k as usize].fracture == faces[*l as usize].fracture =>
+            {
                 Some(FractureEdge {
-                    faces: [k.0, l.0],
-                    nodes_k: k.1,
-                    nodes_l: l.1,
+                    faces: [*k, *l],
+                    nodes_k: *nodes_k,
+                    nodes_l: *nodes_l,
                 })
             }
             _ => None,

@@ -75,8 +75,13 @@ fn is_whole(face: &FractureFace) -> bool {
 /// Column of B for a unit traction of one global direction on a face: (free displacement's node, ±∫N_a).
 type Column = Vec<(u32, f64)>;
 
-/// Column of face `f` in direction `d`. The two contributions of a tip node cancel exactly.
-fn column(fractures: &FractureMesh, prescribed: &[bool], f: usize, d: usize) -> Column {
+/// Entries of the column of face `f` in direction `d`. The two contributions of a tip node cancel exactly.
+fn entries<'a>(
+    fractures: &'a FractureMesh,
+    prescribed: &'a [bool],
+    f: usize,
+    d: usize,
+) -> impl Iterator<Item = (u32, f64)> + 'a {
     let face = &fractures.faces[f];
     (0..4)
         .filter(|a| face.plus.nodes[*a] != face.minus.nodes[*a])
@@ -84,8 +89,7 @@ fn column(fractures: &FractureMesh, prescribed: &[bool], f: usize, d: usize) -> 
             let area = face.node_areas[a];
             [(face.plus.nodes[a], area), (face.minus.nodes[a], -area)]
         })
-        .filter(|(node, _)| !prescribed[3 * *node as usize + d])
-        .collect()
+        .filter(move |(node, _)| !prescribed[3 * *node as usize + d])
 }
 
 /// Rank of the matrix whose sparse columns are given, by the Gram matrix.
@@ -145,46 +149,35 @@ pub(super) fn patches(fractures: &FractureMesh) -> Vec<Vec<u32>> {
 }
 
 /// Sum of columns.
-fn sum_columns(columns: impl Iterator<Item = Column>) -> Column {
-    let mut sum: BTreeMap<u32, f64> = BTreeMap::new();
-    let mut size: f64 = 0.0;
-    for (row, value) in columns.flatten() {
-        *sum.entry(row).or_insert(0.0) += value;
-        size = size.max(value.abs());
-    }
-    sum.into_iter()
-        .filter(|(_, v)| v.abs() > 1e-12 * size)
+fn sum_columns(entries: impl Iterator<Item = (u32, f64)>) -> Column {
+    let mut list: Column = entries.collect();
+    // stable: the entries of a row are added in the order of the columns
+    list.sort_by_key(|(row, _)| *row);
+    let size = list.iter().fold(0.0f64, |m, (_, v)| m.max(v.abs()));
+    list.chunk_by(|a, b| a.0 == b.0)
+        .map(|row| (row[0].0, row.iter().fold(0.0, |sum, (_, v)| sum + v)))
+        .filter(|(_, sum)| sum.abs() > 1e-12 * size)
         .collect()
 }
 
-/// Free jumps of the nodes of a patch in direction `d`: an upper bound of the rank of its columns.
-fn free_jumps(
-    mesh: &HexMesh,
-    fractures: &FractureMesh,
-    prescribed: &[bool],
-    patch: &[u32],
-    d: usize,
-) -> usize {
-    let mut copies: HashMap<u32, Vec<u32>> = HashMap::new();
-    for face in patch.iter().map(|f| &fractures.faces[*f as usize]) {
-        for node in face.plus.nodes.iter().chain(&face.minus.nodes) {
-            copies
-                .entry(mesh.origin[*node as usize])
-                .or_default()
-                .push(*node);
-        }
-    }
+/// `(node before splitting, copy)` of both sides of a patch, increasing, each once.
+fn copies(mesh: &HexMesh, fractures: &FractureMesh, patch: &[u32]) -> Vec<(u32, u32)> {
+    let faces = patch.iter().map(|f| &fractures.faces[*f as usize]);
+    let nodes = faces.flat_map(|face| face.plus.nodes.into_iter().chain(face.minus.nodes));
+    let mut copies: Vec<(u32, u32)> = nodes.map(|n| (mesh.origin[n as usize], n)).collect();
+    copies.sort_unstable();
+    copies.dedup();
     copies
-        .into_values()
-        .map(|mut list| {
-            list.sort_unstable();
-            list.dedup();
-            let free = list
-                .iter()
-                .filter(|n| !prescribed[3 * **n as usize + d])
-                .count();
+}
+
+/// Free jumps of the nodes of a patch in direction `d`: an upper bound of the rank of its columns.
+fn free_jumps(copies: &[(u32, u32)], prescribed: &[bool], d: usize) -> usize {
+    copies
+        .chunk_by(|a, b| a.0 == b.0)
+        .map(|list| {
+            let is_free = |(_, n): &&(u32, u32)| !prescribed[3 * *n as usize + d];
             // rows of one node sum to zero unless a copy is prescribed
-            free.min(list.len() - 1)
+            list.iter().filter(is_free).count().min(list.len() - 1)
         })
         .sum()
 }
@@ -213,7 +206,7 @@ pub fn coupling_kernel(
                 .push(place(f as u32, KernelReason::NotSplit));
             continue;
         }
-        let empty = [0, 1, 2].map(|d: usize| column(fractures, prescribed, f, d).is_empty());
+        let empty = [0, 1, 2].map(|d: usize| entries(fractures, prescribed, f, d).next().is_none());
         for component in 0..3 {
             if (0..3).all(|d| empty[d] || face.frame[component][d].abs() < 1e-12) {
                 kernel
@@ -227,7 +220,7 @@ pub fn coupling_kernel(
             (0..3)
                 .map(|d| {
                     let columns: Vec<Column> = (0..n)
-                        .map(|f| column(fractures, prescribed, f, d))
+                        .map(|f| entries(fractures, prescribed, f, d).collect())
                         .collect();
                     n - rank(&columns)
                 })
@@ -239,18 +232,22 @@ pub fn coupling_kernel(
         .iter()
         .map(|p| p.iter().all(|f| is_whole(&fractures.faces[*f as usize])))
         .collect();
+    let copies: Vec<Vec<(u32, u32)>> = patches
+        .iter()
+        .map(|patch| copies(mesh, fractures, patch))
+        .collect();
     for d in 0..3 {
         let columns: Vec<Column> = patches
             .iter()
             .map(|p| {
-                sum_columns(
-                    p.iter()
-                        .map(|f| column(fractures, prescribed, *f as usize, d)),
-                )
+                let faces = p.iter().map(|f| *f as usize);
+                sum_columns(faces.flat_map(|f| entries(fractures, prescribed, f, d)))
             })
             .collect();
         let mut alone = 0;
-        for ((patch, column), whole) in patches.iter().zip(&columns).zip(&whole) {
+        for (((patch, column), whole), copies) in
+            patches.iter().zip(&columns).zip(&whole).zip(&copies)
+        {
             let (faces, direction) = (patch.len(), d);
             alone += usize::from(column.is_empty());
             if *whole {
@@ -262,7 +259,7 @@ pub fn coupling_kernel(
                     KernelReason::UniformPatch { faces, direction },
                 ));
             }
-            let jumps = free_jumps(mesh, fractures, prescribed, patch, d);
+            let jumps = free_jumps(copies, prescribed, d);
             if jumps < faces {
                 kernel.findings.push(place(
                     patch[0],

@@ -1,8 +1,7 @@
 //! Splitting nodes along fracture faces.
 
-use std::collections::{BTreeMap, HashMap};
-
-use super::FaceSide;
+use super::{FaceSide, Incidence, Places};
+use rayon::prelude::*;
 
 /// Local nodes of the six element faces (x−, x+, y−, y+, z−, z+), counter-clockwise seen from outside.
 pub const FACES: [[usize; 4]; 6] = [
@@ -60,77 +59,110 @@ pub fn split(
         .iter()
         .map(|c| FACES[c.minus.1 as usize].map(|a| elements[c.minus.0 as usize][a]))
         .collect();
-    let mut cut_faces: Vec<[u32; 4]> = quads.clone();
-    for face in &mut cut_faces {
-        face.sort_unstable();
-    }
-    cut_faces.sort_unstable();
+    let on_cuts = &Places::new(nodes.len(), quads.iter().flatten().copied());
+    let around = on_cuts.elements(elements);
+    let cuts_at = Incidence::new(on_cuts.nodes().len(), || {
+        quads.iter().enumerate().flat_map(|(c, quad)| {
+            quad.iter()
+                .filter_map(move |node| Some((on_cuts.of(*node)?, c as u32)))
+        })
+    });
+    let of_node = |(k, node): (usize, &u32)| {
+        let cut = cuts_at.row(k).iter().map(|c| quads[*c as usize]);
+        components(*node, around.row(k), elements, cut)
+    };
+    let tasks: Vec<Vec<u16>> = on_cuts
+        .nodes()
+        .par_chunks(NODES_PER_TASK)
+        .enumerate()
+        .map(|(task, part)| {
+            let numbered = (task * NODES_PER_TASK..).zip(part);
+            numbered.flat_map(of_node).collect()
+        })
+        .collect();
 
-    let mut around: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-    for node in quads.iter().flatten() {
-        around.entry(*node).or_default();
-    }
-    let mut marked = vec![false; nodes.len()];
-    for node in around.keys() {
-        marked[*node as usize] = true;
-    }
-    for (e, element) in elements.iter().enumerate() {
-        for node in element.iter().filter(|n| marked[**n as usize]) {
-            if let Some(list) = around.get_mut(node) {
-                list.push(e as u32);
-            }
-        }
-    }
-
-    // (node, element) → the copy that the element sees, where it is not the node itself.
-    let mut copy_of: HashMap<(u32, u32), u32> = HashMap::new();
-    for (node, list) in &around {
-        let mut parent: Vec<usize> = (0..list.len()).collect();
-        let mut first: HashMap<[u32; 4], usize> = HashMap::with_capacity(12);
-        for (i, e) in list.iter().enumerate() {
-            for face in 0..6 {
-                let face = key(&elements[*e as usize], face);
-                if !face.contains(node) || cut_faces.binary_search(&face).is_ok() {
-                    continue;
-                }
-                if let Some(j) = first.insert(face, i) {
-                    let (a, b) = (root(&mut parent, i), root(&mut parent, j));
-                    parent[a.max(b)] = a.min(b);
-                }
-            }
-        }
-        let mut copies: BTreeMap<usize, u32> = BTreeMap::new();
-        for (i, e) in list.iter().enumerate() {
-            let component = root(&mut parent, i);
-            if component == 0 {
-                continue;
-            }
-            let copy = *copies.entry(component).or_insert_with(|| {
+    // What the elements around every node see in its place.
+    let mut seen: Vec<u32> = Vec::with_capacity(around.len());
+    let mut component = tasks.into_iter().flatten();
+    for (k, node) in on_cuts.nodes().iter().enumerate() {
+        let first_copy = nodes.len() as u32 - 1;
+        for component in component.by_ref().take(around.range(k).len()) {
+            let copy = match component {
+                0 => *node,
+                c => first_copy + u32::from(c),
+            };
+            if copy as usize == nodes.len() {
                 nodes.push(nodes[*node as usize]);
                 origin.push(origin[*node as usize]);
-                nodes.len() as u32 - 1
-            });
-            copy_of.insert((*node, *e), copy);
+            }
+            seen.push(copy);
         }
     }
 
+    let copy = |node: u32, element: u32| {
+        let Some(k) = on_cuts.of(node) else {
+            return node;
+        };
+        let place = around.row(k).iter().position(|e| *e == element);
+        place.map_or(node, |place| seen[around.range(k).start + place])
+    };
     let sides = cuts
         .iter()
         .zip(&quads)
         .map(|(cut, quad)| {
             let side = |element: u32| FaceSide {
                 element,
-                nodes: quad.map(|n| *copy_of.get(&(n, element)).unwrap_or(&n)),
+                nodes: quad.map(|node| copy(node, element)),
             };
             (side(cut.minus.0), side(cut.plus.0))
         })
         .collect();
-    for ((node, e), copy) in &copy_of {
-        for a in &mut elements[*e as usize] {
-            if a == node {
-                *a = *copy;
+    for (k, node) in on_cuts.nodes().iter().enumerate() {
+        for (e, copy) in around.row(k).iter().zip(&seen[around.range(k)]) {
+            for a in &mut elements[*e as usize] {
+                if a == node {
+                    *a = *copy;
+                }
             }
         }
     }
     sides
+}
+
+/// Nodes of one task.
+const NODES_PER_TASK: usize = 4096;
+
+/// Component of every element around `node`, numbered in the order of their lowest elements; elements are connected if
+/// they share a face at the node that is not among `cut`.
+fn components(
+    node: u32,
+    around: &[u32],
+    elements: &[[u32; 8]],
+    cut: impl Iterator<Item = [u32; 4]>,
+) -> Vec<u16> {
+    let mut cut: Vec<[u32; 4]> = cut.collect();
+    cut.iter_mut().for_each(|face| face.sort_unstable());
+    let mut faces: Vec<([u32; 4], u16)> = Vec::with_capacity(3 * around.len());
+    for (i, e) in around.iter().enumerate() {
+        let keys = (0..6).map(|face| key(&elements[*e as usize], face));
+        let here = keys.filter(|face| face.contains(&node) && !cut.contains(face));
+        faces.extend(here.map(|face| (face, i as u16)));
+    }
+    faces.sort_unstable();
+    let mut parent: Vec<usize> = (0..around.len()).collect();
+    for pair in faces.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
+        let [a, b] = [pair[0].1, pair[1].1].map(|i| root(&mut parent, i.into()));
+        parent[a.max(b)] = a.min(b);
+    }
+    let mut roots = Vec::new();
+    (0..around.len())
+        .map(|i| {
+            let r = root(&mut parent, i);
+            let known = roots.iter().position(|known| *known == r);
+            known.unwrap_or_else(|| {
+                roots.push(r);
+                roots.len() - 1
+            }) as u16
+        })
+        .collect()
 }

@@ -3,6 +3,7 @@
 use super::{Augmentation, AugmentationChoice, AugmentationMatrix, Block, SaddleBlocks};
 use crate::SetupError;
 use crate::direct::DirectChoice;
+use rayon::prelude::*;
 
 impl AugmentationChoice {
     /// True where the rows of C of a face need A on the supports of that face's columns of B alone.
@@ -16,14 +17,14 @@ impl AugmentationChoice {
     /// Equal to [`compute`](Self::compute) of the whole.
     ///
     /// # Cost
-    /// Memory of one piece at a time.
+    /// Pieces in parallel: memory of one per thread at a time.
     ///
     /// # Errors
     /// [`SetupError::NotApplicable`] for a choice that needs all of A; those of [`compute`](Self::compute), rows counted
     /// within their piece; those of the pieces.
-    pub fn compute_in_parts<E: From<SetupError>>(
+    pub fn compute_in_parts<E: From<SetupError> + Send>(
         self,
-        parts: impl Iterator<Item = Result<SaddleBlocks, E>>,
+        parts: impl IndexedParallelIterator<Item = Result<SaddleBlocks, E>>,
     ) -> Result<Augmentation, E> {
         self.require_local()?;
         // never asked by a local choice
@@ -32,8 +33,11 @@ impl AugmentationChoice {
             matrix: AugmentationMatrix::diagonal(Vec::new()),
             empty_columns: Vec::new(),
         };
+        let parts: Vec<Result<Augmentation, E>> = parts
+            .map(|part| Ok(self.compute(&part?, direct.as_ref())?))
+            .collect();
         for part in parts {
-            let part = self.compute(&part?, direct.as_ref())?;
+            let part = part?;
             let before = whole.matrix.size();
             let empty = part.empty_columns.iter().map(|i| before + i);
             whole.empty_columns.extend(empty);
