@@ -83,6 +83,7 @@ fn rooms_of_the_model_form_a_chain() {
         "contact",
         "scene",
         "system",
+        "multigrid",
         "io",
     ];
     for (path, text) in sources("src") {

@@ -232,7 +232,7 @@ fn checks(rows: &[(Run, Row)], level: Level) -> Vec<Check> {
             last.per_unknown() / middle.per_unknown(),
         ));
     }
-    let pair = of(Inner::Algebraic, 2).last().and_then(|assembled| {
+    let pair = of(Inner::Algebraic, 2).next_back().and_then(|assembled| {
         let free = of(Inner::Geometric, 2).find(|row| row.n() == assembled.n())?;
         Some((
             assembled.n(),

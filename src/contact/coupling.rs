@@ -132,9 +132,7 @@ impl<R: Real> Coupling<R> {
     pub fn in_traction_unit(mut self, unit: R) -> Self {
         let weights = self.around.iter_mut().map(|(_, weight)| weight);
         let areas = self.faces.iter_mut().flat_map(|face| &mut face.node_areas);
-        weights
-            .chain(areas)
-            .for_each(|factor| *factor = *factor * unit);
+        weights.chain(areas).for_each(|factor| *factor *= unit);
         self
     }
 

@@ -9,11 +9,14 @@ use crate::units::Measure;
 /// A face is perpendicular to an axis if its unit normal has a component larger than 1 − this: an angle of 1e-5 rad.
 const FLAT: f64 = 5e-11;
 
-/// Prescribed displacements `(3·node + component, value)`, a later one in place of an earlier one, and loads.
+/// `3·node + component` and its displacement [m].
+type Prescribed = (u32, f64);
+
+/// Prescribed displacements, a later one in place of an earlier one, and loads.
 pub(super) fn hold(
     boundaries: &[BoundarySection],
     built: &BuiltMesh,
-) -> Result<(Vec<(u32, f64)>, Vec<SurfaceTraction>), Located> {
+) -> Result<(Vec<Prescribed>, Vec<SurfaceTraction>), Located> {
     let mut prescribed = Vec::new();
     let mut tractions = Vec::new();
     for (i, boundary) in boundaries.iter().enumerate() {
