@@ -141,7 +141,15 @@ impl<R: Real> Current<'_, R> {
         }
         let (operator, bytes) = self.operator(system, materials, c_inverse)?;
         let fixed = fixed::list(&self.fixed);
-        let level = Level::new(operator, bytes, diagonal, fixed, Box::new(transfer));
+        let couplings = self.remainder.as_deref();
+        let level = Level::new(
+            operator,
+            bytes,
+            diagonal,
+            couplings,
+            fixed,
+            Box::new(transfer),
+        );
         let level = level.map_err(|error| GeometricError::Indefinite {
             level: depth,
             place: self.position(system, error.node),

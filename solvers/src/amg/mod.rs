@@ -37,7 +37,7 @@ mod rows;
 mod schedule;
 pub(crate) mod scratch;
 mod settings;
-mod shared;
+pub(crate) mod shared;
 mod summary;
 mod sweeps;
 mod tentative;

@@ -3,7 +3,7 @@
 use std::marker::PhantomData;
 
 /// Shared access to a vector whose concurrent users never touch the same entries.
-pub(super) struct Shared<'a, R> {
+pub(crate) struct Shared<'a, R> {
     start: *mut R,
     len: usize,
     lifetime: PhantomData<&'a mut [R]>,
@@ -13,7 +13,7 @@ pub(super) struct Shared<'a, R> {
 unsafe impl<R: Send> Sync for Shared<'_, R> {}
 
 impl<'a, R: Copy> Shared<'a, R> {
-    pub(super) fn new(x: &'a mut [R]) -> Self {
+    pub(crate) fn new(x: &'a mut [R]) -> Self {
         Self {
             start: x.as_mut_ptr(),
             len: x.len(),
@@ -26,7 +26,7 @@ impl<'a, R: Copy> Shared<'a, R> {
     /// # Safety
     /// Nobody writes them while the reference lives.
     #[inline(always)]
-    pub(super) unsafe fn triple(&self, row: usize) -> &[R] {
+    pub(crate) unsafe fn triple(&self, row: usize) -> &[R] {
         debug_assert!(3 * row + 3 <= self.len);
         // SAFETY: within the vector; by contract not written meanwhile.
         unsafe { std::slice::from_raw_parts(self.start.add(3 * row), 3) }
@@ -37,7 +37,7 @@ impl<'a, R: Copy> Shared<'a, R> {
     /// # Safety
     /// Nobody else reads or writes them meanwhile.
     #[inline(always)]
-    pub(super) unsafe fn set(&self, row: usize, value: [R; 3]) {
+    pub(crate) unsafe fn set(&self, row: usize, value: [R; 3]) {
         debug_assert!(3 * row + 3 <= self.len);
         // SAFETY: within the vector; by contract exclusive.
         unsafe {

@@ -1,6 +1,8 @@
 //! The 3×3 diagonal blocks of a level, inverted.
 
+use super::groups::Groups;
 use fracas_operators::Real;
+use fracas_operators::sparse::Block3;
 
 /// Nodes that one task updates.
 const NODES_PER_TASK: usize = 4096;
@@ -22,10 +24,12 @@ pub struct NoInverse {
     pub node: usize,
 }
 
-/// D⁻¹, zero in the rows and columns of fixed components.
+/// D⁻¹, zero in the rows and columns of fixed components; D has a block per node, or per group of nodes that hardly differ.
 #[derive(Clone, Debug)]
 pub struct BlockJacobi<R> {
+    /// Zero for nodes of groups.
     inverse: Vec<Symmetric<R>>,
+    groups: Groups<R>,
 }
 
 impl<R: Real> BlockJacobi<R> {
@@ -42,7 +46,27 @@ impl<R: Real> BlockJacobi<R> {
             }
             *block = inverse(block, free).ok_or(NoInverse { node })?;
         }
-        Ok(Self { inverse: blocks })
+        Ok(Self {
+            inverse: blocks,
+            groups: Groups::default(),
+        })
+    }
+
+    /// The same with one block for nodes that `couplings`, the blocks beside the diagonal, tie together.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn with_couplings(
+        blocks: Vec<Symmetric<R>>,
+        couplings: &Block3<R>,
+        fixed: &[u32],
+    ) -> Result<Self, NoInverse> {
+        let groups = Groups::new(&blocks, couplings, fixed);
+        let mut jacobi = Self::new(blocks, fixed)?;
+        for node in groups.nodes() {
+            jacobi.inverse[*node as usize] = [R::zero(); 6];
+        }
+        Ok(Self { groups, ..jacobi })
     }
 
     /// Nodes.
@@ -52,7 +76,12 @@ impl<R: Real> BlockJacobi<R> {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.inverse)
+        size_of_val(&*self.inverse) + self.groups.bytes()
+    }
+
+    /// Flops of one update of two vectors.
+    pub(super) fn flops(&self) -> u64 {
+        27 * self.inverse.len() as u64 + self.groups.flops()
     }
 
     /// `z ← D⁻¹ r`.
@@ -60,6 +89,7 @@ impl<R: Real> BlockJacobi<R> {
         pass(&self.inverse, r, z, &mut [], &|z, _, v| {
             z.copy_from_slice(&v)
         });
+        self.groups.add(R::one(), r, z, &mut []);
     }
 
     /// `d ← c D⁻¹ r, x ← d`.
@@ -70,6 +100,7 @@ impl<R: Real> BlockJacobi<R> {
                 x[i] = d[i];
             }
         });
+        self.groups.add(c, r, d, x);
     }
 
     /// `d ← c D⁻¹ r, x ← x + d`.
@@ -80,6 +111,7 @@ impl<R: Real> BlockJacobi<R> {
                 x[i] += d[i];
             }
         });
+        self.groups.add(c, r, d, x);
     }
 
     /// `d ← a d + c D⁻¹ r, x ← x + d`.
@@ -90,6 +122,7 @@ impl<R: Real> BlockJacobi<R> {
                 x[i] += d[i];
             }
         });
+        self.groups.add(c, r, d, x);
     }
 }
 

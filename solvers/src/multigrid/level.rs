@@ -2,6 +2,7 @@
 
 use super::block_jacobi::{BlockJacobi, NoInverse, Symmetric};
 use crate::amg::lambda::largest_generalized;
+use fracas_operators::sparse::Block3;
 use fracas_operators::vector::axpy;
 use fracas_operators::{LinearOperator, Real};
 
@@ -39,7 +40,8 @@ pub struct Level<R> {
 }
 
 impl<R: Real> Level<R> {
-    /// A level from its operator (whose memory is `bytes`), the diagonal blocks of it, and the components `fixed`,
+    /// A level from its operator (whose memory is `bytes`), the diagonal blocks of it, those beside the diagonal that may tie
+    /// nodes together where the operator has them, and the components `fixed`,
     /// ascending, that are no unknowns: the operator may read and write them, what it writes there is not used.
     ///
     /// # Cost
@@ -51,10 +53,14 @@ impl<R: Real> Level<R> {
         operator: Box<dyn LinearOperator<R>>,
         bytes: usize,
         diagonal: Vec<Symmetric<R>>,
+        couplings: Option<&Block3<R>>,
         fixed: Vec<u32>,
         transfer: Box<dyn Transfer<R>>,
     ) -> Result<Self, NoInverse> {
-        let jacobi = BlockJacobi::new(diagonal, &fixed)?;
+        let jacobi = match couplings {
+            Some(couplings) => BlockJacobi::with_couplings(diagonal, couplings, &fixed)?,
+            None => BlockJacobi::new(diagonal, &fixed)?,
+        };
         let n = 3 * jacobi.nodes();
         assert_eq!(operator.shape().rows, n, "diagonal blocks of another level");
         let mut work = vec![R::zero(); operator.work_len()];
@@ -155,8 +161,7 @@ impl<R: Real> Level<R> {
 
     /// Flops of both smoothings, the residuals between them and the correction.
     pub(super) fn flops(&self, degree: usize) -> u64 {
-        let n = self.size() as u64;
-        let products = 2 * degree as u64 * self.operator.flops();
-        products + 2 * degree as u64 * 9 * n + self.transfer.flops()
+        let step = self.operator.flops() + self.jacobi.flops();
+        2 * degree as u64 * step + self.transfer.flops()
     }
 }

@@ -6,6 +6,7 @@
 //! | step | file |
 //! |---|---|
 //! | `d ← c₁ d + c₂ D⁻¹ r, x ← x + d` in one pass | `block_jacobi` |
+//! | one block for nodes that hardly differ | `groups` |
 //! | a level, λ_max, smoothing | `level` |
 //! | V and W | `cycle` |
 //! | f64 outside, f32 or f64 inside, free unknowns outside, all of them inside | `inverse` |
@@ -13,6 +14,7 @@
 mod block_jacobi;
 mod bottom;
 mod cycle;
+mod groups;
 mod inverse;
 mod level;
 

@@ -1,0 +1,384 @@
+//! Nodes that a smoother takes together.
+//!
+//! Where a fracture leaves a coarse cell in pieces, the corner functions of a piece are restricted to a part of the cell and
+//! nearly dependent: on a quarter of it the condition of their matrix is about 50, on a sixteenth about 10³. A polynomial
+//! in 3×3 blocks then smooths nothing; one in blocks of all corners of the piece does not see the basis.
+
+use super::block_jacobi::Symmetric;
+use crate::amg::shared::Shared;
+use fracas_operators::Real;
+use fracas_operators::sparse::Block3;
+use rayon::prelude::*;
+
+/// `‖A_ij‖_F / √(‖A_ii‖_F ‖A_jj‖_F)` from which two nodes are taken together; chains of flat cells have at most 0.5. Unit: 1.
+const TOGETHER: f64 = 0.6;
+
+/// Nodes of the largest group: the corners of a piece.
+const LARGEST: usize = 8;
+
+/// Pivot of a matrix with unit diagonal below which it counts as singular. Unit: 1.
+const SINGULAR: f64 = 1e-6;
+
+/// Groups that one task updates.
+const GROUPS_PER_TASK: usize = 256;
+
+/// Disjoint groups of nodes with the inverses of their diagonal blocks.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Groups<R> {
+    /// First node of every group, and one more.
+    first: Vec<usize>,
+    nodes: Vec<u32>,
+    /// First entry of every inverse, and one more.
+    start: Vec<usize>,
+    /// By rows, zero in fixed components.
+    inverse: Vec<R>,
+}
+
+impl<R: Real> Groups<R> {
+    /// Groups by descending strength of coupling. `diagonal` holds the diagonal blocks, `couplings` those beside them,
+    /// `fixed` the components that are no unknowns, ascending.
+    ///
+    /// # Cost
+    /// One pass over the couplings, `O(g³)` per group of g nodes.
+    pub(super) fn new(diagonal: &[Symmetric<R>], couplings: &Block3<R>, fixed: &[u32]) -> Self {
+        let mut groups = Self {
+            first: vec![0],
+            start: vec![0],
+            ..Self::default()
+        };
+        let members = together(diagonal, couplings);
+        let inverses: Vec<Option<Vec<f64>>> = members
+            .par_iter()
+            .map(|nodes| inverse(matrix(nodes, diagonal, couplings, fixed)))
+            .collect();
+        for (nodes, inverse) in members.iter().zip(inverses) {
+            // rounding of R may have taken the definiteness of a group: its nodes stay alone
+            let Some(inverse) = inverse else { continue };
+            groups.nodes.extend(nodes);
+            groups.first.push(groups.nodes.len());
+            groups.inverse.extend(inverse.into_iter().map(R::of));
+            groups.start.push(groups.inverse.len());
+        }
+        groups
+    }
+
+    /// Nodes that belong to a group.
+    pub(super) fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.nodes) + size_of_val(&*self.inverse) + 2 * size_of_val(&*self.first)
+    }
+
+    /// Flops of one update.
+    pub(super) fn flops(&self) -> u64 {
+        2 * self.inverse.len() as u64 + 9 * self.nodes.len() as u64
+    }
+
+    /// `d ← d + c G⁻¹ r`, `x ← x + c G⁻¹ r`; x may be empty, then it is not touched.
+    pub(super) fn add(&self, c: R, r: &[R], d: &mut [R], x: &mut [R]) {
+        let count = self.first.len().saturating_sub(1);
+        let has_x = !x.is_empty();
+        let (d, x) = (Shared::new(d), Shared::new(x));
+        (0..count.div_ceil(GROUPS_PER_TASK))
+            .into_par_iter()
+            .for_each(|task| {
+                for g in task * GROUPS_PER_TASK..count.min((task + 1) * GROUPS_PER_TASK) {
+                    let nodes = &self.nodes[self.first[g]..self.first[g + 1]];
+                    let inverse = &self.inverse[self.start[g]..self.start[g + 1]];
+                    let n = 3 * nodes.len();
+                    let mut own = [R::zero(); 3 * LARGEST];
+                    for (own, node) in own.chunks_exact_mut(3).zip(nodes) {
+                        own.copy_from_slice(&r[3 * *node as usize..][..3]);
+                    }
+                    for (a, node) in nodes.iter().enumerate() {
+                        let rows = inverse[3 * a * n..][..3 * n].chunks_exact(n);
+                        let mut z = [R::zero(); 3];
+                        for (z, row) in z.iter_mut().zip(rows) {
+                            *z = row
+                                .iter()
+                                .zip(&own)
+                                .fold(R::zero(), |s, (m, r)| s + *m * *r);
+                        }
+                        // SAFETY: a node belongs to one group, a group to one task.
+                        unsafe {
+                            plus(&d, *node as usize, c, z);
+                            if has_x {
+                                plus(&x, *node as usize, c, z);
+                            }
+                        }
+                    }
+                }
+            });
+    }
+}
+
+/// `v_node ← v_node + c z`.
+///
+/// # Safety
+/// Nobody else reads or writes the node meanwhile.
+unsafe fn plus<R: Real>(v: &Shared<'_, R>, node: usize, c: R, z: [R; 3]) {
+    // SAFETY: by contract exclusive.
+    let old = unsafe { v.triple(node) };
+    let sum = [old[0] + c * z[0], old[1] + c * z[1], old[2] + c * z[2]];
+    // SAFETY: by contract exclusive.
+    unsafe { v.set(node, sum) };
+}
+
+/// The blocks beside the diagonal of row i.
+fn row<R: Real>(a: &Block3<R>, i: usize) -> impl Iterator<Item = (usize, &[R; 9])> {
+    let range = a.offsets()[i]..a.offsets()[i + 1];
+    let columns = a.columns()[range.clone()].iter().map(|j| *j as usize);
+    columns
+        .zip(&a.blocks()[range])
+        .filter(move |(j, _)| *j != i)
+}
+
+/// Groups of two nodes and more, each ascending.
+fn together<R: Real>(diagonal: &[Symmetric<R>], couplings: &Block3<R>) -> Vec<Vec<u32>> {
+    let square = |v: &R| v.to_f64_exact().powi(2);
+    let size = |b: &Symmetric<R>| {
+        let [xx, xy, xz, yy, yz, zz] = b.each_ref().map(square);
+        xx + yy + zz + 2.0 * (xy + xz + yz)
+    };
+    let sizes: Vec<f64> = diagonal.iter().map(size).collect();
+    let strong = |i: usize| {
+        let of_pair = |(j, block): (usize, &[R; 9])| {
+            let s = block.iter().map(square).sum::<f64>();
+            let strength = s * s / (sizes[i] * sizes[j]);
+            (j > i && strength >= TOGETHER.powi(4)).then_some((strength, i, j))
+        };
+        row(couplings, i).filter_map(of_pair).collect::<Vec<_>>()
+    };
+    let mut pairs: Vec<(f64, usize, usize)> = (0..couplings.block_rows())
+        .into_par_iter()
+        .flat_map_iter(strong)
+        .collect();
+    pairs.sort_by(|a, b| b.0.total_cmp(&a.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+    let mut group: Vec<u32> = (0..diagonal.len() as u32).collect();
+    let mut members: Vec<Vec<u32>> = Vec::new();
+    let mut list = vec![u32::MAX; diagonal.len()];
+    for (_, i, j) in pairs {
+        let of = |group: &[u32], i: usize| group[i] as usize;
+        let (a, b) = (of(&group, i), of(&group, j));
+        if a == b {
+            continue;
+        }
+        for k in [a, b] {
+            if list[k] == u32::MAX {
+                list[k] = members.len() as u32;
+                members.push(vec![k as u32]);
+            }
+        }
+        let (la, lb) = (list[a] as usize, list[b] as usize);
+        if members[la].len() + members[lb].len() <= LARGEST {
+            let joined = std::mem::take(&mut members[lb]);
+            joined.iter().for_each(|k| group[*k as usize] = a as u32);
+            members[la].extend(joined);
+        }
+    }
+    members.retain(|nodes| nodes.len() > 1);
+    members.iter_mut().for_each(|nodes| nodes.sort_unstable());
+    members
+}
+
+/// The diagonal block of a group, by rows; unit rows and columns for fixed components, which the flag marks.
+fn matrix<R: Real>(
+    nodes: &[u32],
+    diagonal: &[Symmetric<R>],
+    couplings: &Block3<R>,
+    fixed: &[u32],
+) -> (Vec<f64>, Vec<bool>) {
+    let n = 3 * nodes.len();
+    let mut m = vec![0.0; n * n];
+    for (a, node) in nodes.iter().enumerate() {
+        let d = diagonal[*node as usize].map(|v| v.to_f64_exact());
+        for (k, v) in [d[0], d[1], d[2], d[1], d[3], d[4], d[2], d[4], d[5]]
+            .into_iter()
+            .enumerate()
+        {
+            m[(3 * a + k / 3) * n + 3 * a + k % 3] = v;
+        }
+        for (j, block) in row(couplings, *node as usize) {
+            if let Ok(b) = nodes.binary_search(&(j as u32)) {
+                for (k, v) in block.iter().enumerate() {
+                    m[(3 * a + k / 3) * n + 3 * b + k % 3] = v.to_f64_exact();
+                }
+            }
+        }
+    }
+    let dof = |i: usize| 3 * nodes[i / 3] + (i % 3) as u32;
+    let is_fixed: Vec<bool> = (0..n)
+        .map(|i| fixed.binary_search(&dof(i)).is_ok())
+        .collect();
+    for i in 0..n {
+        for j in 0..n {
+            // the mean of both triangles: they were rounded apart
+            let mean = 0.5 * (m[i * n + j] + m[j * n + i]);
+            let kept = if is_fixed[i] || is_fixed[j] {
+                0.0
+            } else {
+                mean
+            };
+            if j <= i {
+                m[i * n + j] = kept;
+                m[j * n + i] = kept;
+            }
+        }
+    }
+    (m, is_fixed)
+}
+
+/// The inverse over free components, zero elsewhere; `None` if it is not positive definite.
+fn inverse((m, is_fixed): (Vec<f64>, Vec<bool>)) -> Option<Vec<f64>> {
+    let n = is_fixed.len();
+    let mut scale = vec![0.0; n];
+    for i in (0..n).filter(|i| !is_fixed[*i]) {
+        let d = m[i * n + i];
+        if !(d > 0.0 && d.is_finite()) {
+            return None;
+        }
+        scale[i] = d.sqrt().recip();
+    }
+    // L Lᵀ of the matrix scaled to a unit diagonal, W = L⁻¹
+    let (mut l, mut w) = (vec![0.0; n * n], vec![0.0; n * n]);
+    for i in 0..n {
+        for j in 0..=i {
+            let unit = if i == j && is_fixed[i] { 1.0 } else { 0.0 };
+            let mut v = unit + m[i * n + j] * scale[i] * scale[j];
+            (0..j).for_each(|k| v -= l[i * n + k] * l[j * n + k]);
+            if i > j {
+                l[i * n + j] = v / l[j * n + j];
+            } else if v > SINGULAR {
+                l[i * n + i] = f64::sqrt(v);
+            } else {
+                return None;
+            }
+        }
+        w[i * n + i] = 1.0 / l[i * n + i];
+        for j in 0..i {
+            let sum: f64 = (j..i).map(|k| l[i * n + k] * w[k * n + j]).sum();
+            w[i * n + j] = -sum / l[i * n + i];
+        }
+    }
+    let mut out = vec![0.0; n * n];
+    for i in 0..n {
+        for j in 0..n {
+            let sum: f64 = (i.max(j)..n).map(|k| w[k * n + i] * w[k * n + j]).sum();
+            out[i * n + j] = scale[i] * scale[j] * sum;
+        }
+    }
+    Some(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::multigrid::BlockJacobi;
+
+    /// Nodes 0, 1, 2 nearly dependent in every component, 3 alone, couplings from 3 weak; unit diagonal blocks.
+    fn sample() -> (Vec<Symmetric<f64>>, Block3<f64>) {
+        let identity = [1.0, 0.0, 0.0, 1.0, 0.0, 1.0];
+        let coupling = |i: usize, j: usize| match (i, j) {
+            (i, j) if i == j => 1.0,
+            (3, _) | (_, 3) => 0.1,
+            _ => -0.45 - 0.4 * f64::from(u8::from(i + j == 1)),
+        };
+        // weaker between 1 and 2: strong enough only through 0
+        let value = |i: usize, j: usize| {
+            if i + j == 3 && i != 3 && j != 3 {
+                0.4
+            } else {
+                coupling(i, j)
+            }
+        };
+        let value = move |i: usize, j: usize| {
+            if i + j == 2 && i != j {
+                -0.7
+            } else {
+                value(i, j)
+            }
+        };
+        let blocks = (0..16).map(|k| {
+            let v = value(k / 4, k % 4);
+            [v, 0.0, 0.0, 0.0, v, 0.0, 0.0, 0.0, v]
+        });
+        let columns = (0..16).map(|k| k % 4).collect();
+        let a = Block3::from_raw(vec![0, 4, 8, 12, 16], columns, blocks.collect(), 4);
+        (vec![identity; 4], a)
+    }
+
+    #[test]
+    fn a_group_is_inverted_as_a_whole_and_the_others_stay_alone() {
+        let (diagonal, a) = sample();
+        let groups = Groups::new(&diagonal, &a, &[]);
+        assert_eq!(groups.nodes(), [0, 1, 2]);
+        let m = BlockJacobi::with_couplings(diagonal, &a, &[]).unwrap();
+        let r: Vec<f64> = (0..12).map(|i| (i as f64 + 0.3).sin()).collect();
+        let mut z = vec![f64::NAN; 12];
+        m.solve(&r, &mut z);
+        for i in 0..12 {
+            // principal block of the group, the identity for node 3
+            let product: f64 = (0..4)
+                .filter(|j| (i / 3 < 3) == (*j < 3))
+                .map(|j| a.blocks()[4 * (i / 3) + j][0] * z[3 * j + i % 3])
+                .sum();
+            assert!((product - r[i]).abs() < 1e-12, "row {i}");
+        }
+    }
+
+    #[test]
+    fn fixed_components_of_a_group_stay_zero_and_the_rest_is_inverted() {
+        let (diagonal, a) = sample();
+        let m = BlockJacobi::with_couplings(diagonal, &a, &[4]).unwrap();
+        let r = vec![1.0; 12];
+        let mut z = vec![f64::NAN; 12];
+        m.solve(&r, &mut z);
+        assert_eq!(z[4], 0.0);
+        let product: f64 = [0, 2]
+            .iter()
+            .map(|j| a.blocks()[*j][0] * z[3 * j + 1])
+            .sum();
+        assert!((product - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn fused_steps_with_groups_are_their_formulas() {
+        let (diagonal, a) = sample();
+        let m = BlockJacobi::with_couplings(diagonal, &a, &[]).unwrap();
+        let wave = |s: f64| (0..12).map(|i| (i as f64 * s).sin()).collect::<Vec<_>>();
+        let (r, d0, x0) = (wave(0.3), wave(0.7), wave(1.1));
+        let mut z = vec![0.0; 12];
+        m.solve(&r, &mut z);
+        let (mut d, mut x) = (d0.clone(), x0.clone());
+        m.step(0.5, 2.0, &r, &mut d, &mut x);
+        for i in 0..12 {
+            assert!((d[i] - (0.5 * d0[i] + 2.0 * z[i])).abs() < 1e-13);
+            assert!((x[i] - (x0[i] + d[i])).abs() < 1e-13);
+        }
+        m.start(3.0, &r, &mut d, &mut x);
+        assert!((0..12).all(|i| (d[i] - 3.0 * z[i]).abs() < 1e-13 && x[i] == d[i]));
+    }
+
+    #[test]
+    fn no_group_is_larger_than_its_limit() {
+        let n = 40;
+        let blocks: Vec<[f64; 9]> = (0..n * n)
+            .map(|k| {
+                let v = if k / n == k % n { 1.0 } else { 0.9 };
+                [v, 0.0, 0.0, 0.0, v, 0.0, 0.0, 0.0, v]
+            })
+            .collect();
+        let columns = (0..n * n).map(|k| (k % n) as u32).collect();
+        let a = Block3::from_raw((0..=n).map(|i| i * n).collect(), columns, blocks, n);
+        let groups = Groups::new(&vec![[1.0, 0.0, 0.0, 1.0, 0.0, 1.0]; n], &a, &[]);
+        assert!(groups.first.windows(2).all(|w| w[1] - w[0] <= LARGEST));
+        let mut nodes = groups.nodes().to_vec();
+        nodes.sort_unstable();
+        nodes.dedup();
+        assert_eq!(nodes.len(), groups.nodes().len());
+        assert!(nodes.len() >= n - 1);
+    }
+}
