@@ -1,6 +1,6 @@
 //! Memory of this process: what it took, and whether there is enough for what it is asked.
 
-use fracas::scene::Scene;
+use fracas::scene::{Body, Scene};
 use fracas_operators::{LinearOperator, Preconditioner};
 use fracas_solvers::krylov::{Fitted, KrylovChoice};
 
@@ -29,12 +29,16 @@ pub(crate) const BLOCKS: PerNode = PerNode {
     remedy: "use fewer cells, e.g. --set mesh.x.cells=8, or solve with --inner geometric, which assembles no A",
 };
 
-/// Mesh, operator, hierarchy and the vectors of SQMR, without an assembled A, measured on 0.9 million nodes.
+/// Mesh, operator, hierarchy and the vectors of SQMR, without an assembled A, measured on 0.9 million nodes with few
+/// fractures.
 pub(crate) const MATRIX_FREE: PerNode = PerNode {
-    bricks: 550,
-    mapped: 850,
+    bricks: 400,
+    mapped: 870,
     remedy: "use fewer cells, e.g. --set mesh.x.cells=8",
 };
+
+/// What a fracture face adds to [`MATRIX_FREE`] [bytes], measured on a network of 147 thousand.
+const PER_FACE: u64 = 3000;
 
 /// A scene that does not fit.
 #[derive(Debug, thiserror::Error)]
@@ -72,6 +76,46 @@ pub(crate) fn room_for(name: &str, scene: &Scene, bytes: PerNode) -> anyhow::Res
         .into()),
         _ => Ok(()),
     }
+}
+
+/// Refuses a meshed scene whose operator, hierarchy and vectors do not fit beside its mesh: fractures count now, too.
+pub(crate) fn room_without_a(name: &str, body: &Body) -> anyhow::Result<()> {
+    let bricks = body.mesh.grid.as_ref().is_some_and(|g| g.axis_aligned);
+    let per_node = if bricks {
+        MATRIX_FREE.bricks
+    } else {
+        MATRIX_FREE.mapped
+    };
+    let (nodes, faces) = (body.mesh.nodes.len(), body.fractures.faces.len());
+    let needed = (per_node * nodes as u64 + PER_FACE * faces as u64) as f64;
+    // the mesh is there already
+    let held = kibibytes("/proc/self/status", "VmRSS:").unwrap_or(0);
+    match available_bytes() {
+        Some(available) if needed > (available + held) as f64 => Err(TooLargeMeshed {
+            scene: name.to_owned(),
+            nodes,
+            faces,
+            needed: needed * 1e-9,
+            available: (available + held) as f64 * 1e-9,
+            remedy: MATRIX_FREE.remedy,
+        }
+        .into()),
+        _ => Ok(()),
+    }
+}
+
+/// A meshed scene whose solver does not fit.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "{scene}: {nodes} nodes and {faces} fracture faces take about {needed:.1} GB and {available:.1} GB are free; {remedy}"
+)]
+struct TooLargeMeshed {
+    scene: String,
+    nodes: usize,
+    faces: usize,
+    needed: f64,
+    available: f64,
+    remedy: &'static str,
 }
 
 /// Share of the free memory that vectors may take: the rest is for what the estimate does not know.

@@ -129,11 +129,13 @@ impl Run {
             let body = scene.build()?;
             let mesh = start.elapsed().as_secs_f64();
             match self.inner {
-                Inner::Geometric => matrix_free(body, mesh),
-                Inner::Algebraic => assembled(body, mesh),
+                Inner::Geometric => match memory::room_without_a(self.scene, &body) {
+                    Ok(()) => matrix_free(body, mesh).map(Ok),
+                    Err(reason) => Ok(Err(reason)),
+                },
+                Inner::Algebraic => assembled(body, mesh).map(Ok),
             }
         })
-        .map(Ok)
     }
 }
 

@@ -22,6 +22,7 @@ impl Solve {
     ) -> anyhow::Result<Status> {
         let assembly = self.source.assembly();
         let body = assembly.mesh(scene, memory::MATRIX_FREE, &mut progress)?;
+        memory::room_without_a(scene, &body)?;
         let context = || format!("{scene} cannot be solved");
         let system = body.stick_system(assembly.stabilization());
         let force = body.forces().with_context(context)?;
