@@ -1,5 +1,6 @@
 //! Claim: `solve --inner geometric` gives the solution of the assembled path without its matrix, `auto` says what it took
 //! and why, and what cannot be is refused in one sentence.
+#![allow(clippy::unwrap_used, reason = "a test that cannot read a report fails")]
 
 use crate::run::{fracas, scratch, system_folder, write};
 use fracas_operators::matrix_market::read_vector;

@@ -24,7 +24,7 @@ pub(super) fn across<R: Real, L: Lanes<R>>([low, high]: &[Face<L>; 2], c: usize)
     let mut modes = [L::splat(R::zero()); 8];
     for z in 0..2 {
         for x in 0..2 {
-            let m = x * D_X | z * D_Z;
+            let m = (x * D_X) | (z * D_Z);
             [modes[m], modes[m | D_Y]] = sum_and_difference(low[c][z][x], high[c][z][x]);
         }
     }
@@ -40,7 +40,7 @@ pub(super) fn to_both<R: Real, L: Lanes<R>>(
 ) {
     for z in 0..2 {
         for x in 0..2 {
-            let m = x * D_X | z * D_Z;
+            let m = (x * D_X) | (z * D_Z);
             [low[c][z][x], high[c][z][x]] = low_and_high([modes[m], modes[m | D_Y]]);
         }
     }
