@@ -154,7 +154,6 @@ impl<R: Real> Current<'_, R> {
     }
 
     /// The operator and its bytes.
-    #[expect(clippy::type_complexity, reason = "a pair")]
     fn operator(
         &self,
         system: &StickSystem<'_>,
