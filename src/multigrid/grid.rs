@@ -45,13 +45,14 @@ pub(super) struct Grid<'a> {
 }
 
 impl<'a> Grid<'a> {
-    /// The finest grid, or `None` if the mesh follows none.
+    /// The finest grid, or `None` if the mesh follows none: its elements are the cells, its nodes vertices or copies of them.
     pub(super) fn of_mesh(mesh: &'a HexMesh) -> Option<Self> {
         let grid = mesh.grid.as_ref()?;
-        if grid.cells.iter().product::<usize>() != mesh.elements.len() {
+        let count = grid.cells.iter().product::<usize>();
+        if count != mesh.elements.len() || grid.node_count() > mesh.nodes.len() {
             return None;
         }
-        Some(Self {
+        let finest = Self {
             cells: grid.cells,
             lines: [0, 1, 2].map(|d: usize| Cow::Borrowed(&*grid.lines[d])),
             origin: grid.cells.map(|n| (0..=n as u32).collect()),
@@ -59,7 +60,19 @@ impl<'a> Grid<'a> {
             elements: Cow::Borrowed(&mesh.elements),
             first: None,
             copies: Vec::new(),
-        })
+        };
+        // every corner is a vertex of its cell or was split from it: threads rely on that
+        let follows = (0..count).all(|cell| {
+            let at = finest.place(cell);
+            mesh.elements[cell].iter().zip(STEPS).all(|(node, up)| {
+                let mut node = *node as usize;
+                while mesh.origin[node] as usize != node {
+                    node = mesh.origin[node] as usize;
+                }
+                node == finest.vertex([0, 1, 2].map(|d: usize| at[d] + up[d]))
+            })
+        });
+        follows.then_some(finest)
     }
 
     /// Number of the cell (i, j, k).
