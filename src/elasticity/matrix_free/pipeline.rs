@@ -208,7 +208,7 @@ impl<R: Real> Product<'_, R> {
         }
     }
 
-    /// Displacements of a group that is not on node lines, well ahead of [`read`](Self::read): by then the scalars have
+    /// Displacements of a group that is not on node lines, well ahead of `read`: by then the scalars have
     /// left the store queue.
     #[inline(always)]
     fn gather<L: Lanes<R>>(&self, group: usize, gathered: &mut Corners<R>) {
