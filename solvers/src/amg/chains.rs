@@ -64,7 +64,7 @@ impl fmt::Display for Smoothing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.smoother.name())?;
         match self.chained {
-            None => f.write_str(" as asked for"),
+            None => Ok(()),
             Some(share) => write!(
                 f,
                 ": {:.0} % of the nodes are links of a chain ({:.0} % call for fsai)",

@@ -10,6 +10,9 @@ use faer::Mat;
 use fracas_operators::sparse::SparseMatrix;
 use rayon::prelude::*;
 
+/// What rounding may do to a block, relative to its largest diagonal entry. Unit: 1.
+const ROUNDING: f64 = 1e-12;
+
 /// `C_f = r(B_f)ᵀ (A|_f)⁻¹ r(B_f) + |H_ff|`, B_f = the three columns of face f, A restricted to their support.
 ///
 /// A principal submatrix of A is the stiffness with everything else held, so `C_f ≤ (BᵀA⁻¹B)_ff`. Where A|_f is
@@ -114,14 +117,17 @@ fn diagonal_of(block: &Block) -> Block {
 /// `C_f ← C_f + |H_ff|`.
 fn add_stabilization(block: &mut Block, h: &SparseMatrix<f64>, face: usize) {
     let entry = |i: usize, j: usize| h.get(3 * face + i, 3 * face + j).copied().unwrap_or(0.0);
-    let h_ff: Block = std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)));
-    let symmetric = (0..3).all(|i| (0..i).all(|j| h_ff[i][j] == h_ff[j][i]));
-    let sum: Block = std::array::from_fn(|i| std::array::from_fn(|j| block[i][j] + h_ff[i][j]));
+    let size = (0..3).fold(0.0f64, |m, i| m.max(entry(i, i).abs()));
+    // sums over edges may differ in their last digit between the two triangles
+    let skew = |i: usize, j: usize| (entry(i, j) - entry(j, i)).abs();
+    let symmetric = (0..3).all(|i| (0..i).all(|j| skew(i, j) <= ROUNDING * size));
+    let mean = |i: usize, j: usize| 0.5 * (entry(i, j) + entry(j, i));
+    let h_ff: Block = std::array::from_fn(|i| std::array::from_fn(|j| mean(i, j)));
     let semi_definite = symmetric && is_semi_definite(&h_ff);
-    if semi_definite {
-        *block = sum;
-    } else {
-        for i in 0..3 {
+    for i in 0..3 {
+        if semi_definite {
+            (0..3).for_each(|j| block[i][j] += h_ff[i][j]);
+        } else {
             block[i][i] += h_ff[i][i].abs();
         }
     }
@@ -133,10 +139,9 @@ fn is_semi_definite(b: &Block) -> bool {
     let minor = |i: usize, j: usize| b[i][i] * b[j][j] - b[i][j] * b[i][j];
     let determinant = b[0][0] * minor(1, 2) - b[0][1] * (b[0][1] * b[2][2] - b[1][2] * b[0][2])
         + b[0][2] * (b[0][1] * b[1][2] - b[1][1] * b[0][2]);
-    let tolerance = 1e-12;
     (0..3).all(|i| b[i][i] >= 0.0)
         && [(0, 1), (0, 2), (1, 2)]
             .into_iter()
-            .all(|(i, j)| minor(i, j) >= -tolerance * size * size)
-        && determinant >= -tolerance * size.powi(3)
+            .all(|(i, j)| minor(i, j) >= -ROUNDING * size * size)
+        && determinant >= -ROUNDING * size.powi(3)
 }

@@ -258,3 +258,35 @@ fn another_unit_of_tractions_scales_c_and_its_inverse() {
         }
     }
 }
+
+#[test]
+fn a_last_digit_between_the_triangles_of_h_does_not_cost_its_coupling() {
+    let mut blocks = random(12, 6, 0.4, 5);
+    let h = |skew: f64| {
+        let rows = [
+            [2.0, 0.5 + skew, 0.25],
+            [0.5, 3.0, -0.75],
+            [0.25, -0.75, 4.0],
+        ];
+        let mut h = fracas_operators::sparse::Triplets::new((6, 6));
+        for (i, row) in rows.iter().enumerate() {
+            for (j, v) in row.iter().enumerate() {
+                h.add_triplet(i, j, *v);
+                h.add_triplet(3 + i, 3 + j, *v);
+            }
+        }
+        Some(h.to_csr())
+    };
+    let mut of = |skew: f64| {
+        blocks.h = h(skew);
+        compute(AugmentationChoice::FaceBlock, &blocks)
+            .unwrap()
+            .to_dense()
+    };
+    let (plain, rounded, slip) = (of(0.0), of(1e-15), of(0.1));
+    assert!((&rounded - &plain).norm_max() < 1e-14);
+    assert!(
+        (slip[(0, 1)] - plain[(0, 1)]).abs() > 0.4,
+        "an unsymmetric H gives its diagonal"
+    );
+}
