@@ -152,15 +152,11 @@ impl<'a> ContactSystem<'a> {
         point: &ContactPoint<'_>,
     ) -> Result<Vec<FaceRows>, ContactError> {
         let jumps = self.jumps(point.u);
-        let none = Friction {
-            angle: 0.0,
-            cohesion: 0.0,
-        };
         let row = |(f, state): (usize, &ContactState)| {
             let slips = matches!(state, ContactState::Slip | ContactState::NewSlip);
             let friction = match self.friction[f] {
                 None if slips => return Err(self.no_friction(f, *state)),
-                friction => friction.unwrap_or(none),
+                friction => friction.unwrap_or(Friction::NONE),
             };
             let three = |v: &[f64]| [v[3 * f], v[3 * f + 1], v[3 * f + 2]];
             let (traction, start) = (three(point.t), three(point.start_jump));
@@ -169,9 +165,14 @@ impl<'a> ContactSystem<'a> {
             let law = FaceLaw {
                 friction,
                 compliance: self.compliance[f],
-                tiny: TINY_SLIP * self.compliance[f] * friction.limit(traction[0]).abs(),
+                tiny: TINY_SLIP * self.compliance[f] * friction.limit(traction[0], 0.0).abs(),
             };
-            Ok(law.rows(*state, &FacePoint { traction, jump }))
+            let point = FacePoint {
+                traction,
+                jump,
+                start: [start[1], start[2]],
+            };
+            Ok(law.rows(*state, &point))
         };
         states.iter().enumerate().map(row).collect()
     }

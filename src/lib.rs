@@ -1,6 +1,6 @@
 //! The model: from a fractured scene to the blocks of its saddle point.
 //!
-//! Rooms, each importing only those before it: `units` ◄ `mesh` ◄ {`elasticity`, `contact`} ◄ `scene` ◄ `system` ◄ {`multigrid` ◄ `matrix_free`, `jacobian`}; `io` writes.
+//! Rooms, each importing only those before it: `units` ◄ `mesh` ◄ {`elasticity`, `contact`} ◄ `scene` ◄ `system` ◄ {`multigrid` ◄ `matrix_free` ◄ `nonlinear`, `jacobian`}; `io` writes.
 
 pub mod contact;
 pub mod elasticity;
@@ -9,6 +9,7 @@ pub mod jacobian;
 pub mod matrix_free;
 pub mod mesh;
 pub mod multigrid;
+pub mod nonlinear;
 pub mod scene;
 pub mod system;
 pub mod units;

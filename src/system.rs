@@ -2,8 +2,9 @@
 
 use crate::contact::{ContactState, Coupling, JumpStabilization, prescribed_jump};
 use crate::elasticity::{Constraints, Elastic, ElasticityError, lift, loads, reduced, stiffness};
-use crate::mesh::{FractureMesh, HexMesh};
-use crate::scene::{Body, SurfaceTraction};
+use crate::mesh::{FractureFace, FractureMesh, HexMesh};
+use crate::scene::Body;
+use fracas_operators::LinearOperator;
 use fracas_operators::sparse::SparseMatrix;
 use fracas_operators::vector::axpy;
 use fracas_solvers::saddle::{DofCoordinate, SaddleBlocks};
@@ -79,34 +80,58 @@ impl StickSystem<'_> {
 }
 
 impl Body {
-    /// Nodal forces of body force, surface tractions and initial stress over all displacements [N], `3·node + component`.
+    /// Nodal forces of body force, surface tractions, fluid in fractures and initial stress over all displacements [N],
+    /// `3·node + component`, every load at the factor 1 of its history.
     ///
     /// # Errors
     /// [`ElasticityError`] for an inverted element.
     pub fn forces(&self) -> Result<Vec<f64>, ElasticityError> {
         let mut force = vec![0.0; self.constraints.full_len()];
-        if self.body_force.iter().flatten().any(|b| *b != 0.0) {
-            axpy(
-                1.0,
-                &loads::body_force(&self.mesh, &self.body_force)?,
-                &mut force,
-            );
-        }
-        for SurfaceTraction { faces, value } in &self.tractions {
-            axpy(
-                1.0,
-                &loads::surface_traction(&self.mesh.nodes, faces, *value),
-                &mut force,
-            );
-        }
-        if let Some(stress) = self.initial_stress {
-            axpy(
-                1.0,
-                &loads::initial_stress(&self.mesh, |_, x| stress.at(x))?,
-                &mut force,
-            );
+        for history in 0..self.histories.len() {
+            axpy(1.0, &self.forces_of(history)?, &mut force);
         }
         Ok(force)
+    }
+
+    /// The part of [`forces`](Self::forces) that follows one history, at its factor 1.
+    ///
+    /// # Errors
+    /// [`ElasticityError`] for an inverted element.
+    pub fn forces_of(&self, history: usize) -> Result<Vec<f64>, ElasticityError> {
+        let mut force = vec![0.0; self.constraints.full_len()];
+        if history == Self::ALWAYS {
+            if self.body_force.iter().flatten().any(|b| *b != 0.0) {
+                let weight = loads::body_force(&self.mesh, &self.body_force)?;
+                axpy(1.0, &weight, &mut force);
+            }
+            if let Some(stress) = self.initial_stress {
+                let stressed = loads::initial_stress(&self.mesh, |_, x| stress.at(x))?;
+                axpy(1.0, &stressed, &mut force);
+            }
+        }
+        for load in self.tractions.iter().filter(|l| l.history == history) {
+            let traction = loads::surface_traction(&self.mesh.nodes, &load.faces, load.value);
+            axpy(1.0, &traction, &mut force);
+        }
+        if let Some(pressure) = self.pressures_of(history) {
+            // −Q1 p = B (p, 0, 0)
+            let coupling =
+                Coupling::<f64>::in_full_numbering(&self.fractures, self.mesh.nodes.len());
+            let mut work = vec![0.0; coupling.work_len()];
+            coupling.apply_add(1.0, &pressure, &mut force, &mut work);
+        }
+        Ok(force)
+    }
+
+    /// (p, 0, 0) of every face whose fracture has a pressure of that history [Pa]; `None` where there is none.
+    fn pressures_of(&self, history: usize) -> Option<Vec<f64>> {
+        let value = |fracture: u16| match self.pressures.get(usize::from(fracture)) {
+            Some((p, of)) if *of == history => *p,
+            _ => 0.0,
+        };
+        let normal = |f: &FractureFace| [value(f.fracture), 0.0, 0.0];
+        let all: Vec<f64> = self.fractures.faces.iter().flat_map(normal).collect();
+        all.iter().any(|p| *p != 0.0).then_some(all)
     }
 
     /// The blocks `[A B; Bᵀ −H]` with every face in stick under the body's loads; `stabilization = None` gives H = 0.

@@ -174,7 +174,7 @@ fn newton_on_a_fixed_state_reaches_the_laws_of_every_face() {
     for (f, state) in pattern(ContactState::Slip).iter().enumerate() {
         let limit = body.friction[usize::from(body.fractures.faces[f].fracture)]
             .unwrap()
-            .limit(t[3 * f]);
+            .limit(t[3 * f], 0.0);
         assert!(t[3 * f] < 0.0, "face {f} is in tension");
         if *state != ContactState::Slip {
             continue;

@@ -12,6 +12,20 @@ pub enum Step {
         /// ‖r_k‖ / ‖b‖ as the method estimates it.
         relative_residual: f64,
     },
+    /// One Newton step, before its linear system is solved.
+    Newton {
+        /// Steps taken with the present states.
+        iteration: usize,
+        /// Residual of the non-linear equations relative to loads and internal forces.
+        residual: f64,
+    },
+    /// One round of the active set, after its Newton iteration.
+    Round {
+        /// Rounds finished.
+        round: usize,
+        /// Faces that take another state.
+        changed: usize,
+    },
     /// One step of a long set-up or sweep.
     Progress {
         /// What is being done.

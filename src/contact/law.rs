@@ -11,6 +11,8 @@ pub struct FacePoint {
     pub traction: [f64; 3],
     /// (g_N, Δg_1, Δg_2): the normal jump in all, the tangential one over the step [m].
     pub jump: [f64; 3],
+    /// (g_1, g_2) at the start of the step [m]; only weakening friction asks for it.
+    pub start: [f64; 2],
 }
 
 /// The rows of a face per unit of area: r [m] and its derivatives.
@@ -27,13 +29,13 @@ pub struct FaceRows {
 /// The contact rows of a face:
 /// ```text
 /// stick     r_N = g_N     r_T = Δg_T
-/// slip      r_N = g_N     r_T = ω (τ_L m − t_T)       τ_L = c − t_N tan φ
+/// slip      r_N = g_N     r_T = ω (τ_L m − t_T)       τ_L = max(c − t_N tan φ(‖g_T‖), 0),  g_T = g_T at the start + Δg_T
 /// open      r   = −ω t
 /// m = Δg_T/‖Δg_T‖ in slip; t_T/‖t_T‖, frozen, in new-slip and where ‖Δg_T‖ ≤ tiny; r_T = −ω t_T where t_T = 0 as well
 /// ```
 /// Traction rows are negated, so that in `B2 u − H t = g` the block `H = −A_f ∂r/∂t` has `+ω A_f` on their diagonal and B2
-/// a positive semi-definite multiple `ω τ_L (I − m mᵀ)/‖Δg_T‖` of the tangential rows of B1ᵀ. The compliance ω gives
-/// them the unit of the jumps.
+/// a positive semi-definite multiple `ω τ_L (I − m mᵀ)/‖Δg_T‖` of the tangential rows of B1ᵀ; weakening adds
+/// `ω ∂τ_L/∂s m g_Tᵀ/‖g_T‖`, which is negative along the slip. The compliance ω gives them the unit of the jumps.
 ///
 /// # Source
 /// Deck (Karush–Kuhn–Tucker conditions, maximum plastic dissipation); derivatives as in the authors' open codes. Signs
@@ -56,7 +58,11 @@ fn tangential_norm(v: [f64; 3]) -> f64 {
 impl FaceLaw {
     /// Residual and tangent in `state`.
     pub fn rows(&self, state: ContactState, point: &FacePoint) -> FaceRows {
-        let FacePoint { traction: t, jump } = *point;
+        let FacePoint {
+            traction: t,
+            jump,
+            start,
+        } = *point;
         let omega = self.compliance;
         let diagonal = |d: [f64; 3]| -> Matrix3 {
             std::array::from_fn(|i| std::array::from_fn(|j| if i == j { d[i] } else { 0.0 }))
@@ -74,7 +80,19 @@ impl FaceLaw {
             },
             ContactState::NewSlip | ContactState::Slip => {
                 let (m, turning) = self.direction(state, point);
-                let limit = self.friction.limit(t[0]);
+                let total = [0.0, start[0] + jump[1], start[1] + jump[2]];
+                let slip = tangential_norm(total);
+                let limit = self.friction.limit(t[0], slip);
+                // ∂τ_L/∂g_T = ∂τ_L/∂s g_T/‖g_T‖
+                let rate = self.friction.by_slip(t[0], slip);
+                let by_normal = self.friction.by_normal(t[0], slip);
+                let along = |j: usize| {
+                    if slip > 0.0 {
+                        rate * total[j] / slip
+                    } else {
+                        0.0
+                    }
+                };
                 let mut rows = FaceRows {
                     residual: jump,
                     by_jump: diagonal([1.0, 0.0, 0.0]),
@@ -82,10 +100,11 @@ impl FaceLaw {
                 };
                 for i in 1..3 {
                     rows.residual[i] = omega * (limit * m[i] - t[i]);
-                    rows.by_traction[i][0] = -omega * self.friction.slope() * m[i];
+                    rows.by_traction[i][0] = omega * by_normal * m[i];
                     for j in 1..3 {
                         let projector = f64::from(u8::from(i == j)) - m[i] * m[j];
-                        rows.by_jump[i][j] = omega * limit * turning * projector;
+                        rows.by_jump[i][j] =
+                            omega * (limit * turning * projector + m[i] * along(j));
                     }
                 }
                 rows

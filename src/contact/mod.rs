@@ -6,9 +6,11 @@ mod friction;
 mod law;
 mod stabilization;
 mod state;
+mod transition;
 
 pub use coupling::{Coupling, prescribed_jump};
-pub use friction::Friction;
+pub use friction::{Friction, Weakening};
 pub use law::{FaceLaw, FacePoint, FaceRows};
 pub use stabilization::{JumpStabilization, Side, face_compliance, side_stiffness};
 pub use state::ContactState;
+pub use transition::{FaceMeasure, Thresholds, next_state};

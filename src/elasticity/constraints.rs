@@ -84,6 +84,16 @@ impl Constraints {
         Self::of_list(n, Vec::new())
     }
 
+    /// The same unknowns prescribed with other values [m], one per entry of [`prescribed`](Self::prescribed).
+    #[must_use]
+    pub fn with_values(&self, values: impl Fn(usize, f64) -> f64) -> Self {
+        let given = self.prescribed.iter().enumerate();
+        Self {
+            prescribed: given.map(|(i, (dof, u))| (*dof, values(i, *u))).collect(),
+            ..self.clone()
+        }
+    }
+
     /// Unknowns before removing prescribed ones.
     pub fn full_len(&self) -> usize {
         self.full_len

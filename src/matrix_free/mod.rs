@@ -65,6 +65,11 @@ impl<R: Real> MatrixFreeSaddle<R> {
         self.unit
     }
 
+    /// A.
+    pub fn stiffness(&self) -> &Restricted<Box<dyn AdjointOperator<R>>> {
+        &self.a
+    }
+
     /// B.
     pub fn coupling(&self) -> &Arc<Coupling<R>> {
         &self.b

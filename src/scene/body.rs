@@ -1,5 +1,6 @@
 //! What a scene becomes: everything that assembly needs, in SI units.
 
+use super::{History, SolverSection, TimeTable};
 use crate::contact::Friction;
 use crate::elasticity::{Constraints, Elastic};
 use crate::mesh::{Audit, FractureMesh, HexMesh, audit};
@@ -11,6 +12,8 @@ pub struct SurfaceTraction {
     pub faces: Vec<[u32; 4]>,
     /// Force per area, tension positive [Pa].
     pub value: [f64; 3],
+    /// Number of its history in [`Body::histories`].
+    pub history: usize,
 }
 
 /// Initial stress σ0(z) = constant + (z − reference) · gradient, Voigt order xx, yy, zz, xy, yz, xz.
@@ -48,15 +51,30 @@ pub struct Body {
     pub densities: Vec<f64>,
     /// Body force per material: density · gravity + the scene's own [N/m³].
     pub body_force: Vec<[f64; 3]>,
-    /// Prescribed displacements.
+    /// Prescribed displacements, those at the factor 1 of their histories.
     pub constraints: Constraints,
+    /// Numbers of the histories of the prescribed displacements, in the order of `constraints.prescribed()`.
+    pub prescribed_histories: Vec<usize>,
     /// Loads on the surface.
     pub tractions: Vec<SurfaceTraction>,
     /// Stress before any displacement.
     pub initial_stress: Option<InitialStress>,
+    /// Pressure of the fluid in each fracture [Pa] and the number of its history.
+    pub pressures: Vec<(f64, usize)>,
+    /// Opening of each fracture before any displacement [m].
+    pub gaps: Vec<f64>,
+    /// Factors of the loads in time; number [`Body::ALWAYS`] is 1 at all times.
+    pub histories: Vec<History>,
+    /// Steps in time, if any.
+    pub time: Option<TimeTable>,
+    /// How the non-linear problem is solved.
+    pub solver: SolverSection,
 }
 
 impl Body {
+    /// Number of the history of what does not change.
+    pub const ALWAYS: usize = 0;
+
     /// Marks of the prescribed displacements, `3·node + component`.
     pub fn prescribed(&self) -> Vec<bool> {
         let mut marks = vec![false; self.constraints.full_len()];

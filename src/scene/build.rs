@@ -3,12 +3,15 @@
 use std::collections::HashSet;
 
 use super::geometry::{axis, expand, regions, warps};
+use super::history::Histories;
 use super::hold::hold;
 use super::located::{Located, at};
 use super::mesh_sections::FractureSection;
 use super::sections::SceneSections;
 use super::source::Source;
-use super::{Body, Friction, InitialStress, Problem, SceneError};
+use super::{
+    Body, Friction, InitialStress, Problem, SceneError, SolverSection, TimeTable, Weakening,
+};
 use crate::elasticity::{Constraints, Elastic};
 use crate::mesh::{BoxGrid, Hold, MAX_NODES, MeshError, bodies};
 use crate::units::Measure;
@@ -91,7 +94,24 @@ fn assemble(sections: &SceneSections) -> Result<Body, Located> {
         .build()
         .map_err(|e| locate(e, &grid, &section_of, sections))?;
 
-    let (prescribed, tractions) = hold(&sections.boundary, &built)?;
+    let mut histories = Histories::new();
+    let (time, of_time) = time_table(sections, &mut histories)?;
+    let (prescribed, tractions) = hold(&sections.boundary, &built, |i, boundary| {
+        let path = ["boundary", &i.to_string(), "history"];
+        histories.number(boundary.history.as_ref(), &path, of_time)
+    })?;
+    let (constraints, prescribed_histories) = constraints(3 * built.mesh.nodes.len(), prescribed);
+    let mut pressures = Vec::with_capacity(section_of.len());
+    for i in &section_of {
+        let fracture = &sections.fracture[*i];
+        let path = ["fracture", &i.to_string(), "pressure_history"];
+        let history = histories.number(fracture.pressure_history.as_ref(), &path, of_time)?;
+        pressures.push((fracture.pressure.as_ref().map_or(0.0, Measure::si), history));
+    }
+    let friction = section_of
+        .iter()
+        .map(|i| friction(*i, &sections.fracture[*i]))
+        .collect::<Result<_, _>>()?;
     let gravity = sections.gravity.as_ref().map_or([0.0; 3], |g| g.si());
     let extra = sections.body_force.as_ref().map_or([0.0; 3], |f| f.si());
     let densities: Vec<f64> = sections
@@ -99,14 +119,10 @@ fn assemble(sections: &SceneSections) -> Result<Body, Located> {
         .iter()
         .map(|m| m.density.as_ref().map_or(0.0, Measure::si))
         .collect();
-    let constraints = Constraints::of_list(3 * built.mesh.nodes.len(), prescribed);
     Ok(Body {
         mesh: built.mesh,
         fractures: built.fractures,
-        friction: section_of
-            .iter()
-            .map(|i| friction(&sections.fracture[*i]))
-            .collect(),
+        friction,
         material_names: sections.material.iter().map(|m| m.name.clone()).collect(),
         materials: sections
             .material
@@ -122,7 +138,16 @@ fn assemble(sections: &SceneSections) -> Result<Body, Located> {
             .collect(),
         densities,
         constraints,
+        prescribed_histories,
         tractions,
+        pressures,
+        gaps: section_of
+            .iter()
+            .map(|i| sections.fracture[*i].gap.as_ref().map_or(0.0, Measure::si))
+            .collect(),
+        histories: histories.0,
+        time,
+        solver: solver(sections)?,
         initial_stress: sections.initial_stress.as_ref().map(|s| InitialStress {
             constant: s.constant.as_ref().map_or([0.0; 6], |c| c.si()),
             gradient: s.gradient.as_ref().map_or([0.0; 6], |g| g.si()),
@@ -150,14 +175,117 @@ fn unique<'a>(
     Ok(())
 }
 
-fn friction(fracture: &FractureSection) -> Option<Friction> {
-    match (&fracture.friction_angle, &fracture.cohesion) {
+fn friction(number: usize, fracture: &FractureSection) -> Result<Option<Friction>, Located> {
+    let (angle, cohesion) = (&fracture.friction_angle, &fracture.cohesion);
+    let weakening = match (
+        &fracture.dynamic_friction_angle,
+        &fracture.weakening_distance,
+    ) {
         (None, None) => None,
-        (angle, cohesion) => Some(Friction {
-            angle: angle.as_ref().map_or(0.0, Measure::si),
-            cohesion: cohesion.as_ref().map_or(0.0, Measure::si),
-        }),
+        (Some(dynamic), Some(distance)) if distance.si() > 0.0 && angle.is_some() => {
+            Some(Weakening {
+                angle: dynamic.si(),
+                distance: distance.si(),
+            })
+        }
+        _ => {
+            let name = fracture.name.clone();
+            let path = ["fracture", &number.to_string()];
+            return Err(at(&path, Problem::Weakening { name }));
+        }
+    };
+    let given = angle.is_some() || cohesion.is_some();
+    Ok(given.then(|| Friction {
+        angle: angle.as_ref().map_or(0.0, Measure::si),
+        cohesion: cohesion.as_ref().map_or(0.0, Measure::si),
+        weakening,
+    }))
+}
+
+/// Of several values for one displacement the last one counts, with its history.
+fn constraints(n: usize, mut prescribed: Vec<(u32, f64, usize)>) -> (Constraints, Vec<usize>) {
+    prescribed.reverse();
+    prescribed.sort_by_key(|(dof, ..)| *dof);
+    prescribed.dedup_by_key(|(dof, ..)| *dof);
+    let histories = prescribed.iter().map(|(.., history)| *history).collect();
+    let values = prescribed.into_iter().map(|(dof, u, _)| (dof, u)).collect();
+    (Constraints::of_list(n, values), histories)
+}
+
+/// Steps in time and the number of the history of loads without their own.
+fn time_table(
+    sections: &SceneSections,
+    histories: &mut Histories,
+) -> Result<(Option<TimeTable>, usize), Located> {
+    let Some(time) = &sections.time else {
+        return Ok((None, Body::ALWAYS));
+    };
+    if time.end.si() <= 0.0 {
+        return Err(at(&["time", "end"], Problem::NoTime));
     }
+    let table = TimeTable {
+        end: time.end.si(),
+        steps: time.steps.get(),
+    };
+    let path = ["time", "history"];
+    Ok((
+        Some(table),
+        histories.number(time.history.as_ref(), &path, Body::ALWAYS)?,
+    ))
+}
+
+/// Settings of the solver, checked.
+fn solver(sections: &SceneSections) -> Result<SolverSection, Located> {
+    let solver = sections.solver.unwrap_or_default();
+    let share = |v: f64| v > 0.0 && v < 1.0;
+    for (key, value, admitted, requirement) in [
+        (
+            "tolerance",
+            solver.tolerance,
+            share(solver.tolerance),
+            "more than 0 and less than 1",
+        ),
+        (
+            "state_tolerance",
+            solver.state_tolerance,
+            share(solver.state_tolerance),
+            "more than 0 and less than 1",
+        ),
+        (
+            "hysteresis",
+            solver.hysteresis,
+            (0.0..0.5).contains(&solver.hysteresis),
+            "at least 0 and less than 0.5",
+        ),
+        (
+            "max_active",
+            solver.max_active as f64,
+            solver.max_active > 0,
+            "at least 1",
+        ),
+        (
+            "max_newton",
+            solver.max_newton as f64,
+            solver.max_newton > 0,
+            "at least 1",
+        ),
+        (
+            "max_krylov",
+            solver.max_krylov as f64,
+            solver.max_krylov > 0,
+            "at least 1",
+        ),
+    ] {
+        if !admitted {
+            let problem = Problem::SolverValue {
+                key,
+                value,
+                requirement,
+            };
+            return Err(at(&["solver", key], problem));
+        }
+    }
+    Ok(solver)
 }
 
 /// Where a mesh error is written.

@@ -125,6 +125,32 @@ pub enum Problem {
         /// The side.
         side: String,
     },
+    /// A history that is no function of time.
+    #[error(
+        "a history needs at least one [time, factor], finite and with increasing times, e.g. [[\"0 s\", 0], [\"10 s\", 1]]"
+    )]
+    BadHistory,
+    /// Half of the weakening data.
+    #[error(
+        "fracture \"{name}\" weakens only with all of `friction_angle`, `dynamic_friction_angle` and `weakening_distance` (more than 0)"
+    )]
+    Weakening {
+        /// Its name.
+        name: String,
+    },
+    /// A last time of zero.
+    #[error("`end` must be later than time 0")]
+    NoTime,
+    /// A number that the solver cannot use.
+    #[error("`{key}` is {value}; it must be {requirement}")]
+    SolverValue {
+        /// Its key.
+        key: &'static str,
+        /// What is written.
+        value: f64,
+        /// What it must be.
+        requirement: &'static str,
+    },
     /// No material at all.
     #[error("the scene has no [[material]]; give at least one with name, young and poisson")]
     NoMaterial,

@@ -9,26 +9,29 @@ use crate::units::Measure;
 /// A face is perpendicular to an axis if its unit normal has a component larger than 1 − this: an angle of 1e-5 rad.
 const FLAT: f64 = 5e-11;
 
-/// `3·node + component` and its displacement [m].
-type Prescribed = (u32, f64);
+/// `3·node + component`, its displacement [m] and the number of its history.
+type Prescribed = (u32, f64, usize);
 
-/// Prescribed displacements, a later one in place of an earlier one, and loads.
+/// Prescribed displacements, a later one in place of an earlier one, and loads; `history` numbers that of a boundary.
 pub(super) fn hold(
     boundaries: &[BoundarySection],
     built: &BuiltMesh,
+    mut history: impl FnMut(usize, &BoundarySection) -> Result<usize, Located>,
 ) -> Result<(Vec<Prescribed>, Vec<SurfaceTraction>), Located> {
     let mut prescribed = Vec::new();
     let mut tractions = Vec::new();
     for (i, boundary) in boundaries.iter().enumerate() {
         let number = i.to_string();
         let faces = &built.sides[boundary.side.index()];
+        let history = history(i, boundary)?;
         let mut prescribe = |given: [Option<f64>; 3]| {
             let mut nodes: Vec<u32> = faces.iter().flat_map(|f| f.nodes).collect();
             nodes.sort_unstable();
             nodes.dedup();
             for node in nodes {
                 let values = given.iter().zip(3 * node..);
-                prescribed.extend(values.filter_map(|(value, dof)| Some((dof, (*value)?))));
+                prescribed
+                    .extend(values.filter_map(|(value, dof)| Some((dof, (*value)?, history))));
             }
         };
         match (
@@ -76,8 +79,11 @@ pub(super) fn hold(
             (None, None, Some(traction), None) => tractions.push(SurfaceTraction {
                 faces: faces.iter().map(|f| f.nodes).collect(),
                 value: traction.si(),
+                history,
             }),
-            (None, None, None, Some(pressure)) => tractions.extend(pressed(faces, built, pressure)),
+            (None, None, None, Some(pressure)) => {
+                tractions.extend(pressed(faces, built, pressure, history));
+            }
             (hold, displacement, traction, pressure) => {
                 let found = [
                     hold.is_some(),
@@ -109,6 +115,7 @@ fn pressed<K: crate::units::Kind>(
     faces: &[FaceSide],
     built: &BuiltMesh,
     pressure: &Measure<K>,
+    history: usize,
 ) -> Vec<SurfaceTraction> {
     let mut loads: Vec<SurfaceTraction> = Vec::new();
     for face in faces {
@@ -118,6 +125,7 @@ fn pressed<K: crate::units::Kind>(
             _ => loads.push(SurfaceTraction {
                 faces: vec![face.nodes],
                 value,
+                history,
             }),
         }
     }

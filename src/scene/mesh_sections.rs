@@ -6,7 +6,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::one_or_many::OneOrMany;
-use crate::units::{Angle, FrictionAngle, Length, Measure, Ratio, Strength};
+use crate::units::{
+    Angle, Distance, Duration, FrictionAngle, Length, Measure, Ratio, Strength, Stress,
+};
 
 /// Box, grid lines and maps.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -159,6 +161,21 @@ pub struct FractureSection {
     /// Cohesion; 0 if only the angle is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cohesion: Option<Measure<Strength>>,
+    /// Friction angle after `weakening_distance` of slip; the angle falls linearly until then.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dynamic_friction_angle: Option<Measure<FrictionAngle>>,
+    /// Slip over which friction weakens.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub weakening_distance: Option<Measure<Distance>>,
+    /// Opening before any displacement.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gap: Option<Measure<Distance>>,
+    /// Pressure of the fluid inside, the same on every face (positive pushes the sides apart).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pressure: Option<Measure<Stress>>,
+    /// Factor of the pressure in time as `[[time, factor], …]`; that of `[time]` if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pressure_history: Option<Vec<(Measure<Duration>, f64)>>,
 }
 
 /// An axis.

@@ -5,20 +5,23 @@ mod build;
 mod error;
 mod gallery;
 mod geometry;
+mod history;
 mod hold;
 mod located;
 mod mesh_sections;
 mod one_or_many;
 mod overrides;
 mod sections;
+mod solver_section;
 mod source;
 
 use std::path::Path;
 
-pub use crate::contact::Friction;
+pub use crate::contact::{Friction, Weakening};
 pub use body::{Body, InitialStress, SurfaceTraction};
 pub use error::{Place, Problem, SceneError};
 pub use gallery::{GalleryScene, gallery, named};
+pub use history::{History, TimeTable};
 pub use mesh_sections::{
     AxisName, AxisSection, DistortSection, FractureSection, InclineSection, MapSection,
     MeshSection, RotateSection,
@@ -28,6 +31,7 @@ pub use sections::{
     BoundarySection, BoxSection, ComponentsSection, HoldSection, InitialStressSection,
     MaterialSection, SceneSections, SideName, TensorSection,
 };
+pub use solver_section::{SolverSection, TimeSection};
 
 use source::Source;
 

@@ -4,8 +4,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::mesh_sections::{FractureSection, MeshSection};
+use super::solver_section::{SolverSection, TimeSection};
 use crate::units::{
-    Acceleration, Density, Kind, Length, Measure, Poisson, Stiffness, Stress, StressGradient,
+    Acceleration, Density, Duration, Kind, Length, Measure, Poisson, Stiffness, Stress,
+    StressGradient,
 };
 
 /// A scene file.
@@ -36,6 +38,12 @@ pub struct SceneSections {
     /// Stress before any displacement.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub initial_stress: Option<InitialStressSection>,
+    /// Steps in time; without it `run` solves the equilibrium at time 0 alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time: Option<TimeSection>,
+    /// How `run` solves.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub solver: Option<SolverSection>,
 }
 
 /// An isotropic elastic material, everywhere or in boxes and layers.
@@ -92,6 +100,9 @@ pub struct BoundarySection {
     /// Pressure against the side (positive = compression).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Measure<Stress>>,
+    /// Factor in time as `[[time, factor], …]`, linear between and constant outside; that of `[time]` if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub history: Option<Vec<(Measure<Duration>, f64)>>,
 }
 
 /// Which displacements are zero.

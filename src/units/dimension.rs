@@ -21,6 +21,8 @@ impl Dimension {
     pub const NONE: Self = Self::new(0, 0, 0);
     /// m.
     pub const LENGTH: Self = Self::new(1, 0, 0);
+    /// s.
+    pub const TIME: Self = Self::new(0, 0, 1);
     /// kg/(m s²) = Pa.
     pub const STRESS: Self = Self::new(-1, 1, -2);
     /// kg/m³.

@@ -44,6 +44,22 @@ macro_rules! kind {
 }
 
 kind!(Length, "a length", LENGTH, "m, mm, km");
+kind!(
+    Distance,
+    "a distance",
+    LENGTH,
+    "um, mm, m",
+    "zero or positive",
+    |v| v >= 0.0
+);
+kind!(
+    Duration,
+    "a time",
+    TIME,
+    "s, h, day, year",
+    "zero or positive",
+    |v| v >= 0.0
+);
 kind!(Angle, "an angle", ANGLE, "deg, rad");
 kind!(Stress, "a stress", STRESS, "Pa, MPa, bar");
 kind!(

@@ -17,7 +17,6 @@ const fn symbol(name: &'static str, factor: f64, dimension: Dimension) -> Symbol
     }
 }
 
-const TIME: Dimension = Dimension::new(0, 0, 1);
 const MASS: Dimension = Dimension::new(0, 1, 0);
 const FORCE: Dimension = Dimension::new(1, 1, -2);
 const AREA: Dimension = Dimension::new(2, 0, 0);
@@ -37,12 +36,12 @@ const SYMBOLS: &[Symbol] = &[
     symbol("kg", 1.0, MASS),
     symbol("g", 1e-3, MASS),
     symbol("t", 1e3, MASS),
-    symbol("s", 1.0, TIME),
-    symbol("ms", 1e-3, TIME),
-    symbol("min", 60.0, TIME),
-    symbol("h", 3600.0, TIME),
-    symbol("day", 86400.0, TIME),
-    symbol("year", 365.25 * 86400.0, TIME),
+    symbol("s", 1.0, Dimension::TIME),
+    symbol("ms", 1e-3, Dimension::TIME),
+    symbol("min", 60.0, Dimension::TIME),
+    symbol("h", 3600.0, Dimension::TIME),
+    symbol("day", 86400.0, Dimension::TIME),
+    symbol("year", 365.25 * 86400.0, Dimension::TIME),
     symbol("N", 1.0, FORCE),
     symbol("kN", 1e3, FORCE),
     symbol("MN", 1e6, FORCE),

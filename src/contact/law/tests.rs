@@ -1,28 +1,43 @@
 use super::*;
+use crate::contact::Weakening;
 
 const LAW: FaceLaw = FaceLaw {
     friction: Friction {
         angle: 0.5,
         cohesion: 2e5,
+        weakening: None,
     },
     compliance: 3e-10,
     tiny: 1e-9,
 };
 
+/// The same, weakening over 4 mm.
+const WEAKENING: FaceLaw = FaceLaw {
+    friction: Friction {
+        weakening: Some(Weakening {
+            angle: 0.3,
+            distance: 4e-3,
+        }),
+        ..LAW.friction
+    },
+    ..LAW
+};
+
 /// The residual with the direction of slip frozen at `at`, which is what new-slip and tiny slip differentiate.
-fn frozen(state: ContactState, at: &FacePoint, point: &FacePoint) -> [f64; 3] {
-    let (m, turning) = LAW.direction(state, at);
+fn frozen(law: &FaceLaw, state: ContactState, at: &FacePoint, point: &FacePoint) -> [f64; 3] {
+    let (m, turning) = law.direction(state, at);
     if turning > 0.0 || !matches!(state, ContactState::NewSlip | ContactState::Slip) {
-        return LAW.rows(state, point).residual;
+        return law.rows(state, point).residual;
     }
-    let limit = LAW.friction.limit(point.traction[0]);
-    let r_t = |i: usize| LAW.compliance * (limit * m[i] - point.traction[i]);
+    let slip = (point.start[0] + point.jump[1]).hypot(point.start[1] + point.jump[2]);
+    let limit = law.friction.limit(point.traction[0], slip);
+    let r_t = |i: usize| law.compliance * (limit * m[i] - point.traction[i]);
     [point.jump[0], r_t(1), r_t(2)]
 }
 
 /// Largest difference between the tangent and central differences, relative to the size of each block.
-fn tangent_error(state: ContactState, point: FacePoint) -> f64 {
-    let rows = LAW.rows(state, &point);
+fn tangent_error(law: &FaceLaw, state: ContactState, point: FacePoint) -> f64 {
+    let rows = law.rows(state, &point);
     let mut worst: f64 = 0.0;
     for k in 0..3 {
         let steps = [(1e-5 * tangential_norm(point.jump).max(1e-6), 0), (1e2, 1)];
@@ -35,13 +50,13 @@ fn tangent_error(state: ContactState, point: FacePoint) -> f64 {
                     &mut p.traction
                 };
                 v[k] += s;
-                frozen(state, &point, &p)
+                frozen(law, state, &point, &p)
             };
             let (plus, minus) = (moved(h), moved(-h));
             let (exact, scale) = if which == 0 {
                 (rows.by_jump, 1.0)
             } else {
-                (rows.by_traction, LAW.compliance)
+                (rows.by_traction, law.compliance)
             };
             for i in 0..3 {
                 let difference = (plus[i] - minus[i]) / (2.0 * h);
@@ -57,6 +72,7 @@ fn tangents_are_derivatives_in_every_state() {
     let slipping = FacePoint {
         traction: [-4e6, 1.5e6, -0.8e6],
         jump: [1e-5, 2e-3, -1e-3],
+        start: [3e-4, 2e-4],
     };
     let tiny = FacePoint {
         jump: [0.0, 3e-10, 4e-10],
@@ -65,15 +81,19 @@ fn tangents_are_derivatives_in_every_state() {
     let no_shear = FacePoint {
         traction: [-4e6, 0.0, 0.0],
         jump: [0.0; 3],
+        start: [0.0; 2],
     };
     let sideways = FacePoint {
         jump: [0.0, 1e-4, 0.0],
         traction: [-1e6, 0.0, 5e5],
+        start: [0.0; 2],
     };
     for state in ContactState::ALL {
         for point in [slipping, tiny, no_shear, sideways] {
-            let error = tangent_error(state, point);
-            assert!(error < 1e-7, "{state:?} at {point:?}: {error:e}");
+            for law in [LAW, WEAKENING] {
+                let error = tangent_error(&law, state, point);
+                assert!(error < 1e-7, "{law:?} {state:?} at {point:?}: {error:e}");
+            }
         }
     }
 }
@@ -81,10 +101,11 @@ fn tangents_are_derivatives_in_every_state() {
 #[test]
 fn slip_at_the_limit_along_the_slip_has_no_residual() {
     let t_n = -5e6;
-    let limit = LAW.friction.limit(t_n);
+    let limit = LAW.friction.limit(t_n, 0.0);
     let point = FacePoint {
         traction: [t_n, 0.6 * limit, -0.8 * limit],
         jump: [0.0, 3e-3, -4e-3],
+        start: [0.0; 2],
     };
     for state in [ContactState::Slip, ContactState::NewSlip] {
         let r = LAW.rows(state, &point).residual;
@@ -97,6 +118,7 @@ fn a_face_without_shear_and_slip_gives_its_traction_back() {
     let point = FacePoint {
         traction: [-4e6, 0.0, 0.0],
         jump: [0.0; 3],
+        start: [0.0; 2],
     };
     for state in [ContactState::Slip, ContactState::NewSlip] {
         let rows = LAW.rows(state, &point);
@@ -111,10 +133,11 @@ fn the_slip_block_resists_turning_and_nothing_along_the_slip() {
     let point = FacePoint {
         traction: [-4e6, 1e6, 1e6],
         jump: [0.0, 3e-4, 4e-4],
+        start: [0.0; 2],
     };
     let d = LAW.rows(ContactState::Slip, &point).by_jump;
     let times = |v: [f64; 2]| [1, 2].map(|i: usize| d[i][1] * v[0] + d[i][2] * v[1]);
-    let stiffness = LAW.compliance * LAW.friction.limit(-4e6) / 5e-4;
+    let stiffness = LAW.compliance * LAW.friction.limit(-4e6, 0.0) / 5e-4;
     let along = times([0.6, 0.8]);
     let across = times([-0.8, 0.6]);
     assert!(along.iter().all(|v| v.abs() < 1e-14 * stiffness));

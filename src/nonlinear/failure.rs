@@ -1,0 +1,119 @@
+//! Why a step could not be done.
+
+use crate::elasticity::ElasticityError;
+use fracas_solvers::SetupError;
+use fracas_solvers::krylov::Breakdown;
+
+/// Why a linear system has no solution good enough.
+#[derive(Debug, thiserror::Error)]
+pub enum LinearFailure {
+    /// The preconditioner cannot be built.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// The blocks cannot be assembled.
+    #[error(transparent)]
+    Elasticity(#[from] ElasticityError),
+    /// The arithmetic cannot continue.
+    #[error(transparent)]
+    Breakdown(#[from] Breakdown),
+    /// Iterations ran out.
+    #[error(
+        "{krylov} reached a relative residual of {residual:.1e} in {iterations} iterations, asked {tolerance:.1e}: a block may be held by nothing"
+    )]
+    IterationLimit {
+        /// Method.
+        krylov: &'static str,
+        /// Iterations made.
+        iterations: usize,
+        /// Reached.
+        residual: f64,
+        /// Asked.
+        tolerance: f64,
+    },
+}
+
+/// Why an attempt at a step failed.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure {
+    /// A linear system.
+    #[error("Krylov: {0}")]
+    Linear(#[from] LinearFailure),
+    /// Newton at fixed states.
+    #[error(
+        "Newton: residual {residual:.1e} after {iterations} steps at fixed states, asked {tolerance:.1e}"
+    )]
+    Newton {
+        /// Reached, relative to loads and internal forces.
+        residual: f64,
+        /// Steps made.
+        iterations: usize,
+        /// Asked.
+        tolerance: f64,
+    },
+    /// States still change.
+    #[error("active set: {} faces still change after {rounds} rounds, first of them {}", faces.len(), first(faces))]
+    ActiveSet {
+        /// Rounds made.
+        rounds: usize,
+        /// Faces that changed in the last one.
+        faces: Vec<usize>,
+    },
+    /// States repeat in spite of every remedy.
+    #[error("active set: states repeat every {period} rounds in spite of every remedy; {} faces, first of them {}", faces.len(), first(faces))]
+    Cycle {
+        /// Rounds until they repeat.
+        period: usize,
+        /// Faces that differ within the cycle.
+        faces: Vec<usize>,
+    },
+    /// A number is no longer finite.
+    #[error("{what} is not finite")]
+    NotFinite {
+        /// What.
+        what: &'static str,
+    },
+    /// The observer wants to stop.
+    #[error("stopped on request")]
+    Stopped,
+}
+
+fn first(faces: &[usize]) -> String {
+    match faces.first() {
+        Some(face) => format!("face {face}"),
+        None => "none".into(),
+    }
+}
+
+impl Failure {
+    /// True where a shorter step may help.
+    pub(super) fn may_be_cut(&self) -> bool {
+        !matches!(
+            self,
+            Self::Stopped | Self::Linear(LinearFailure::Setup(_) | LinearFailure::Elasticity(_))
+        )
+    }
+}
+
+/// A step that no halving could do; the state before it is still good.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "step {step} from time {time} s by {increment:.3e} {unit} failed after {cuts} halvings: {reason}"
+)]
+pub struct StepFailure {
+    /// Number of the step.
+    pub step: usize,
+    /// Time at its start [s].
+    pub time: f64,
+    /// Smallest increment tried.
+    pub increment: f64,
+    /// Its unit: `s`, or `of the loads of time 0`.
+    pub unit: &'static str,
+    /// Halvings.
+    pub cuts: usize,
+    /// Why the last attempt failed.
+    pub reason: Failure,
+    /// Linear solves of all attempts.
+    pub linear: Vec<super::LinearRecord>,
+    /// What happened on the way.
+    pub events: Vec<super::Event>,
+}

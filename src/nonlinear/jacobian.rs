@@ -1,0 +1,91 @@
+//! The Jacobian of a contact state as an operator: nothing is assembled but H.
+
+use crate::contact::Coupling;
+use crate::elasticity::Restricted;
+use fracas_operators::operator::assert_product;
+use fracas_operators::sparse::Csr;
+use fracas_operators::{AdjointOperator, Layout, LinearOperator, Shape};
+
+/// 3×3 factors of a face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct FaceTangent {
+    /// D = ∂r/∂g.
+    pub(super) by_jump: [[f64; 3]; 3],
+    /// L = −s² A_f ∂r/∂t.
+    pub(super) law: [[f64; 3]; 3],
+}
+
+/// `[A B; D Bᵀ −(H + L)]`, D and L one 3×3 block per face, tractions in a balanced unit s; with every face in stick
+/// D = I, L = 0 and neither is stored.
+pub struct ContactJacobian<'a> {
+    pub(super) a: &'a Restricted<Box<dyn AdjointOperator<f64>>>,
+    pub(super) b: &'a Coupling<f64>,
+    pub(super) h: Option<&'a Csr<f64>>,
+    pub(super) faces: Option<Vec<FaceTangent>>,
+}
+
+impl ContactJacobian<'_> {
+    /// n_u and n_t.
+    pub fn layout(&self) -> Layout<2> {
+        let shape = self.b.shape();
+        Layout::new(["u", "t"], [shape.rows, shape.cols])
+    }
+
+    /// True where every face is in stick.
+    pub fn is_symmetric(&self) -> bool {
+        self.faces.is_none()
+    }
+}
+
+/// `M v`.
+fn times(m: &[[f64; 3]; 3], v: &[f64]) -> [f64; 3] {
+    m.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
+}
+
+impl LinearOperator<f64> for ContactJacobian<'_> {
+    fn shape(&self) -> Shape {
+        Shape::square(self.layout().len())
+    }
+
+    fn apply_add(&self, alpha: f64, x: &[f64], y: &mut [f64], work: &mut [f64]) {
+        assert_product(self.shape(), x, y);
+        let [x_u, x_t] = self.layout().split(x);
+        let [y_u, y_t] = self.layout().split_mut(y);
+        // y_u += α (A x_u + B x_t)
+        self.a.apply_add(alpha, x_u, y_u, work);
+        self.b.apply_add(alpha, x_t, y_u, work);
+        // y_t += α (D Bᵀ x_u − L x_t − H x_t)
+        match &self.faces {
+            None => self.b.apply_adjoint_add(alpha, x_u, y_t, work),
+            Some(faces) => {
+                let (jump, work) = work.split_at_mut(x_t.len());
+                jump.fill(0.0);
+                self.b.apply_adjoint_add(1.0, x_u, jump, work);
+                for (f, face) in faces.iter().enumerate() {
+                    let d = times(&face.by_jump, &jump[3 * f..][..3]);
+                    let l = times(&face.law, &x_t[3 * f..][..3]);
+                    for k in 0..3 {
+                        y_t[3 * f + k] += alpha * (d[k] - l[k]);
+                    }
+                }
+            }
+        }
+        if let Some(h) = self.h {
+            h.apply_add(-alpha, x_t, y_t, work);
+        }
+    }
+
+    fn work_len(&self) -> usize {
+        let jump = self.faces.as_ref().map_or(0, |faces| 3 * faces.len());
+        jump + self.a.work_len()
+    }
+
+    fn flops(&self) -> u64 {
+        let faces = self
+            .faces
+            .as_ref()
+            .map_or(0, |faces| 36 * faces.len() as u64);
+        let h = self.h.map_or(0, LinearOperator::flops);
+        LinearOperator::<f64>::flops(self.a) + 2 * LinearOperator::<f64>::flops(self.b) + faces + h
+    }
+}

@@ -1,0 +1,86 @@
+//! Loads as sums of cases, one per history.
+
+use super::Load;
+use crate::contact::prescribed_jump;
+use crate::elasticity::{Constraints, ElasticityError, lift};
+use crate::scene::Body;
+use fracas_operators::LinearOperator;
+use fracas_operators::vector::axpy;
+
+/// What follows one history, at its factor 1.
+struct Case {
+    history: usize,
+    /// `f_f − A_fc u_c` [N].
+    force: Vec<f64>,
+    /// `B_cᵀ u_c`, weighted by area, where displacements are prescribed [m³].
+    jump: Option<Vec<f64>>,
+}
+
+/// `load(time) = Σ_k h_k(time) case_k`: the body is linear in its loads, so A_fc is multiplied once per history.
+pub struct Loads<'a> {
+    body: &'a Body,
+    cases: Vec<Case>,
+    /// Initial opening of the faces, weighted by area [m³].
+    gap: Vec<f64>,
+}
+
+impl<'a> Loads<'a> {
+    /// The cases of a body; `full` is its stiffness over all displacements.
+    ///
+    /// # Errors
+    /// [`ElasticityError`] for an inverted element.
+    pub fn new(body: &'a Body, full: &dyn LinearOperator<f64>) -> Result<Self, ElasticityError> {
+        let mut cases = Vec::new();
+        for history in 0..body.histories.len() {
+            let force = body.forces_of(history)?;
+            let constraints = prescribed(body, |h| f64::from(u8::from(h == history)));
+            let mut free: Vec<f64> = constraints
+                .free()
+                .iter()
+                .map(|dof| force[*dof as usize])
+                .collect();
+            let moved = constraints.prescribed().iter().any(|(_, u)| *u != 0.0);
+            if moved {
+                lift(full, &constraints, &mut free);
+            }
+            if moved || free.iter().any(|f| *f != 0.0) {
+                cases.push(Case {
+                    history,
+                    force: free,
+                    jump: moved.then(|| prescribed_jump(&body.fractures, &constraints)),
+                });
+            }
+        }
+        let mut gap = vec![0.0; 3 * body.fractures.faces.len()];
+        for (g, face) in gap.chunks_exact_mut(3).zip(&body.fractures.faces) {
+            g[0] = face.area * body.gaps[usize::from(face.fracture)];
+        }
+        Ok(Self { body, cases, gap })
+    }
+
+    /// The load at a time [s] of which a share is applied.
+    pub fn at(&self, time: f64, share: f64) -> Load {
+        let mut force = vec![0.0; self.body.constraints.free_len()];
+        let mut jump = self.gap.clone();
+        for case in &self.cases {
+            let factor = share * self.body.histories[case.history].at(time);
+            axpy(factor, &case.force, &mut force);
+            if let Some(moved) = &case.jump {
+                axpy(factor, moved, &mut jump);
+            }
+        }
+        Load { force, jump }
+    }
+
+    /// Prescribed displacements at a time [s] of which a share is applied.
+    pub fn prescribed_at(&self, time: f64, share: f64) -> Constraints {
+        prescribed(self.body, |h| share * self.body.histories[h].at(time))
+    }
+}
+
+/// The constraints with every prescribed displacement times the factor of its history.
+fn prescribed(body: &Body, factor: impl Fn(usize) -> f64) -> Constraints {
+    let histories = &body.prescribed_histories;
+    body.constraints
+        .with_values(|i, u| u * factor(histories[i]))
+}

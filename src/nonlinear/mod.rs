@@ -1,0 +1,34 @@
+//! Frictional contact: active set → Newton → Krylov, step by step.
+//!
+//! | cycle | file | repeats until |
+//! |---|---|---|
+//! | steps | [`Simulation`] | the last time; a step that fails starts once more from all-stick, then is halved |
+//! | active set | `active_set` | no face changes its state |
+//! | Newton | `newton` | the residual at fixed states is small |
+//! | Krylov | `linear` | the linear system is solved as well as Newton asks |
+//!
+//! A step starts with every closed face in stick. Tractions are total; slip is counted from the start of the step, the
+//! jump stabilization acts on total normal and on incremental tangential tractions.
+
+mod active_set;
+mod cycling;
+mod failure;
+mod fields;
+mod jacobian;
+mod linear;
+mod loads;
+mod newton;
+mod problem;
+mod record;
+mod simulation;
+mod state;
+
+pub use cycling::Remedy;
+pub use failure::{Failure, LinearFailure, StepFailure};
+pub use fields::FaceFields;
+pub use jacobian::ContactJacobian;
+pub use loads::Loads;
+pub use problem::{ContactProblem, Evaluation, Load, Start};
+pub use record::{Accepted, Event, LinearRecord, StepRecord};
+pub use simulation::{Simulation, SimulationError};
+pub use state::State;

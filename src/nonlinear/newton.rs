@@ -1,0 +1,144 @@
+//! Newton's method at fixed contact states.
+
+use super::linear::Linear;
+use super::{ContactProblem, Evaluation, Failure, LinearRecord, Load, Start};
+use crate::contact::ContactState;
+use fracas_operators::sparse::Csr;
+use fracas_operators::vector::{axpy, norm2};
+use fracas_solvers::krylov::Outcome;
+use fracas_solvers::{Observer, Step};
+
+/// Halvings of a correction that the line search tries.
+const BACKTRACKS: usize = 6;
+
+/// Least relative decrease of the residual for a share of the correction (Armijo). Unit: 1.
+const DECREASE: f64 = 1e-4;
+
+/// Largest relative residual of a linear solve, and share of the asked residual for the last one. Unit: 1.
+const FORCING: (f64, f64) = (1e-2, 0.3);
+
+/// Where the iteration stands; tractions in Pa.
+#[derive(Clone, Debug)]
+pub(super) struct Iterate {
+    pub(super) u: Vec<f64>,
+    pub(super) t: Vec<f64>,
+}
+
+/// One attempt at a step: what does not change within it.
+pub(super) struct Attempt<'s> {
+    pub(super) problem: &'s ContactProblem<'s>,
+    pub(super) start: &'s Start,
+    pub(super) load: &'s Load,
+    /// ‖·‖₂ of loads and internal forces, tractions in the balanced unit [N].
+    pub(super) scale: f64,
+    pub(super) step: usize,
+    pub(super) attempt: usize,
+}
+
+/// Solves the equations at fixed `states` up to `tolerance · scale`, starting from and ending in `x`.
+///
+/// `J δ = −r` to `η = max(0.3 tolerance·scale/‖r‖, min(1e-2, ‖r‖²/‖r_before‖²))` (Eisenstat and Walker, choice 2), with
+/// backtracking on ‖r‖. With stick and open alone the equations are linear, and one solve does it.
+pub(super) fn newton(
+    attempt: &Attempt<'_>,
+    states: &[ContactState],
+    h: Option<&Csr<f64>>,
+    tolerance: f64,
+    (linear, round): (&mut Linear, usize),
+    x: &mut Iterate,
+    records: &mut Vec<LinearRecord>,
+    observer: &mut dyn Observer,
+) -> Result<Evaluation, Failure> {
+    let problem = attempt.problem;
+    let limit = problem.body().solver.max_newton;
+    let unit = problem.saddle().unit();
+    let n_u = x.u.len();
+    let evaluate =
+        |x: &Iterate| problem.evaluate(states, h, [&x.u, &x.t], attempt.start, attempt.load);
+    let is_linear = states
+        .iter()
+        .all(|s| matches!(s, ContactState::Stick | ContactState::Open));
+    let mut correction = vec![0.0; n_u + x.t.len()];
+    let (mut at, mut before) = (evaluate(x), f64::INFINITY);
+    for iteration in 0.. {
+        let size = norm2(&at.residual);
+        let residual = relative(size, attempt.scale);
+        if !residual.is_finite() {
+            return Err(Failure::NotFinite {
+                what: "the residual",
+            });
+        }
+        if residual <= tolerance {
+            break;
+        }
+        if iteration == limit {
+            return Err(Failure::Newton {
+                residual,
+                iterations: iteration,
+                tolerance,
+            });
+        }
+        if observer
+            .observe(&Step::Newton {
+                iteration,
+                residual,
+            })
+            .is_break()
+        {
+            return Err(Failure::Stopped);
+        }
+        let last = FORCING.1 * tolerance / residual;
+        let forcing = match is_linear {
+            true => last,
+            false => (size / before).powi(2).min(FORCING.0).max(last),
+        };
+        // J δ = −r
+        let jacobian = problem.jacobian(states, h, &at);
+        let solved = linear.solve(
+            problem,
+            &jacobian,
+            &at.residual,
+            forcing,
+            &mut correction,
+            observer,
+        )?;
+        if solved.report.outcome == Outcome::Stopped {
+            return Err(Failure::Stopped);
+        }
+        // x ← x + α δ with the largest α = 1, ½, … that lowers the residual
+        let (from, mut length) = (x.clone(), 1.0);
+        for backtrack in 0..=BACKTRACKS {
+            x.u.copy_from_slice(&from.u);
+            x.t.copy_from_slice(&from.t);
+            axpy(length, &correction[..n_u], &mut x.u);
+            axpy(length * unit, &correction[n_u..], &mut x.t);
+            at = evaluate(x);
+            let new = norm2(&at.residual);
+            let lowered = new <= (1.0 - DECREASE * length) * size;
+            if is_linear || lowered || backtrack == BACKTRACKS {
+                break;
+            }
+            length *= 0.5;
+        }
+        before = size;
+        records.push(LinearRecord {
+            step: attempt.step,
+            attempt: attempt.attempt,
+            active: round,
+            newton: iteration,
+            krylov: solved.krylov,
+            iterations: solved.report.iterations,
+            tolerance: forcing,
+            relative_residual: solved.report.relative_residual,
+            residual,
+            step_length: length,
+            setup: solved.setup,
+        });
+    }
+    Ok(at)
+}
+
+/// `size/scale`, 0 where both are.
+pub(super) fn relative(size: f64, scale: f64) -> f64 {
+    if size == 0.0 { 0.0 } else { size / scale }
+}

@@ -1,0 +1,258 @@
+//! Equilibrium and contact rows of a body, in balanced units.
+
+use super::Loads;
+use super::jacobian::{ContactJacobian, FaceTangent};
+use crate::contact::{
+    ContactState, FaceLaw, FaceMeasure, FacePoint, FaceRows, Friction, JumpStabilization,
+    face_compliance,
+};
+use crate::elasticity::ElasticityError;
+use crate::matrix_free::MatrixFreeSaddle;
+use crate::mesh::FractureFace;
+use crate::scene::Body;
+use crate::system::StickSystem;
+use fracas_operators::sparse::Csr;
+use fracas_operators::{AdjointOperator, LinearOperator};
+use fracas_solvers::saddle::SaddleBlocks;
+
+/// Slip below which its direction is noise of the solve, relative to the compliance times the largest traction. Unit: 1.
+const TINY_SLIP: f64 = 1e-10;
+
+/// What pushes on the body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Load {
+    /// Forces on the free displacements [N].
+    pub force: Vec<f64>,
+    /// Jumps of prescribed displacements and initial gaps, (n, t1, t2) per face, weighted by area [m³].
+    pub jump: Vec<f64>,
+}
+
+/// Where slip and incremental tractions are counted from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Start {
+    /// Mean jump (n, t1, t2) per face [m].
+    pub jump: Vec<f64>,
+    /// Tractions [Pa].
+    pub t: Vec<f64>,
+}
+
+/// The equations at a point.
+#[derive(Clone, Debug)]
+pub struct Evaluation {
+    /// `(f − A u − B t, −s (A_f r − H t*))`: the right-hand side of a Newton step [N].
+    pub residual: Vec<f64>,
+    /// Mean jump (n, t1, t2) per face [m].
+    pub jumps: Vec<f64>,
+    rows: Vec<FaceRows>,
+}
+
+/// A fractured body whose faces stick, slip or are open; A cell by cell, B face by face.
+///
+/// Rows of face f: `A_f r` of [`FaceLaw`] on the mean jump `(Bᵀu + prescribed part + gap)/A_f`, less
+/// `H t*` with `t* = (t_N, t_T − t_T at the start)`. The assembled form is
+/// [`ContactSystem`](crate::jacobian::ContactSystem), and a test holds them together.
+pub struct ContactProblem<'a> {
+    body: &'a Body,
+    saddle: MatrixFreeSaddle<f64>,
+    loads: Loads<'a>,
+    compliance: Vec<f64>,
+}
+
+impl<'a> ContactProblem<'a> {
+    /// Everything that depends on neither states nor time.
+    ///
+    /// # Errors
+    /// [`ElasticityError`] for an inverted element or a region without material.
+    pub fn new(body: &'a Body) -> Result<Self, ElasticityError> {
+        let system = Self::stick_system_of(body);
+        let unit = system.magnitude()?.unit;
+        let saddle = MatrixFreeSaddle::in_traction_unit(&system, unit)?;
+        let loads = Loads::new(body, saddle.stiffness().full())?;
+        let faces = &body.fractures.faces;
+        Ok(Self {
+            compliance: faces
+                .iter()
+                .map(|f| face_compliance(&body.mesh, &body.materials, f))
+                .collect(),
+            body,
+            saddle,
+            loads,
+        })
+    }
+
+    fn stick_system_of(body: &Body) -> StickSystem<'_> {
+        body.stick_system(Some(JumpStabilization::default()))
+    }
+
+    /// The body.
+    pub fn body(&self) -> &'a Body {
+        self.body
+    }
+
+    /// Loads in time.
+    pub fn loads(&self) -> &Loads<'a> {
+        &self.loads
+    }
+
+    /// Displacements and tractions with every face in stick.
+    pub fn saddle(&self) -> &MatrixFreeSaddle<f64> {
+        &self.saddle
+    }
+
+    /// The assembled blocks with every face in stick and no load, tractions in Pa.
+    ///
+    /// # Errors
+    /// [`ElasticityError`] for an inverted element or a region without material.
+    pub fn stick_blocks(&self) -> Result<SaddleBlocks, ElasticityError> {
+        let no_load = vec![0.0; self.body.constraints.full_len()];
+        self.stick_system().assemble(&no_load)
+    }
+
+    /// The body with every face in stick.
+    pub fn stick_system(&self) -> StickSystem<'a> {
+        Self::stick_system_of(self.body)
+    }
+
+    /// Fracture faces.
+    pub fn faces(&self) -> &'a [FractureFace] {
+        &self.body.fractures.faces
+    }
+
+    /// ω per face [m/Pa].
+    pub fn compliance(&self) -> &[f64] {
+        &self.compliance
+    }
+
+    /// Friction of a face; none where the scene gives none.
+    pub fn friction(&self, face: usize) -> Friction {
+        let fracture = usize::from(self.faces()[face].fracture);
+        self.body.friction[fracture].unwrap_or(Friction::NONE)
+    }
+
+    /// H for these states, tractions in the balanced unit; `None` where it has no entries.
+    pub fn stabilization(&self, states: &[ContactState]) -> Option<Csr<f64>> {
+        let s = self.saddle.unit();
+        let h = self.stick_system().stabilization_for(|f| states[f])?;
+        Some(Csr::new(h.map(|v| v * (s * s))))
+    }
+
+    /// Mean jump (n, t1, t2) per face [m].
+    pub fn jumps(&self, u: &[f64], load: &Load) -> Vec<f64> {
+        let mut jump = load.jump.clone();
+        let b = self.saddle.coupling();
+        let mut work = vec![0.0; b.work_len()];
+        b.apply_adjoint_add(1.0 / self.saddle.unit(), u, &mut jump, &mut work);
+        for (g, face) in jump.chunks_exact_mut(3).zip(self.faces()) {
+            g.iter_mut().for_each(|g| *g /= face.area);
+        }
+        jump
+    }
+
+    /// The equations at (u, t) for fixed states; `h` is [`stabilization`](Self::stabilization) of these states.
+    pub fn evaluate(
+        &self,
+        states: &[ContactState],
+        h: Option<&Csr<f64>>,
+        [u, t]: [&[f64]; 2],
+        start: &Start,
+        load: &Load,
+    ) -> Evaluation {
+        let s = self.saddle.unit();
+        let n_u = u.len();
+        let mut residual = load.force.clone();
+        residual.resize(n_u + t.len(), 0.0);
+        let (r_u, r_t) = residual.split_at_mut(n_u);
+        let (a, b) = (self.saddle.stiffness(), self.saddle.coupling());
+        let mut work = vec![0.0; a.work_len().max(b.work_len())];
+        // r_u = f − A u − B t
+        a.apply_add(-1.0, u, r_u, &mut work);
+        b.apply_add(-1.0 / s, t, r_u, &mut work);
+        // r_t = −s (A_f r − H t*)
+        let jumps = self.jumps(u, load);
+        let rows = self.rows(states, t, &jumps, start);
+        for (f, face) in self.faces().iter().enumerate() {
+            for k in 0..3 {
+                r_t[3 * f + k] = -s * face.area * rows[f].residual[k];
+            }
+        }
+        if let Some(h) = h {
+            let acting: Vec<f64> = (0..t.len())
+                .map(|i| t[i] - if i % 3 == 0 { 0.0 } else { start.t[i] })
+                .collect();
+            h.apply_add(1.0 / s, &acting, r_t, &mut work);
+        }
+        Evaluation {
+            residual,
+            jumps,
+            rows,
+        }
+    }
+
+    /// Residual and tangent of every face.
+    fn rows(
+        &self,
+        states: &[ContactState],
+        t: &[f64],
+        jumps: &[f64],
+        start: &Start,
+    ) -> Vec<FaceRows> {
+        let largest = t.iter().fold(0.0, |m: f64, t| m.max(t.abs()));
+        let row = |(f, state): (usize, &ContactState)| {
+            let three = |v: &[f64]| [v[3 * f], v[3 * f + 1], v[3 * f + 2]];
+            let (traction, mut jump, from) = (three(t), three(jumps), three(&start.jump));
+            (1..3).for_each(|k| jump[k] -= from[k]);
+            let law = FaceLaw {
+                friction: self.friction(f),
+                compliance: self.compliance[f],
+                tiny: TINY_SLIP * self.compliance[f] * largest,
+            };
+            let point = FacePoint {
+                traction,
+                jump,
+                start: [from[1], from[2]],
+            };
+            law.rows(*state, &point)
+        };
+        states.iter().enumerate().map(row).collect()
+    }
+
+    /// The Jacobian at an evaluated point.
+    pub fn jacobian<'s>(
+        &'s self,
+        states: &[ContactState],
+        h: Option<&'s Csr<f64>>,
+        at: &Evaluation,
+    ) -> ContactJacobian<'s> {
+        let s = self.saddle.unit();
+        let tangent = |(face, rows): (&FractureFace, &FaceRows)| FaceTangent {
+            by_jump: rows.by_jump,
+            law: rows
+                .by_traction
+                .map(|row| row.map(|v| -s * s * face.area * v)),
+        };
+        let all_stick = states.iter().all(|state| *state == ContactState::Stick);
+        ContactJacobian {
+            a: self.saddle.stiffness(),
+            b: self.saddle.coupling(),
+            h,
+            faces: (!all_stick).then(|| self.faces().iter().zip(&at.rows).map(tangent).collect()),
+        }
+    }
+
+    /// What a face shows.
+    pub fn measure(&self, f: usize, t: &[f64], jumps: &[f64], start: &Start) -> FaceMeasure {
+        let i = 3 * f;
+        let slip = jumps[i + 1].hypot(jumps[i + 2]);
+        let shear = t[i + 1].hypot(t[i + 2]);
+        let work = (1..3)
+            .map(|k| t[i + k] * (jumps[i + k] - start.jump[i + k]))
+            .sum::<f64>();
+        FaceMeasure {
+            gap: jumps[i],
+            t_n: t[i],
+            shear,
+            limit: self.friction(f).limit(t[i], slip),
+            advance: if shear > 0.0 { work / shear } else { 0.0 },
+        }
+    }
+}

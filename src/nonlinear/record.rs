@@ -1,0 +1,121 @@
+//! What a step reports.
+
+use super::{Remedy, State};
+use crate::contact::ContactState;
+
+/// An accepted step: a line of `history.csv`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepRecord {
+    /// Its number; 0 is the equilibrium at time 0.
+    pub step: usize,
+    /// Time at its end [s].
+    pub time: f64,
+    /// Its length [s]; 0 while the loads of time 0 are applied.
+    pub dt: f64,
+    /// Rounds of the active set, failed attempts included.
+    pub active_it: usize,
+    /// Newton steps, failed attempts included.
+    pub newton_it: usize,
+    /// Krylov iterations, failed attempts included.
+    pub lin_it: usize,
+    /// Largest relative residual that a linear solve of the accepted attempt was left with.
+    pub lin_res: f64,
+    /// Faces in stick, new-slip, slip, open.
+    pub faces: [usize; 4],
+    /// Area of faces in another state than at the start [m²].
+    pub changed_area: f64,
+    /// Largest overlap of a face [m].
+    pub max_pen: f64,
+    /// Largest shear traction of a closed face beyond its limit [Pa].
+    pub max_tau_viol: f64,
+    /// Largest slip so far [m].
+    pub slip_max: f64,
+    /// Halvings that it took.
+    pub cuts: usize,
+    /// Preconditioners built from nothing.
+    pub setups: usize,
+    /// Linear systems solved with one that was there.
+    pub reuses: usize,
+}
+
+/// A linear solve: a line of `solver.csv`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinearRecord {
+    /// Step that it belongs to.
+    pub step: usize,
+    /// Attempt at that step, from 0.
+    pub attempt: usize,
+    /// Round of the active set, from 0.
+    pub active: usize,
+    /// Newton step of that round, from 0.
+    pub newton: usize,
+    /// Method.
+    pub krylov: &'static str,
+    /// Its iterations.
+    pub iterations: usize,
+    /// Asked relative residual.
+    pub tolerance: f64,
+    /// True relative residual reached.
+    pub relative_residual: f64,
+    /// Residual of the non-linear equations before, relative to loads and internal forces.
+    pub residual: f64,
+    /// Share of the Newton correction taken by the line search.
+    pub step_length: f64,
+    /// True if a preconditioner was built for it.
+    pub setup: bool,
+}
+
+/// Something worth telling.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event {
+    /// States returned to an earlier round.
+    Cycle {
+        /// Round in which they did.
+        round: usize,
+        /// Rounds until they repeat.
+        period: usize,
+        /// Faces that differ within the cycle.
+        faces: Vec<usize>,
+        /// What is done about it.
+        remedy: Remedy,
+    },
+    /// The step starts once more with every face in stick.
+    Retry {
+        /// Why the attempt before failed.
+        reason: String,
+    },
+    /// The step is halved.
+    Cut {
+        /// Why the attempt before failed.
+        reason: String,
+        /// New increment: time [s] or share of the loads of time 0.
+        next: f64,
+    },
+    /// A preconditioner was built.
+    Setup {
+        /// States that it was built for: stick, new-slip, slip, open.
+        faces: [usize; 4],
+    },
+}
+
+/// A step that is done.
+#[derive(Clone, Debug)]
+pub struct Accepted {
+    /// The body after it.
+    pub state: State,
+    /// Its line of `history.csv`.
+    pub record: StepRecord,
+    /// Its linear solves, failed attempts included.
+    pub linear: Vec<LinearRecord>,
+    /// What happened on the way.
+    pub events: Vec<Event>,
+}
+
+/// Faces in stick, new-slip, slip, open.
+pub(super) fn count(states: &[ContactState]) -> [usize; 4] {
+    let mut faces = [0; 4];
+    for state in states {
+        faces[usize::from(state.code())] += 1;
+    }
+    faces
+}

@@ -1,0 +1,388 @@
+//! Steps: from the unloaded body to the last time of its scene.
+
+use super::active_set::{Log, Settled, active_set};
+use super::linear::Linear;
+use super::newton::{Attempt, Iterate};
+use super::record::count;
+use super::{
+    Accepted, ContactProblem, Event, FaceFields, Failure, Load, Start, State, StepFailure,
+    StepRecord,
+};
+use crate::contact::ContactState;
+use crate::elasticity::ElasticityError;
+use crate::scene::Body;
+use fracas_operators::LinearOperator;
+use fracas_operators::vector::{axpy, norm2};
+use fracas_solvers::Observer;
+use fracas_solvers::saddle::Racp;
+
+/// Relative distance of two times that counts as none.
+const SAME_TIME: f64 = 1e-9;
+
+/// Why a body cannot be simulated.
+#[derive(Debug, thiserror::Error)]
+pub enum SimulationError {
+    /// A fracture without friction data.
+    #[error(
+        "fracture \"{fracture}\" has neither friction_angle nor cohesion; give friction_angle = \"0 deg\" for a smooth one"
+    )]
+    NoFriction {
+        /// Its name.
+        fracture: String,
+    },
+    /// A mesh without a stiffness.
+    #[error(transparent)]
+    Elasticity(#[from] ElasticityError),
+}
+
+/// A body in contact, stepped through time.
+pub struct Simulation<'a> {
+    problem: ContactProblem<'a>,
+    linear: Linear,
+    /// Tractions of the initial stress: the start of the equilibrium at time 0 [Pa].
+    initial_traction: Vec<f64>,
+}
+
+/// Where a step goes.
+#[derive(Clone, Copy, Debug)]
+struct Target {
+    time: f64,
+    loaded: f64,
+}
+
+impl<'a> Simulation<'a> {
+    /// Everything that depends on neither states nor time; the preconditioner waits for the first linear system.
+    ///
+    /// # Errors
+    /// [`SimulationError`].
+    pub fn new(body: &'a Body) -> Result<Self, SimulationError> {
+        let missing = body.friction.iter().position(Option::is_none);
+        if let Some(fracture) = missing {
+            let names = &body.fractures.names;
+            return Err(SimulationError::NoFriction {
+                fracture: names.get(fracture).cloned().unwrap_or_default(),
+            });
+        }
+        let problem = ContactProblem::new(body)?;
+        Ok(Self {
+            linear: Linear::new(&problem),
+            initial_traction: initial_traction(body),
+            problem,
+        })
+    }
+
+    /// The equations.
+    pub fn problem(&self) -> &ContactProblem<'a> {
+        &self.problem
+    }
+
+    /// The preconditioner in use.
+    pub fn preconditioner(&self) -> Racp {
+        self.linear.settings()
+    }
+
+    /// The unloaded body: closed faces in stick, those with a gap open.
+    pub fn initial_state(&self) -> State {
+        let faces = self.problem.faces();
+        let gaps = &self.problem.body().gaps;
+        let open = |f: &crate::mesh::FractureFace| match gaps[usize::from(f.fracture)] > 0.0 {
+            true => ContactState::Open,
+            false => ContactState::Stick,
+        };
+        State {
+            step: 0,
+            time: 0.0,
+            loaded: 0.0,
+            next: 1.0,
+            u: vec![0.0; self.problem.body().constraints.free_len()],
+            t: vec![0.0; 3 * faces.len()],
+            states: faces.iter().map(open).collect(),
+            flips: vec![0; faces.len()],
+        }
+    }
+
+    /// True at the last time.
+    pub fn is_finished(&self, state: &State) -> bool {
+        let end = self.problem.body().time.map_or(0.0, |time| time.end);
+        state.loaded >= 1.0 && state.time >= end
+    }
+
+    /// The next step: the equilibrium at time 0 first, then time by time. A failed attempt is repeated from all-stick, then
+    /// the step is halved.
+    ///
+    /// # Errors
+    /// [`StepFailure`] with the reason of the last attempt; `state` is still good.
+    pub fn advance(
+        &mut self,
+        state: &State,
+        observer: &mut dyn Observer,
+    ) -> Result<Accepted, StepFailure> {
+        let max_cuts = self.problem.body().solver.max_cuts;
+        let (mut log, mut attempts, mut cuts) = (Log::default(), 0, 0);
+        let mut increment = state.next;
+        loop {
+            let target = self.target(state, increment);
+            let outcome = self.attempt_twice(state, target, &mut attempts, &mut log, observer);
+            match outcome {
+                Ok((settled, load)) => {
+                    let next = self.next(state, target, increment, cuts);
+                    return Ok(self.accept(state, target, settled, &load, log, cuts, next));
+                }
+                Err(reason) if cuts < max_cuts && reason.may_be_cut() => {
+                    increment = 0.5 * self.length(state, target);
+                    cuts += 1;
+                    log.events.push(Event::Cut {
+                        reason: reason.to_string(),
+                        next: increment,
+                    });
+                }
+                Err(reason) => {
+                    return Err(StepFailure {
+                        step: state.step,
+                        time: state.time,
+                        increment: self.length(state, target),
+                        unit: match state.loaded < 1.0 {
+                            true => "of the loads of time 0",
+                            false => "s",
+                        },
+                        cuts,
+                        reason,
+                        linear: log.linear,
+                        events: log.events,
+                    });
+                }
+            }
+        }
+    }
+
+    /// Closed faces in stick; if that fails, every face in stick.
+    fn attempt_twice(
+        &mut self,
+        state: &State,
+        target: Target,
+        attempts: &mut usize,
+        log: &mut Log,
+        observer: &mut dyn Observer,
+    ) -> Result<(Settled, Load), Failure> {
+        let closed_stick: Vec<ContactState> = state
+            .states
+            .iter()
+            .map(|s| match s {
+                ContactState::Open => ContactState::Open,
+                _ => ContactState::Stick,
+            })
+            .collect();
+        let any_open = closed_stick.contains(&ContactState::Open);
+        let first = self.attempt(state, target, closed_stick, attempts, log, observer);
+        match first {
+            Err(reason) if any_open && reason.may_be_cut() => {
+                log.events.push(Event::Retry {
+                    reason: reason.to_string(),
+                });
+                let all_stick = vec![ContactState::Stick; state.states.len()];
+                self.attempt(state, target, all_stick, attempts, log, observer)
+            }
+            outcome => outcome,
+        }
+    }
+
+    fn attempt(
+        &mut self,
+        state: &State,
+        target: Target,
+        states: Vec<ContactState>,
+        attempts: &mut usize,
+        log: &mut Log,
+        observer: &mut dyn Observer,
+    ) -> Result<(Settled, Load), Failure> {
+        let problem = &self.problem;
+        let before = problem.loads().at(state.time, state.loaded);
+        let load = problem.loads().at(target.time, target.loaded);
+        // tractions of the initial stress come with the loads of time 0
+        let mut t = state.t.clone();
+        axpy(target.loaded - state.loaded, &self.initial_traction, &mut t);
+        let start = Start {
+            jump: problem.jumps(&state.u, &before),
+            t,
+        };
+        let attempt = Attempt {
+            problem,
+            start: &start,
+            load: &load,
+            scale: self.scale(&start.t, [&before, &load]),
+            step: state.step,
+            attempt: *attempts,
+        };
+        *attempts += 1;
+        let x = Iterate {
+            u: state.u.clone(),
+            t: start.t.clone(),
+        };
+        let settled = active_set(&attempt, states, x, &mut self.linear, log, observer)?;
+        Ok((settled, load))
+    }
+
+    /// The largest of the loads before and after and of the forces of the tractions before [N]: residuals are relative to it.
+    fn scale(&self, t: &[f64], loads: [&Load; 2]) -> f64 {
+        let saddle = self.problem.saddle();
+        let b = saddle.coupling();
+        let mut pushed = vec![0.0; self.problem.body().constraints.free_len()];
+        b.apply_add(
+            1.0 / saddle.unit(),
+            t,
+            &mut pushed,
+            &mut vec![0.0; b.work_len()],
+        );
+        loads
+            .into_iter()
+            .flat_map(|load| [norm2(&load.force), saddle.unit() * norm2(&load.jump)])
+            .fold(norm2(&pushed), f64::max)
+    }
+
+    /// The state after `increment`, not beyond the next time of the table.
+    fn target(&self, state: &State, increment: f64) -> Target {
+        if state.loaded < 1.0 {
+            return Target {
+                time: 0.0,
+                loaded: (state.loaded + increment).min(1.0),
+            };
+        }
+        let (end, nominal) = self.table();
+        let done = (state.time / nominal + SAME_TIME).floor();
+        let next = (nominal * (done + 1.0)).min(end);
+        let time = state.time + increment;
+        Target {
+            time: if time >= next - SAME_TIME * nominal {
+                next
+            } else {
+                time
+            },
+            loaded: 1.0,
+        }
+    }
+
+    /// Last time and length of a nominal step [s].
+    fn table(&self) -> (f64, f64) {
+        self.problem.body().time.map_or((0.0, 1.0), |time| {
+            (time.end, time.end / f64::from(time.steps))
+        })
+    }
+
+    /// Increment from a state to a target.
+    fn length(&self, state: &State, target: Target) -> f64 {
+        match state.loaded < 1.0 {
+            true => target.loaded - state.loaded,
+            false => target.time - state.time,
+        }
+    }
+
+    /// The increment that the step after tries: twice this one unless it was cut.
+    fn next(&self, state: &State, target: Target, increment: f64, cuts: usize) -> f64 {
+        let nominal = self.table().1;
+        if state.loaded < 1.0 && target.loaded >= 1.0 {
+            return nominal;
+        }
+        let longest = if state.loaded < 1.0 { 1.0 } else { nominal };
+        let grown = if cuts == 0 {
+            2.0 * increment
+        } else {
+            increment
+        };
+        grown.min(longest)
+    }
+
+    fn accept(
+        &self,
+        before: &State,
+        target: Target,
+        settled: Settled,
+        load: &Load,
+        log: Log,
+        cuts: usize,
+        next: f64,
+    ) -> Accepted {
+        let Settled { states, x } = settled;
+        let fields = FaceFields::new(&self.problem, &states, [&x.u, &x.t], load, Vec::new());
+        let accepted = log.linear.iter().map(|l| l.attempt).max();
+        let last = log.linear.iter().filter(|l| Some(l.attempt) == accepted);
+        let setups = log.linear.iter().filter(|l| l.setup).count();
+        let mut record = StepRecord {
+            step: before.step,
+            time: target.time,
+            dt: target.time - before.time,
+            active_it: log.rounds,
+            newton_it: log.linear.len(),
+            lin_it: log.linear.iter().map(|l| l.iterations).sum(),
+            lin_res: last.fold(0.0, |m: f64, l| m.max(l.relative_residual)),
+            faces: count(&states),
+            cuts,
+            setups,
+            reuses: log.linear.len() - setups,
+            ..StepRecord::default()
+        };
+        let mut flips = before.flips.clone();
+        for (f, face) in self.problem.faces().iter().enumerate() {
+            if states[f] != before.states[f] {
+                record.changed_area += face.area;
+                flips[f] += 1;
+            }
+            record.max_pen = record.max_pen.max(-fields.jump[3 * f]);
+            record.slip_max = record.slip_max.max(fields.slip[f]);
+            let shear = x.t[3 * f + 1].hypot(x.t[3 * f + 2]);
+            record.max_tau_viol = record.max_tau_viol.max(shear - fields.tau_limit[f]);
+        }
+        Accepted {
+            state: State {
+                step: before.step + 1,
+                time: target.time,
+                loaded: target.loaded,
+                next,
+                u: x.u,
+                t: x.t,
+                states,
+                flips,
+            },
+            record,
+            linear: log.linear,
+            events: log.events,
+        }
+    }
+
+    /// What the fracture faces show in a state.
+    pub fn face_fields(&self, state: &State) -> FaceFields {
+        let body = self.problem.body();
+        let load = self.problem.loads().at(state.time, state.loaded);
+        let pressure = |f: &crate::mesh::FractureFace| {
+            let (p, history) = body.pressures[usize::from(f.fracture)];
+            state.loaded * p * body.histories[history].at(state.time)
+        };
+        let pressures = self.problem.faces().iter().map(pressure).collect();
+        FaceFields::new(
+            &self.problem,
+            &state.states,
+            [&state.u, &state.t],
+            &load,
+            pressures,
+        )
+    }
+
+    /// Displacements of all nodes in a state, `3·node + component` [m].
+    pub fn displacement(&self, state: &State) -> Vec<f64> {
+        let loads = self.problem.loads();
+        loads
+            .prescribed_at(state.time, state.loaded)
+            .expand(&state.u)
+    }
+}
+
+/// `R σ0 n` at the centre of every face, R the frame (n, t1, t2) [Pa].
+fn initial_traction(body: &Body) -> Vec<f64> {
+    let of_face = |face: &crate::mesh::FractureFace| -> [f64; 3] {
+        let [xx, yy, zz, xy, yz, xz] = body.initial_stress.map_or([0.0; 6], |s| s.at(face.center));
+        let sigma = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let pull = sigma.map(|row| dot(row, face.frame[0]));
+        face.frame.map(|e| dot(e, pull))
+    };
+    body.fractures.faces.iter().flat_map(of_face).collect()
+}

@@ -1,0 +1,24 @@
+//! Everything that a step starts from.
+
+use crate::contact::ContactState;
+
+/// A body between two steps; with the scene it is all that a restart needs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    /// Accepted steps: 0 before the equilibrium at time 0, 1 after it.
+    pub step: usize,
+    /// Time reached [s].
+    pub time: f64,
+    /// Share of the loads of time 0 that is applied: 0 at the very start, 1 from the equilibrium at time 0 on.
+    pub loaded: f64,
+    /// Increment that the next step tries: time [s], or a share of the loads of time 0 while `loaded < 1`.
+    pub next: f64,
+    /// Free displacements [m].
+    pub u: Vec<f64>,
+    /// Tractions (t_N, t_1, t_2) per face [Pa].
+    pub t: Vec<f64>,
+    /// State per face.
+    pub states: Vec<ContactState>,
+    /// How often a face has ended a step in another state than the step before.
+    pub flips: Vec<u32>,
+}

@@ -1,0 +1,109 @@
+//! How loads change in time.
+
+use super::Problem;
+use super::located::{Located, at};
+use crate::units::{Duration, Measure};
+
+/// A factor of a load against time, linear between its points and constant outside.
+#[derive(Clone, Debug, PartialEq)]
+pub struct History {
+    /// (time [s], factor), times increasing; never empty.
+    points: Vec<(f64, f64)>,
+}
+
+impl History {
+    /// Factor 1 always.
+    pub fn constant() -> Self {
+        Self {
+            points: vec![(0.0, 1.0)],
+        }
+    }
+
+    /// Through points (time [s], factor); `None` unless there is one and times increase.
+    pub fn through(points: Vec<(f64, f64)>) -> Option<Self> {
+        let increasing = points.windows(2).all(|pair| pair[0].0 < pair[1].0);
+        let finite = points.iter().all(|(t, f)| t.is_finite() && f.is_finite());
+        (!points.is_empty() && increasing && finite).then_some(Self { points })
+    }
+
+    /// The factor at a time [s].
+    pub fn at(&self, time: f64) -> f64 {
+        let after = self.points.partition_point(|(t, _)| *t <= time);
+        let last = self.points.len() - 1;
+        match after {
+            0 => self.points[0].1,
+            n if n > last => self.points[last].1,
+            n => {
+                let ((t0, f0), (t1, f1)) = (self.points[n - 1], self.points[n]);
+                f0 + (f1 - f0) * (time - t0) / (t1 - t0)
+            }
+        }
+    }
+}
+
+/// Times at which a scene is solved: `end · n/steps` for n = 1, …, steps, after the equilibrium at time 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TimeTable {
+    /// Last time [s].
+    pub end: f64,
+    /// Number of steps.
+    pub steps: u32,
+}
+
+/// The histories of a scene, each written one only once.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Histories(pub(super) Vec<History>);
+
+impl Histories {
+    /// The one of factor 1, number [`super::Body::ALWAYS`].
+    pub(super) fn new() -> Self {
+        Self(vec![History::constant()])
+    }
+
+    /// The number of a history that is written at `path`, or `default` where none is.
+    pub(super) fn number(
+        &mut self,
+        written: Option<&Vec<(Measure<Duration>, f64)>>,
+        path: &[&str],
+        default: usize,
+    ) -> Result<usize, Located> {
+        let Some(written) = written else {
+            return Ok(default);
+        };
+        let points = written.iter().map(|(t, f)| (t.si(), *f)).collect();
+        let history = History::through(points).ok_or_else(|| at(path, Problem::BadHistory))?;
+        if let Some(known) = self.0.iter().position(|h| *h == history) {
+            return Ok(known);
+        }
+        self.0.push(history);
+        Ok(self.0.len() - 1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn linear_between_points_and_constant_outside() {
+        let h = History::through(vec![(1.0, 0.0), (3.0, 4.0), (5.0, -1.0)]).unwrap();
+        for (t, f) in [
+            (0.0, 0.0),
+            (1.0, 0.0),
+            (2.0, 2.0),
+            (3.0, 4.0),
+            (4.0, 1.5),
+            (9.0, -1.0),
+        ] {
+            assert_eq!(h.at(t), f, "at {t}");
+        }
+        assert_eq!(History::constant().at(7.0), 1.0);
+    }
+
+    #[test]
+    fn times_must_increase() {
+        assert_eq!(History::through(vec![]), None);
+        assert_eq!(History::through(vec![(1.0, 0.0), (1.0, 2.0)]), None);
+        assert_eq!(History::through(vec![(0.0, f64::NAN)]), None);
+    }
+}

@@ -1,0 +1,62 @@
+//! How a scene is solved: steps in time, and the three nested cycles.
+
+use std::num::NonZeroU32;
+
+use fracas_solvers::saddle::Racp;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::units::{Duration, Measure};
+
+/// Steps after the equilibrium at time 0.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TimeSection {
+    /// Last time.
+    pub end: Measure<Duration>,
+    /// Number of equal steps; a step that fails is cut.
+    pub steps: NonZeroU32,
+    /// Factor of every displacement, traction, pressure and fracture pressure that has no history of its own, as
+    /// `[[time, factor], …]`; gravity, body forces and initial stress do not change.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub history: Option<Vec<(Measure<Duration>, f64)>>,
+}
+
+/// Active set, Newton and Krylov.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct SolverSection {
+    /// Residual of equilibrium and contact rows relative to the loads and internal forces. Unit: 1.
+    pub tolerance: f64,
+    /// What counts as zero when states are judged, relative to the largest traction of the step. Unit: 1.
+    pub state_tolerance: f64,
+    /// Band around the shear limit in which faces found cycling keep their state. Unit: 1.
+    pub hysteresis: f64,
+    /// Rounds of the active set in one attempt.
+    pub max_active: usize,
+    /// Newton steps in one round.
+    pub max_newton: usize,
+    /// Krylov iterations in one Newton step.
+    pub max_krylov: usize,
+    /// Halvings of a step before the run gives up.
+    pub max_cuts: usize,
+    /// The preconditioner; chosen by size where it is not given (exact S_u up to 20,000 displacements, then AMG).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub racp: Option<Racp>,
+}
+
+impl Default for SolverSection {
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-8,
+            state_tolerance: 1e-6,
+            // published
+            hysteresis: 0.05,
+            max_active: 30,
+            max_newton: 15,
+            max_krylov: 400,
+            max_cuts: 8,
+            racp: None,
+        }
+    }
+}
