@@ -4,6 +4,7 @@
 mod coupling;
 mod friction;
 mod law;
+mod projection;
 mod stabilization;
 mod state;
 mod transition;

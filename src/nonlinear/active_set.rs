@@ -2,13 +2,16 @@
 
 use super::cycling::Rounds;
 use super::linear::Linear;
-use super::newton::{Attempt, Iterate, newton};
+use super::newton::{Attempt, Iterate, Until, newton};
 use super::{Evaluation, Event, Failure, LinearRecord, Remedy};
 use crate::contact::{ContactState, FaceMeasure, Thresholds, next_state};
 use fracas_solvers::{Observer, Step};
 
 /// Residual up to which Newton is solved while states still change, and what then counts as zero. Unit: 1.
 const LOOSE: f64 = 1e-4;
+
+/// Newton steps that a round may take while states still change.
+const LOOSE_STEPS: usize = 3;
 
 /// What an attempt found.
 pub(super) struct Settled {
@@ -24,8 +27,10 @@ pub(super) struct Log {
     pub(super) events: Vec<Event>,
 }
 
-/// Rounds of Newton and new states. While states change, Newton is solved to 1e-4 only and only violations beyond that
-/// count; the last round is solved and judged to the tolerances asked.
+/// Rounds of Newton and new states.
+///
+/// While states change, Newton takes at most three steps and stops at 1e-4, and only violations beyond that count; once no
+/// face changes it is solved, and the faces are judged, to the tolerances asked.
 pub(super) fn active_set(
     attempt: &Attempt<'_>,
     mut states: Vec<ContactState>,
@@ -35,28 +40,32 @@ pub(super) fn active_set(
     observer: &mut dyn Observer,
 ) -> Result<Settled, Failure> {
     let settings = attempt.problem.body().solver;
+    let loose = Until {
+        residual: settings.tolerance.max(LOOSE),
+        steps: LOOSE_STEPS.min(settings.max_newton),
+    };
+    let tight = Until {
+        residual: settings.tolerance,
+        steps: settings.max_newton,
+    };
     let mut judge = Judge::new(attempt, states.len());
-    let (mut rounds, mut tight) = (Rounds::default(), false);
+    let mut rounds = Rounds::default();
     let mut h = attempt.problem.stabilization(&states);
     let _ = rounds.enter(&states);
+    let mut until = loose;
+    let mut changing = Vec::new();
     for round in 0..settings.max_active {
         log.rounds += 1;
-        let residual = if tight {
-            settings.tolerance
-        } else {
-            settings.tolerance.max(LOOSE)
-        };
-        let at = newton(
+        let (at, residual) = newton(
             attempt,
-            &states,
-            h.as_ref(),
-            residual,
+            (&states, h.as_ref()),
+            until,
             (linear, round),
             &mut x,
             &mut log.linear,
             observer,
         )?;
-        let zero = if tight {
+        let zero = if until == tight {
             settings.state_tolerance
         } else {
             settings.state_tolerance.max(LOOSE)
@@ -70,16 +79,25 @@ pub(super) fn active_set(
             return Err(Failure::Stopped);
         }
         if changes.is_empty() {
-            if tight {
-                return Ok(Settled { states, x });
+            let converged = residual <= until.residual;
+            match (until == tight, converged) {
+                (true, true) => return Ok(Settled { states, x }),
+                (true, false) => {
+                    return Err(Failure::Newton {
+                        residual,
+                        iterations: until.steps,
+                        tolerance: until.residual,
+                    });
+                }
+                (false, _) => until = tight,
             }
-            tight = true;
             continue;
         }
-        tight = false;
+        until = loose;
         for (f, state) in &changes {
             states[*f] = *state;
         }
+        changing = changes.into_iter().map(|(f, _)| f).collect();
         h = attempt.problem.stabilization(&states);
         if let Some(cycle) = rounds.enter(&states) {
             let Some(remedy) = cycle.remedy else {
@@ -96,16 +114,10 @@ pub(super) fn active_set(
                 remedy,
             });
         }
-        if round + 1 == settings.max_active {
-            return Err(Failure::ActiveSet {
-                rounds: settings.max_active,
-                faces: changes.into_iter().map(|(f, _)| f).collect(),
-            });
-        }
     }
     Err(Failure::ActiveSet {
         rounds: settings.max_active,
-        faces: Vec::new(),
+        faces: changing,
     })
 }
 
@@ -114,6 +126,8 @@ struct Judge<'s> {
     attempt: &'s Attempt<'s>,
     /// Remedy per face.
     treated: Vec<Option<Remedy>>,
+    /// Largest [`traction_scale`] so far [Pa].
+    traction: f64,
 }
 
 impl<'s> Judge<'s> {
@@ -121,6 +135,7 @@ impl<'s> Judge<'s> {
         Self {
             attempt,
             treated: vec![None; faces],
+            traction: 0.0,
         }
     }
 
@@ -128,10 +143,10 @@ impl<'s> Judge<'s> {
         faces.iter().for_each(|f| self.treated[*f] = Some(remedy));
     }
 
-    /// Faces that take another state, and which. What counts as zero is `zero` times the largest traction, or times the
-    /// traction that would close the largest jump, whichever is more.
+    /// Faces that take another state, and which. What counts as zero is `zero` times the largest traction of all rounds, the
+    /// first of which, with every closed face in stick, shows what the loads could do.
     fn changes(
-        &self,
+        &mut self,
         states: &[ContactState],
         x: &Iterate,
         at: &Evaluation,
@@ -140,11 +155,16 @@ impl<'s> Judge<'s> {
         let problem = self.attempt.problem;
         let hysteresis = problem.body().solver.hysteresis;
         let compliance = problem.compliance();
-        let traction = traction_scale(x, at, compliance);
+        self.traction = self.traction.max(traction_scale(x, at, compliance));
+        let traction = self.traction;
         let mut changes = Vec::new();
         let mut worst: Option<(f64, usize, ContactState)> = None;
         for (f, state) in states.iter().enumerate() {
-            let measure = problem.measure(f, &x.t, &at.jumps, self.attempt.start);
+            let measure = problem.measure(f, *state, &x.t, &at.jumps, self.attempt.start);
+            let zero = match self.treated[f] {
+                Some(Remedy::Keep) => hysteresis.max(zero),
+                _ => zero,
+            };
             let thresholds = Thresholds {
                 jump: zero * traction * compliance[f],
                 traction: zero * traction,
@@ -178,15 +198,12 @@ impl<'s> Judge<'s> {
 fn violation(state: ContactState, face: &FaceMeasure, compliance: f64) -> f64 {
     match state {
         ContactState::Open => -face.gap / compliance,
-        _ => face
-            .t_n
-            .max((face.shear - face.limit).abs())
-            .max(-face.advance / compliance),
+        _ => face.t_n.max((face.trial - face.limit).abs()),
     }
 }
 
-/// The largest traction, or the traction that would close the largest jump over the step [Pa].
-pub(super) fn traction_scale(x: &Iterate, at: &Evaluation, compliance: &[f64]) -> f64 {
+/// The largest traction, or the traction that would close the largest normal jump [Pa].
+fn traction_scale(x: &Iterate, at: &Evaluation, compliance: &[f64]) -> f64 {
     let t = x.t.iter().fold(0.0, |m: f64, t| m.max(t.abs()));
     let gaps = at.jumps.iter().step_by(3).zip(compliance);
     gaps.fold(t, |m, (g, c)| m.max(g.abs() / c))

@@ -35,22 +35,30 @@ pub(super) struct Attempt<'s> {
     pub(super) attempt: usize,
 }
 
-/// Solves the equations at fixed `states` up to `tolerance · scale`, starting from and ending in `x`.
+/// When Newton stops.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Until {
+    /// Residual relative to the scale of the attempt.
+    pub(super) residual: f64,
+    /// Most steps.
+    pub(super) steps: usize,
+}
+
+/// Solves the equations at fixed `states`, from and to `x`; returns the last evaluation and its relative residual, which may
+/// be larger than asked when the steps run out.
 ///
-/// `J δ = −r` to `η = max(0.3 tolerance·scale/‖r‖, min(1e-2, ‖r‖²/‖r_before‖²))` (Eisenstat and Walker, choice 2), with
+/// `J δ = −r` to `η = max(0.3 asked/‖r‖, min(1e-2, ‖r‖²/‖r_before‖²))` (Eisenstat and Walker, choice 2), with
 /// backtracking on ‖r‖. With stick and open alone the equations are linear, and one solve does it.
 pub(super) fn newton(
     attempt: &Attempt<'_>,
-    states: &[ContactState],
-    h: Option<&Csr<f64>>,
-    tolerance: f64,
+    (states, h): (&[ContactState], Option<&Csr<f64>>),
+    until: Until,
     (linear, round): (&mut Linear, usize),
     x: &mut Iterate,
     records: &mut Vec<LinearRecord>,
     observer: &mut dyn Observer,
-) -> Result<Evaluation, Failure> {
+) -> Result<(Evaluation, f64), Failure> {
     let problem = attempt.problem;
-    let limit = problem.body().solver.max_newton;
     let unit = problem.saddle().unit();
     let n_u = x.u.len();
     let evaluate =
@@ -60,7 +68,8 @@ pub(super) fn newton(
         .all(|s| matches!(s, ContactState::Stick | ContactState::Open));
     let mut correction = vec![0.0; n_u + x.t.len()];
     let (mut at, mut before) = (evaluate(x), f64::INFINITY);
-    for iteration in 0.. {
+    let mut iteration = 0;
+    loop {
         let size = norm2(&at.residual);
         let residual = relative(size, attempt.scale);
         if !residual.is_finite() {
@@ -68,15 +77,8 @@ pub(super) fn newton(
                 what: "the residual",
             });
         }
-        if residual <= tolerance {
-            break;
-        }
-        if iteration == limit {
-            return Err(Failure::Newton {
-                residual,
-                iterations: iteration,
-                tolerance,
-            });
+        if residual <= until.residual || iteration == until.steps {
+            return Ok((at, residual));
         }
         if observer
             .observe(&Step::Newton {
@@ -87,7 +89,7 @@ pub(super) fn newton(
         {
             return Err(Failure::Stopped);
         }
-        let last = FORCING.1 * tolerance / residual;
+        let last = FORCING.1 * until.residual / residual;
         let forcing = match is_linear {
             true => last,
             false => (size / before).powi(2).min(FORCING.0).max(last),
@@ -134,8 +136,8 @@ pub(super) fn newton(
             step_length: length,
             setup: solved.setup,
         });
+        iteration += 1;
     }
-    Ok(at)
 }
 
 /// `size/scale`, 0 where both are.

@@ -15,9 +15,6 @@ use fracas_operators::sparse::Csr;
 use fracas_operators::{AdjointOperator, LinearOperator};
 use fracas_solvers::saddle::SaddleBlocks;
 
-/// Slip below which its direction is noise of the solve, relative to the compliance times the largest traction. Unit: 1.
-const TINY_SLIP: f64 = 1e-10;
-
 /// What pushes on the body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Load {
@@ -48,7 +45,7 @@ pub struct Evaluation {
 
 /// A fractured body whose faces stick, slip or are open; A cell by cell, B face by face.
 ///
-/// Rows of face f: `A_f r` of [`FaceLaw`] on the mean jump `(Bᵀu + prescribed part + gap)/A_f`, less
+/// Rows of face f: `A_f r` of [`FaceLaw::projected_rows`] on the mean jump `(Bᵀu + prescribed part + gap)/A_f`, less
 /// `H t*` with `t* = (t_N, t_T − t_T at the start)`. The assembled form is
 /// [`ContactSystem`](crate::jacobian::ContactSystem), and a test holds them together.
 pub struct ContactProblem<'a> {
@@ -196,24 +193,29 @@ impl<'a> ContactProblem<'a> {
         jumps: &[f64],
         start: &Start,
     ) -> Vec<FaceRows> {
-        let largest = t.iter().fold(0.0, |m: f64, t| m.max(t.abs()));
         let row = |(f, state): (usize, &ContactState)| {
-            let three = |v: &[f64]| [v[3 * f], v[3 * f + 1], v[3 * f + 2]];
-            let (traction, mut jump, from) = (three(t), three(jumps), three(&start.jump));
-            (1..3).for_each(|k| jump[k] -= from[k]);
-            let law = FaceLaw {
-                friction: self.friction(f),
-                compliance: self.compliance[f],
-                tiny: TINY_SLIP * self.compliance[f] * largest,
-            };
-            let point = FacePoint {
-                traction,
-                jump,
-                start: [from[1], from[2]],
-            };
-            law.rows(*state, &point)
+            let (law, point) = self.face(f, t, jumps, start);
+            law.projected_rows(*state, &point)
         };
         states.iter().enumerate().map(row).collect()
+    }
+
+    /// The law of a face and where it stands.
+    fn face(&self, f: usize, t: &[f64], jumps: &[f64], start: &Start) -> (FaceLaw, FacePoint) {
+        let three = |v: &[f64]| [v[3 * f], v[3 * f + 1], v[3 * f + 2]];
+        let (mut jump, from) = (three(jumps), three(&start.jump));
+        (1..3).for_each(|k| jump[k] -= from[k]);
+        let law = FaceLaw {
+            friction: self.friction(f),
+            compliance: self.compliance[f],
+            tiny: 0.0,
+        };
+        let point = FacePoint {
+            traction: three(t),
+            jump,
+            start: [from[1], from[2]],
+        };
+        (law, point)
     }
 
     /// The Jacobian at an evaluated point.
@@ -239,20 +241,20 @@ impl<'a> ContactProblem<'a> {
         }
     }
 
-    /// What a face shows.
-    pub fn measure(&self, f: usize, t: &[f64], jumps: &[f64], start: &Start) -> FaceMeasure {
-        let i = 3 * f;
-        let slip = jumps[i + 1].hypot(jumps[i + 2]);
-        let shear = t[i + 1].hypot(t[i + 2]);
-        let work = (1..3)
-            .map(|k| t[i + k] * (jumps[i + k] - start.jump[i + k]))
-            .sum::<f64>();
-        FaceMeasure {
-            gap: jumps[i],
-            t_n: t[i],
-            shear,
-            limit: self.friction(f).limit(t[i], slip),
-            advance: if shear > 0.0 { work / shear } else { 0.0 },
+    /// What a face shows in its state.
+    pub fn measure(
+        &self,
+        f: usize,
+        state: ContactState,
+        t: &[f64],
+        jumps: &[f64],
+        start: &Start,
+    ) -> FaceMeasure {
+        let (law, mut point) = self.face(f, t, jumps, start);
+        if state == ContactState::Stick {
+            // what is left of its jump is the work of H
+            point.jump[1..].fill(0.0);
         }
+        law.measure(&point)
     }
 }

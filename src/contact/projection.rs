@@ -1,0 +1,185 @@
+//! The slip law with a direction that stays defined where slip begins.
+
+use super::law::{FaceLaw, FacePoint, FaceRows, tangential_norm};
+use super::{ContactState, FaceMeasure};
+
+impl FaceLaw {
+    /// Rows as [`rows`](FaceLaw::rows), with the direction of slip and of new-slip taken from the trial traction:
+    /// ```text
+    /// r_T = ω (τ_L m − t_T)        m = w/‖w‖        w = t_T + Δg_T/ω
+    /// ∂m/∂t_T = (I − m mᵀ)/‖w‖     ∂m/∂Δg_T = (I − m mᵀ)/(ω ‖w‖)
+    /// ```
+    /// The solutions are those with `m = Δg_T/‖Δg_T‖`. As slip goes to nothing the rows across m become those of stick, where
+    /// the direction of Δg_T alone is noise and its derivative without bound.
+    ///
+    /// # Source
+    /// P. Alart, A. Curnier, CMAME 92 (1991) 353–375, with the augmentation parameter 1/ω.
+    pub fn projected_rows(&self, state: ContactState, point: &FacePoint) -> FaceRows {
+        let mut rows = self.rows(state, point);
+        if !matches!(state, ContactState::NewSlip | ContactState::Slip) {
+            return rows;
+        }
+        let FacePoint {
+            traction: t,
+            jump,
+            start,
+        } = *point;
+        let omega = self.compliance;
+        let w = [0.0, t[1] + jump[1] / omega, t[2] + jump[2] / omega];
+        let size = tangential_norm(w);
+        let m = w.map(|w| if size > 0.0 { w / size } else { 0.0 });
+        let total = [0.0, start[0] + jump[1], start[1] + jump[2]];
+        let slip = tangential_norm(total);
+        let limit = self.friction.limit(t[0], slip);
+        let (by_normal, by_slip) = (
+            self.friction.by_normal(t[0], slip),
+            self.friction.by_slip(t[0], slip),
+        );
+        let turning = if size > 0.0 { limit / size } else { 0.0 };
+        for i in 1..3 {
+            rows.residual[i] = omega * (limit * m[i] - t[i]);
+            rows.by_traction[i][0] = omega * by_normal * m[i];
+            for j in 1..3 {
+                let one = f64::from(u8::from(i == j));
+                // τ_L ∂m/∂w
+                let across = turning * (one - m[i] * m[j]);
+                rows.by_traction[i][j] = omega * (across - one);
+                let along = if slip > 0.0 {
+                    by_slip * total[j] / slip
+                } else {
+                    0.0
+                };
+                rows.by_jump[i][j] = across + omega * m[i] * along;
+            }
+        }
+        rows
+    }
+
+    /// What a face shows: its gap, its normal traction, and the trial traction `‖t_T + Δg_T/ω‖` against the limit.
+    pub fn measure(&self, point: &FacePoint) -> FaceMeasure {
+        let FacePoint {
+            traction: t,
+            jump,
+            start,
+        } = *point;
+        let trial = |k: usize| t[k] + jump[k] / self.compliance;
+        FaceMeasure {
+            gap: jump[0],
+            t_n: t[0],
+            trial: trial(1).hypot(trial(2)),
+            limit: self
+                .friction
+                .limit(t[0], (start[0] + jump[1]).hypot(start[1] + jump[2])),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::{Friction, Weakening};
+
+    const LAW: FaceLaw = FaceLaw {
+        friction: Friction {
+            angle: 0.5,
+            cohesion: 2e5,
+            weakening: Some(Weakening {
+                angle: 0.3,
+                distance: 4e-3,
+            }),
+        },
+        compliance: 3e-10,
+        tiny: 1e-9,
+    };
+
+    #[test]
+    fn tangents_are_derivatives() {
+        for (traction, jump) in [
+            ([-4e6, 1.5e6, -0.8e6], [1e-5, 2e-3, -1e-3]),
+            ([-4e6, 1.5e6, -0.8e6], [0.0, 1e-9, 2e-9]),
+            ([-1e6, 0.0, 5e5], [0.0, 1e-4, 0.0]),
+            ([3e6, 1e5, 2e5], [0.0, 1e-4, 3e-4]),
+        ] {
+            let point = FacePoint {
+                traction,
+                jump,
+                start: [3e-4, 2e-4],
+            };
+            let rows = LAW.projected_rows(ContactState::Slip, &point);
+            for k in 0..3 {
+                for (which, h) in [(0, 1e-8), (1, 10.0)] {
+                    let moved = |s: f64| {
+                        let mut p = point;
+                        match which {
+                            0 => p.jump[k] += s,
+                            _ => p.traction[k] += s,
+                        }
+                        LAW.projected_rows(ContactState::Slip, &p).residual
+                    };
+                    let (plus, minus) = (moved(h), moved(-h));
+                    let (exact, scale) = match which {
+                        0 => (rows.by_jump, 1.0),
+                        _ => (rows.by_traction, LAW.compliance),
+                    };
+                    for i in 0..3 {
+                        let difference = (plus[i] - minus[i]) / (2.0 * h);
+                        let error = (difference - exact[i][k]).abs() / scale;
+                        assert!(error < 1e-4, "{point:?} {which} {i} {k}: {error:e}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn solutions_are_those_of_the_slip_law() {
+        let friction = Friction {
+            weakening: None,
+            ..LAW.friction
+        };
+        let law = FaceLaw { friction, ..LAW };
+        let limit = friction.limit(-5e6, 0.0);
+        let point = FacePoint {
+            traction: [-5e6, 0.6 * limit, -0.8 * limit],
+            jump: [0.0, 3e-3, -4e-3],
+            start: [0.0; 2],
+        };
+        for rows in [
+            law.rows(ContactState::Slip, &point),
+            law.projected_rows(ContactState::Slip, &point),
+        ] {
+            assert!(
+                rows.residual
+                    .iter()
+                    .all(|r| r.abs() < 1e-9 * law.compliance * limit)
+            );
+        }
+    }
+
+    #[test]
+    fn without_slip_the_rows_across_the_shear_are_those_of_stick() {
+        let limit = LAW.friction.limit(-4e6, 0.0);
+        let point = FacePoint {
+            traction: [-4e6, limit, 0.0],
+            jump: [0.0; 3],
+            start: [0.0; 2],
+        };
+        let rows = LAW.projected_rows(ContactState::Slip, &point);
+        assert!((rows.by_jump[2][2] - 1.0).abs() < 1e-12);
+        assert!(rows.by_traction[2][2].abs() < 1e-12 * LAW.compliance);
+        assert!((rows.by_traction[1][1] + LAW.compliance).abs() < 1e-12 * LAW.compliance);
+    }
+
+    #[test]
+    fn slip_against_the_shear_shows_as_a_trial_below_the_limit() {
+        let limit = LAW.friction.limit(-4e6, 0.0);
+        let at = |slip: f64| {
+            LAW.measure(&FacePoint {
+                traction: [-4e6, limit, 0.0],
+                jump: [0.0, slip, 0.0],
+                start: [0.0; 2],
+            })
+        };
+        assert!(at(-1e-5).trial < limit && at(1e-5).trial > limit);
+    }
+}

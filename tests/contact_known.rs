@@ -1,0 +1,220 @@
+//! Claim: stick, slip and opening reproduce answers that are known exactly.
+#![allow(clippy::unwrap_used)]
+
+use fracas::contact::ContactState;
+use fracas::nonlinear::{FaceFields, Simulation, State, StepRecord};
+use fracas::scene::{Body, Scene};
+use fracas_solvers::Silent;
+
+fn body(toml: &str, overrides: &[&str]) -> Body {
+    let scene = Scene::from_toml(toml, "scene.toml").unwrap();
+    scene.with_overrides(overrides).unwrap().build().unwrap()
+}
+
+/// Runs to the end; what `visit` sees is every accepted step.
+fn run(body: &Body, mut visit: impl FnMut(&State, &FaceFields, &StepRecord)) {
+    let mut simulation = Simulation::new(body).unwrap();
+    let mut state = simulation.initial_state();
+    while !simulation.is_finished(&state) || state.step == 0 {
+        let done = match simulation.advance(&state, &mut Silent) {
+            Ok(done) => done,
+            Err(failure) => panic!("{failure}"),
+        };
+        for event in &done.events {
+            println!("{event:?}");
+        }
+        println!("{:?}", done.record);
+        state = done.state;
+        visit(&state, &simulation.face_fields(&state), &done.record);
+    }
+}
+
+/// Two blocks of heights 1 and 2 m, only u_x(z) free, sheared forth and back at the top.
+const SLIDING: &str = r#"
+title = "Block sliding"
+[mesh]
+x = { from = "0 m", to = "1 m", cells = 1 }
+y = { from = "0 m", to = "1 m", cells = 1 }
+z = { from = "0 m", to = "3 m", cells = 6 }
+[[material]]
+name = "rock"
+young = "25 GPa"
+poisson = 0.25
+[[fracture]]
+name = "cut"
+plane = "z"
+at = "1 m"
+friction_angle = "30 deg"
+cohesion = "1 MPa"
+[initial_stress]
+constant = { xx = "-10 MPa", yy = "-10 MPa", zz = "-10 MPa" }
+[[boundary]]
+side = "x-"
+displacement = { y = "0 m", z = "0 m" }
+[[boundary]]
+side = "x+"
+displacement = { y = "0 m", z = "0 m" }
+[[boundary]]
+side = "z-"
+hold = "fixed"
+[[boundary]]
+side = "z+"
+displacement = { x = "6 mm", y = "0 m", z = "0 m" }
+history = [["0 s", 0.0], ["1 s", 1.0], ["3 s", -1.0], ["5 s", 1.0]]
+[time]
+end = "5 s"
+steps = 20
+[solver]
+tolerance = 1e-13
+"#;
+
+#[test]
+fn a_sliding_block_follows_its_hysteresis_loop() {
+    let body = body(SLIDING, &[]);
+    let (g, height) = (1e10, 3.0);
+    let limit = 1e6 + 1e7 * 30f64.to_radians().tan();
+    let (mut slip, mut work, mut before) = (0.0, 0.0, (0.0, 0.0));
+    run(&body, |state, fields, _| {
+        let top = 6e-3 * body.histories[1].at(state.time);
+        // elastic predictor τ = G (U − slip)/H, held at the limit
+        let tau = (g * (top - slip) / height).clamp(-limit, limit);
+        slip = top - tau * height / g;
+        assert!(
+            (fields.traction[0] + 1e7).abs() < 1e-5,
+            "{:?}",
+            fields.traction
+        );
+        // t1 of a plane z lies in the plane: compare as vectors along x
+        let e = body.fractures.faces[0].frame;
+        let along_x = |v: &[f64]| (0..3).map(|k| v[k] * e[k][0]).sum::<f64>();
+        let (t, s) = (along_x(&fields.traction), along_x(&fields.jump));
+        assert!(
+            (t - tau).abs() < 1e-9 * limit,
+            "t = {}: {t} against {tau}",
+            state.time
+        );
+        assert!(
+            (s - slip).abs() < 1e-11,
+            "t = {}: {s} against {slip}",
+            state.time
+        );
+        if state.time > 1.0 {
+            work += t * (s - before.1);
+        }
+        before = (t, s);
+    });
+    // 4 τ_L (U_m − τ_L H/G) per cycle
+    let cycle = 4.0 * limit * (6e-3 - limit * height / g);
+    assert!(
+        (work - cycle).abs() < 1e-9 * cycle,
+        "{work} against {cycle}"
+    );
+}
+
+/// A block on a plane of 45 deg that is pushed down and cannot but slide.
+const PASSING: &str = r#"
+title = "Passing crack"
+[mesh]
+x = { from = "-1 m", to = "1 m", cells = 6 }
+y = { from = "0 m", to = "1 m", cells = 2 }
+z = { from = "-2 m", to = "2 m", cells = 8 }
+[mesh.map.incline]
+plane = "z"
+along = "x"
+tilt = "45 deg"
+fade = true
+pivot = ["0 m", "0.5 m", "0 m"]
+[[material]]
+name = "rock"
+young = "10 GPa"
+poisson = 0.2
+[[fracture]]
+name = "cut"
+plane = "z"
+at = "0 m"
+friction_angle = "30 deg"
+[[boundary]]
+side = "y-"
+hold = "roller"
+[[boundary]]
+side = "y+"
+hold = "roller"
+[[boundary]]
+side = "z-"
+hold = "fixed"
+[[boundary]]
+side = "z+"
+displacement = { z = "-0.1 m" }
+[solver]
+tolerance = 1e-11
+"#;
+
+#[test]
+fn a_block_on_a_steep_plane_slides_without_traction() {
+    let body = body(PASSING, &[]);
+    run(&body, |_, fields, record| {
+        assert_eq!(record.faces[0], 0, "nothing sticks");
+        for (f, slip) in fields.slip.iter().enumerate() {
+            assert!((slip - 0.1 * 2f64.sqrt()).abs() < 1e-7, "face {f}: {slip}");
+            let t = &fields.traction[3 * f..][..3];
+            assert!(t.iter().all(|t| t.abs() < 1e3), "face {f}: {t:?}");
+        }
+    });
+}
+
+/// Closed, sliding, open and back.
+const CYCLE: &str = r#"
+title = "Cycle of states"
+[mesh]
+x = { from = "-4 m", to = "4 m", cells = 4 }
+y = { from = "0 m", to = "20 m", cells = 5 }
+z = { from = "0 m", to = "20 m", cells = 5 }
+[[material]]
+name = "rock"
+young = "5 GPa"
+poisson = 0.25
+[[fracture]]
+name = "cut"
+plane = "x"
+at = "0 m"
+friction_angle = "30 deg"
+[[boundary]]
+side = "x-"
+hold = "fixed"
+[[boundary]]
+side = "x+"
+displacement = { x = "-1 mm" }
+history = [["0 s", 1.0], ["5 s", -1.0], ["10 s", 1.0]]
+[[boundary]]
+side = "x+"
+displacement = { z = "1 mm", y = "0 m" }
+history = [["0 s", 0.0], ["2 s", 1.0], ["8 s", 1.0], ["10 s", 0.0]]
+[time]
+end = "10 s"
+steps = 10
+"#;
+
+#[test]
+fn faces_go_through_all_states_and_back() {
+    let body = body(CYCLE, &[]);
+    let mut counts = Vec::new();
+    run(&body, |state, fields, record| {
+        counts.push(record.faces);
+        for (f, s) in state.states.iter().enumerate() {
+            match s {
+                ContactState::Open => {
+                    assert!(fields.jump[3 * f] > -1e-9);
+                    assert!(fields.traction[3 * f].abs() < 10.0);
+                }
+                _ => {
+                    assert!(fields.traction[3 * f] < 100.0);
+                    assert!(fields.criticality[f] < 1.0 + 1e-4 || fields.tau_limit[f] < 1e3);
+                }
+            }
+        }
+    });
+    assert_eq!(counts.len(), 11);
+    assert!(counts.iter().any(|c| c[3] == 25), "all open: {counts:?}");
+    assert!(counts.iter().any(|c| c[2] > 0), "some slip: {counts:?}");
+    assert_eq!(counts[10][3], 0, "closed at the end: {counts:?}");
+}

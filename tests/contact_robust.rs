@@ -1,0 +1,246 @@
+//! Claim: whatever the friction, contrast, steps and crossings, a run converges or ends with a typed reason and a good last
+//! state; few rounds of the active set do; the preconditioner of the all-stick body serves slip and opening.
+#![allow(clippy::unwrap_used)]
+
+use fracas::nonlinear::{Failure, Simulation, StepFailure};
+use fracas::scene::Scene;
+use fracas_solvers::Silent;
+
+/// A small generator of numbers in [0, 1): SplitMix64 (Steele, Lea, Flood 2014).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.next()
+    }
+
+    fn chance(&mut self, share: f64) -> bool {
+        self.next() < share
+    }
+
+    fn whole(&mut self, low: u32, high: u32) -> u32 {
+        low + (f64::from(high - low + 1) * self.next()) as u32
+    }
+}
+
+/// A scene that the seed alone decides.
+fn scene(seed: u64) -> String {
+    let r = &mut Random(seed.wrapping_mul(0x2545_F491_4F6C_DD1D) + 1);
+    let (nx, ny, nz) = (r.whole(4, 6), r.whole(2, 4), r.whole(4, 6));
+    let mut toml = format!(
+        "title = 'seed {seed}'\n[mesh]\nx = {{ from = '0 m', to = '{nx} m', cells = {nx} }}\n\
+         y = {{ from = '0 m', to = '{ny} m', cells = {ny} }}\nz = {{ from = '0 m', to = '{nz} m', cells = {nz} }}\n"
+    );
+    if r.chance(0.5) {
+        let dip = r.between(40.0, 90.0);
+        toml += &format!(
+            "[mesh.map.incline]\nplane = 'x'\ndip = '{dip} deg'\nfade = {}\n",
+            r.chance(0.5)
+        );
+    }
+    let contrast = 10f64.powf(r.between(-4.0, 4.0));
+    toml += "[[material]]\nname = 'rock'\nyoung = '10 GPa'\npoisson = 0.25\n";
+    toml += &format!(
+        "[[material]]\nname = 'layer'\nyoung = '{} Pa'\npoisson = {}\nlayers = [['0 m', '{} m']]\n",
+        1e10 * contrast,
+        r.between(0.0, 0.45),
+        nz / 2
+    );
+    let crossing = r.chance(0.5);
+    let friction = |r: &mut Random| {
+        format!(
+            "friction_angle = '{} deg'\ncohesion = '{} MPa'\n",
+            r.between(0.0, 1.2).atan().to_degrees(),
+            if r.chance(0.5) {
+                0.0
+            } else {
+                r.between(0.0, 2.0)
+            }
+        )
+    };
+    toml += &format!(
+        "[[fracture]]\nname = 'fault'\nplane = 'x'\nat = '{} m'\n{}",
+        nx / 2,
+        friction(r)
+    );
+    if r.chance(0.3) {
+        toml += &format!("z = ['1 m', '{} m']\n", nz - 1);
+    }
+    if r.chance(0.2) {
+        toml += "dynamic_friction_angle = '5 deg'\nweakening_distance = '5 mm'\n";
+    }
+    if crossing {
+        toml += &format!(
+            "[[fracture]]\nname = 'bed'\nplane = 'z'\nat = '{} m'\n{}",
+            nz / 2,
+            friction(r)
+        );
+    }
+    let move_by = |r: &mut Random| format!("'{} mm'", r.between(-3.0, 3.0));
+    toml += "[[boundary]]\nside = 'z-'\nhold = 'fixed'\n";
+    match r.whole(0, 2) {
+        0 => {
+            toml += &format!(
+                "[[boundary]]\nside = 'z+'\ndisplacement = {{ x = {}, z = {} }}\n",
+                move_by(r),
+                move_by(r)
+            );
+        }
+        1 => {
+            toml += &format!(
+                "[[boundary]]\nside = 'z+'\ntraction = {{ x = '{} MPa', z = '{} MPa' }}\n",
+                r.between(-4.0, 4.0),
+                r.between(-10.0, 1.0)
+            );
+        }
+        _ => {
+            toml += &format!(
+                "[[boundary]]\nside = 'z+'\npressure = '{} MPa'\n",
+                r.between(0.0, 10.0)
+            )
+        }
+    }
+    toml += "history = [['0 s', 0.2], ['4 s', 1.0], ['7 s', -0.5], ['10 s', 1.0]]\n";
+    // without it blocks may be free once fractures open
+    if r.chance(0.8) {
+        toml += &format!(
+            "[[boundary]]\nside = 'x+'\npressure = '{} MPa'\n",
+            r.between(0.0, 10.0)
+        );
+        toml += "[[boundary]]\nside = 'y-'\nhold = 'roller'\n[[boundary]]\nside = 'x-'\nhold = 'roller'\n";
+    } else {
+        toml += "[[boundary]]\nside = 'x-'\nhold = 'roller'\n";
+    }
+    let steps = [1, 2, 3, 5, 10, 20, 50][r.whole(0, 6) as usize];
+    toml + &format!("[time]\nend = '10 s'\nsteps = {steps}\n")
+}
+
+#[derive(Default)]
+struct Tally {
+    runs: usize,
+    refused: usize,
+    finished: usize,
+    failed: Vec<(u64, String)>,
+    steps: usize,
+    cut: usize,
+    cycles: usize,
+    rounds: Vec<usize>,
+    /// Krylov iterations per solve and digit, over those of the all-stick systems of the run.
+    growth: Vec<f64>,
+}
+
+fn digits(tolerance: f64) -> f64 {
+    -tolerance.log10()
+}
+
+fn run(seed: u64, tally: &mut Tally) {
+    tally.runs += 1;
+    let Ok(body) = Scene::from_toml(&scene(seed), "scene.toml")
+        .unwrap()
+        .build()
+    else {
+        // an incline that turns cells over, a block that nothing holds: said before anything is solved
+        tally.refused += 1;
+        return;
+    };
+    let mut simulation = Simulation::new(&body).unwrap();
+    let mut state = simulation.initial_state();
+    let (mut stick, mut other) = (Vec::new(), Vec::new());
+    while state.step == 0 || !simulation.is_finished(&state) {
+        match simulation.advance(&state, &mut Silent) {
+            Ok(done) => {
+                for l in &done.linear {
+                    let per_digit = l.iterations as f64 / digits(l.relative_residual.max(1e-16));
+                    match l.krylov {
+                        "sqmr" => stick.push(per_digit),
+                        _ => other.push(per_digit),
+                    }
+                }
+                let record = done.record;
+                assert!(record.max_tau_viol.is_finite() && record.max_pen.is_finite());
+                tally.steps += 1;
+                tally.cut += usize::from(record.cuts > 0);
+                tally.cycles += done
+                    .events
+                    .iter()
+                    .filter(|e| matches!(e, fracas::nonlinear::Event::Cycle { .. }))
+                    .count();
+                tally.rounds.push(record.active_it);
+                assert!(
+                    done.state
+                        .u
+                        .iter()
+                        .chain(&done.state.t)
+                        .all(|v| v.is_finite())
+                );
+                state = done.state;
+            }
+            Err(StepFailure { reason, .. }) => {
+                assert!(
+                    !matches!(reason, Failure::NotFinite { .. } | Failure::Stopped),
+                    "seed {seed}: {reason}"
+                );
+                tally.failed.push((seed, reason.to_string()));
+                return;
+            }
+        }
+    }
+    tally.finished += 1;
+    let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len() as f64;
+    if !stick.is_empty() && !other.is_empty() {
+        tally.growth.push(mean(&other) / mean(&stick));
+    }
+}
+
+fn sweep(seeds: std::ops::Range<u64>) -> Tally {
+    let mut tally = Tally::default();
+    seeds.for_each(|seed| run(seed, &mut tally));
+    tally.rounds.sort_unstable();
+    tally.growth.sort_by(f64::total_cmp);
+    let at = |v: &[f64], q: f64| {
+        v.get((q * v.len() as f64) as usize)
+            .copied()
+            .unwrap_or(f64::NAN)
+    };
+    for (seed, reason) in &tally.failed {
+        println!("seed {seed}: {reason}");
+    }
+    println!(
+        "{} runs, {} refused, {} finished, {} ended with a reason; {} steps, {} cut, {} cycles; rounds median {}, 95 % {}, most {}; growth median {:.2}, 95 % {:.2}",
+        tally.runs,
+        tally.refused,
+        tally.finished,
+        tally.failed.len(),
+        tally.steps,
+        tally.cut,
+        tally.cycles,
+        tally.rounds[tally.rounds.len() / 2],
+        tally.rounds[tally.rounds.len() * 95 / 100],
+        tally.rounds[tally.rounds.len() - 1],
+        at(&tally.growth, 0.5),
+        at(&tally.growth, 0.95),
+    );
+    tally
+}
+
+#[test]
+fn runs_of_every_kind_end_well() {
+    let tally = sweep(0..40);
+    assert!(tally.finished * 10 >= 8 * (tally.runs - tally.refused));
+}
+
+/// The full sweep: `cargo test --release --test contact_robust -- --ignored --nocapture`.
+#[test]
+#[ignore = "minutes"]
+fn five_hundred_runs_end_well() {
+    let tally = sweep(0..500);
+    assert!(tally.finished * 10 >= 8 * (tally.runs - tally.refused));
+}
