@@ -17,6 +17,9 @@ const LOOSE_STEPS: usize = 3;
 pub(super) struct Settled {
     pub(super) states: Vec<ContactState>,
     pub(super) x: Iterate,
+    /// Largest force and traction so far.
+    pub(super) force: f64,
+    pub(super) traction: f64,
 }
 
 /// What an attempt costs and tells, also when it fails.
@@ -81,7 +84,14 @@ pub(super) fn active_set(
         if changes.is_empty() {
             let converged = residual <= until.residual;
             match (until == tight, converged) {
-                (true, true) => return Ok(Settled { states, x }),
+                (true, true) => {
+                    return Ok(Settled {
+                        states,
+                        x,
+                        force: attempt.scale,
+                        traction: judge.traction,
+                    });
+                }
                 (true, false) => {
                     return Err(Failure::Newton {
                         residual,
@@ -135,7 +145,7 @@ impl<'s> Judge<'s> {
         Self {
             attempt,
             treated: vec![None; faces],
-            traction: 0.0,
+            traction: attempt.traction,
         }
     }
 
@@ -143,8 +153,8 @@ impl<'s> Judge<'s> {
         faces.iter().for_each(|f| self.treated[*f] = Some(remedy));
     }
 
-    /// Faces that take another state, and which. What counts as zero is `zero` times the largest traction of all rounds, the
-    /// first of which, with every closed face in stick, shows what the loads could do.
+    /// Faces that take another state, and which. What counts as zero is `zero` times the largest traction of all rounds so
+    /// far; the first one, with every closed face in stick, shows what the loads could do.
     fn changes(
         &mut self,
         states: &[ContactState],

@@ -29,8 +29,10 @@ pub(super) struct Attempt<'s> {
     pub(super) problem: &'s ContactProblem<'s>,
     pub(super) start: &'s Start,
     pub(super) load: &'s Load,
-    /// ‖·‖₂ of loads and internal forces, tractions in the balanced unit [N].
+    /// ‖·‖₂ of loads and internal forces, the largest so far, tractions in the balanced unit [N].
     pub(super) scale: f64,
+    /// Largest traction so far [Pa].
+    pub(super) traction: f64,
     pub(super) step: usize,
     pub(super) attempt: usize,
 }

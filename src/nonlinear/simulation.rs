@@ -94,6 +94,8 @@ impl<'a> Simulation<'a> {
             time: 0.0,
             loaded: 0.0,
             next: 1.0,
+            force: 0.0,
+            traction: 0.0,
             u: vec![0.0; self.problem.body().constraints.free_len()],
             t: vec![0.0; 3 * faces.len()],
             states: faces.iter().map(open).collect(),
@@ -117,7 +119,12 @@ impl<'a> Simulation<'a> {
         state: &State,
         observer: &mut dyn Observer,
     ) -> Result<Accepted, StepFailure> {
-        let max_cuts = self.problem.body().solver.max_cuts;
+        // a run that comes closer and closer to a time without equilibrium ends there
+        let halvings = self.problem.body().solver.max_cuts as i32;
+        let shortest = match state.loaded < 1.0 {
+            true => 0.5f64.powi(halvings),
+            false => self.table().1 * 0.5f64.powi(halvings),
+        };
         let (mut log, mut attempts, mut cuts) = (Log::default(), 0, 0);
         let mut increment = state.next;
         loop {
@@ -128,7 +135,9 @@ impl<'a> Simulation<'a> {
                     let next = self.next(state, target, increment, cuts);
                     return Ok(self.accept(state, target, settled, &load, log, cuts, next));
                 }
-                Err(reason) if cuts < max_cuts && reason.may_be_cut() => {
+                Err(reason)
+                    if reason.may_be_cut() && 0.5 * self.length(state, target) >= shortest =>
+                {
                     increment = 0.5 * self.length(state, target);
                     cuts += 1;
                     log.events.push(Event::Cut {
@@ -209,7 +218,8 @@ impl<'a> Simulation<'a> {
             problem,
             start: &start,
             load: &load,
-            scale: self.scale(&start.t, [&before, &load]),
+            scale: self.scale(&start.t, [&before, &load]).max(state.force),
+            traction: state.traction,
             step: state.step,
             attempt: *attempts,
         };
@@ -301,7 +311,12 @@ impl<'a> Simulation<'a> {
         cuts: usize,
         next: f64,
     ) -> Accepted {
-        let Settled { states, x } = settled;
+        let Settled {
+            states,
+            x,
+            force,
+            traction,
+        } = settled;
         let fields = FaceFields::new(&self.problem, &states, [&x.u, &x.t], load, Vec::new());
         let accepted = log.linear.iter().map(|l| l.attempt).max();
         let last = log.linear.iter().filter(|l| Some(l.attempt) == accepted);
@@ -337,6 +352,8 @@ impl<'a> Simulation<'a> {
                 time: target.time,
                 loaded: target.loaded,
                 next,
+                force,
+                traction,
                 u: x.u,
                 t: x.t,
                 states,

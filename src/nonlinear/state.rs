@@ -13,6 +13,10 @@ pub struct State {
     pub loaded: f64,
     /// Increment that the next step tries: time [s], or a share of the loads of time 0 while `loaded < 1`.
     pub next: f64,
+    /// Largest force that loads or tractions had so far, ‖·‖₂ [N]; residuals are relative to it.
+    pub force: f64,
+    /// Largest traction that a face had, or that its normal jump would cost, so far [Pa]; states are judged relative to it.
+    pub traction: f64,
     /// Free displacements [m].
     pub u: Vec<f64>,
     /// Tractions (t_N, t_1, t_2) per face [Pa].

@@ -38,7 +38,7 @@ pub struct SolverSection {
     pub max_newton: usize,
     /// Krylov iterations in one Newton step.
     pub max_krylov: usize,
-    /// Halvings of a step before the run gives up.
+    /// Halvings of the nominal step before the run gives up.
     pub max_cuts: usize,
     /// The preconditioner; chosen by size where it is not given (exact S_u up to 20,000 displacements, then AMG).
     #[serde(skip_serializing_if = "Option::is_none")]
