@@ -2,7 +2,7 @@
 //! state; few rounds of the active set do; the preconditioner of the all-stick body serves slip and opening.
 #![allow(clippy::unwrap_used)]
 
-use fracas::nonlinear::{Failure, Simulation, StepFailure};
+use fracas::nonlinear::{Failure, Simulation};
 use fracas::scene::Scene;
 use fracas_solvers::Silent;
 
@@ -183,7 +183,8 @@ fn run(seed: u64, tally: &mut Tally) {
                 );
                 state = done.state;
             }
-            Err(StepFailure { reason, .. }) => {
+            Err(failure) => {
+                let reason = &failure.reason;
                 assert!(
                     !matches!(reason, Failure::NotFinite { .. } | Failure::Stopped),
                     "seed {seed}: {reason}"

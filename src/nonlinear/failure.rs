@@ -1,6 +1,7 @@
 //! Why a step could not be done.
 
 use crate::elasticity::ElasticityError;
+use crate::matrix_free::MatrixFreeError;
 use fracas_solvers::SetupError;
 use fracas_solvers::krylov::Breakdown;
 
@@ -10,6 +11,9 @@ pub enum LinearFailure {
     /// The preconditioner cannot be built.
     #[error(transparent)]
     Setup(#[from] SetupError),
+    /// The matrix-free preconditioner cannot be built.
+    #[error(transparent)]
+    MatrixFree(#[from] MatrixFreeError),
     /// The blocks cannot be assembled.
     #[error(transparent)]
     Elasticity(#[from] ElasticityError),
@@ -89,7 +93,12 @@ impl Failure {
     pub(super) fn may_be_cut(&self) -> bool {
         !matches!(
             self,
-            Self::Stopped | Self::Linear(LinearFailure::Setup(_) | LinearFailure::Elasticity(_))
+            Self::Stopped
+                | Self::Linear(
+                    LinearFailure::Setup(_)
+                        | LinearFailure::MatrixFree(_)
+                        | LinearFailure::Elasticity(_)
+                )
         )
     }
 }

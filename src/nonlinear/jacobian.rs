@@ -15,6 +15,22 @@ pub(super) struct FaceTangent {
     pub(super) law: [[f64; 3]; 3],
 }
 
+impl FaceTangent {
+    /// D = I, L = 0.
+    pub(super) const STICK: Self = Self {
+        by_jump: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        law: [[0.0; 3]; 3],
+    };
+
+    /// D = 0, L = λ I.
+    pub(super) fn open(lambda: f64) -> Self {
+        Self {
+            by_jump: [[0.0; 3]; 3],
+            law: Self::STICK.by_jump.map(|row| row.map(|v| lambda * v)),
+        }
+    }
+}
+
 /// `[A B; D Bᵀ −(H + L)]`, D and L one 3×3 block per face, tractions in a balanced unit s; with every face in stick
 /// D = I, L = 0 and neither is stored.
 pub struct ContactJacobian<'a> {

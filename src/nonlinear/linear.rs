@@ -1,29 +1,60 @@
 //! The linear systems of Newton: one preconditioner for as long as it serves.
 
-use super::{ContactJacobian, ContactProblem, LinearFailure};
-use crate::contact::Coupling;
+use super::face_rules::FaceRule;
+use super::jacobian::FaceTangent;
+use super::state_inverse::StateInverse;
+use super::{ContactJacobian, ContactProblem, LinearFailure, State};
+use crate::contact::ContactState;
+use crate::matrix_free::{MatrixFreeError, MatrixFreeRacp};
+use crate::scene::RunInner;
 use fracas_operators::Preconditioner;
 use fracas_operators::vector::norm2;
-use fracas_solvers::Observer;
 use fracas_solvers::direct::DirectChoice;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, Report, Sqmr, System};
-use fracas_solvers::saddle::{AugmentationChoice, InnerChoice, Racp, RacpInverse};
-use std::sync::Arc;
+use fracas_solvers::saddle::{AugmentationChoice, AugmentationMatrix, InnerChoice, Racp};
+use fracas_solvers::{Observer, Step};
 
 /// Displacements up to which S_u is factorized when the scene does not choose. Unit: 1.
-const FACTORIZED: usize = 20_000;
+const FACTORIZED: usize = 5_000;
 
-type Inverse = RacpInverse<Box<dyn Preconditioner<f64>>, Arc<Coupling<f64>>>;
+/// Iterations per digit, over those of the first all-stick system, from which a preconditioner of the present states is
+/// wanted. Unit: 1.
+const SLOW: f64 = 1.5;
 
-/// Solves Jacobians with RACP of the all-stick body.
+/// What a preconditioner is built from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RunPreconditioner {
+    /// RACP around an assembled A, which is given back once S̃_u is there.
+    Assembled(Racp),
+    /// RACP around geometric multigrid, nothing assembled.
+    MatrixFree(MatrixFreeRacp),
+}
+
+/// A preconditioner and the states that it was built for.
+struct Ready {
+    states: Vec<ContactState>,
+    inverse: StateInverse,
+}
+
+/// Solves Jacobians with RACP.
 ///
-/// `M = [A B; Bᵀ −C]` with `C = C_local + |diag H|` knows nothing of the states: a slipping or open face has `ωA_f`,
-/// which C_local resembles, on its diagonal, so that the iterations grow by less than a half while A, B and S_u stay what
-/// they are. One set-up serves a whole run.
+/// The preconditioner of the all-stick body, `M = [A B; Bᵀ −C]`, is built once for the whole run; slipping and open faces
+/// have `ωA_f` on their diagonal, which is 0.5 to 1.4 times C, so that it serves them too. Where it takes more than 1.5 times
+/// its iterations, one for the states at hand is built, at most once per step, and kept as long as it is nearer.
 pub(super) struct Linear {
-    settings: Racp,
+    settings: RunPreconditioner,
     max_krylov: usize,
-    inverse: Option<Inverse>,
+    /// Diagonal of C for faces in stick.
+    c: Vec<f64>,
+    stick: Option<Ready>,
+    present: Option<Ready>,
+    /// Iterations per digit of the first all-stick system.
+    reference: Option<f64>,
+    slow: bool,
+    /// States of a preconditioner that a restart has to build again.
+    owed: Option<Vec<ContactState>>,
+    /// A preconditioner has been built in this step.
+    built: bool,
     work: Vec<f64>,
 }
 
@@ -37,44 +68,68 @@ pub(super) struct Solved {
 
 impl Linear {
     pub(super) fn new(problem: &ContactProblem<'_>) -> Self {
-        let body = problem.body();
-        let by_size = || {
-            let small = body.constraints.free_len() <= FACTORIZED;
-            Racp {
-                augmentation: AugmentationChoice::LocalH,
-                inner: match small {
-                    true => InnerChoice::default(),
-                    false => InnerChoice::Amg(Default::default()),
-                },
-            }
-        };
         Self {
-            settings: body.solver.racp.unwrap_or_else(by_size),
-            max_krylov: body.solver.max_krylov,
-            inverse: None,
+            settings: chosen(problem),
+            max_krylov: problem.body().solver.max_krylov,
+            c: Vec::new(),
+            stick: None,
+            present: None,
+            reference: None,
+            slow: false,
+            owed: None,
+            built: false,
             work: Vec::new(),
         }
     }
 
     /// Settings in use.
-    pub(super) fn settings(&self) -> Racp {
+    pub(super) fn settings(&self) -> RunPreconditioner {
         self.settings
+    }
+
+    /// A step begins. What is kept from the step before is what a restart from `state` can build again: a preconditioner
+    /// for slip depends on the slip, one for stick and open faces on their states alone.
+    pub(super) fn begin_step(&mut self, state: &State) {
+        self.built = false;
+        self.slow = false;
+        self.reference = (state.krylov > 0.0).then_some(state.krylov);
+        self.owed = None;
+        let kept = self.present.as_ref().map(|ready| &ready.states);
+        if kept != state.prepared.as_ref() {
+            self.present = None;
+            self.owed.clone_from(&state.prepared);
+        }
+    }
+
+    /// What the next step finds: iterations per digit of the first system, and the states of the preconditioner to keep.
+    pub(super) fn carried(&self) -> (f64, Option<Vec<ContactState>>) {
+        let slips = |s: &ContactState| matches!(s, ContactState::NewSlip | ContactState::Slip);
+        let present = self.present.as_ref().map(|ready| &ready.states);
+        let kept = present.filter(|states| !states.iter().any(slips)).cloned();
+        (self.reference.unwrap_or(0.0), kept)
     }
 
     /// `x ← J⁻¹ b` to a relative residual; short recurrences where J is symmetric.
     pub(super) fn solve(
         &mut self,
         problem: &ContactProblem<'_>,
-        jacobian: &ContactJacobian<'_>,
+        (jacobian, states): (&ContactJacobian<'_>, &[ContactState]),
         rhs: &[f64],
         tolerance: f64,
         x: &mut [f64],
         observer: &mut dyn Observer,
     ) -> Result<Solved, LinearFailure> {
-        let setup = self.inverse.is_none();
-        let inverse = match &mut self.inverse {
-            Some(inverse) => inverse,
-            none => none.insert(prepare(self.settings, problem)?),
+        let setup = self.prepare(problem, jacobian, states, observer)?;
+        let far = |ready: &Option<Ready>| match ready {
+            Some(ready) => distance(&ready.states, states),
+            None => usize::MAX,
+        };
+        let nearest = match far(&self.present) < far(&self.stick) {
+            true => &self.present,
+            false => &self.stick,
+        };
+        let Some(Ready { inverse, .. }) = nearest else {
+            unreachable!("prepared above");
         };
         let symmetric = jacobian.is_symmetric() && inverse.is_linear() && !inverse.is_single();
         let krylov = match symmetric {
@@ -98,8 +153,7 @@ impl Linear {
         }
         x.fill(0.0);
         let report = method.solve_in(&system, &criteria, x, observer, &mut self.work[..needed])?;
-        let limit = report.outcome == Outcome::IterationLimit;
-        if limit || !norm2(x).is_finite() {
+        if report.outcome == Outcome::IterationLimit || !norm2(x).is_finite() {
             return Err(LinearFailure::IterationLimit {
                 krylov: krylov.name(),
                 iterations: report.iterations,
@@ -107,30 +161,142 @@ impl Linear {
                 tolerance,
             });
         }
+        let digits = -report.relative_residual.max(f64::EPSILON).log10();
+        let rate = report.iterations as f64 / digits.max(1.0);
+        let reference = *self.reference.get_or_insert(rate);
+        self.slow = rate > SLOW * reference;
         Ok(Solved {
             krylov: krylov.name(),
             report,
             setup,
         })
     }
+
+    /// The preconditioner of the all-stick body at first; that of the present states when the last system was slow. True
+    /// where one is built.
+    fn prepare(
+        &mut self,
+        problem: &ContactProblem<'_>,
+        jacobian: &ContactJacobian<'_>,
+        states: &[ContactState],
+        observer: &mut dyn Observer,
+    ) -> Result<bool, LinearFailure> {
+        if self.stick.is_none() {
+            let all_stick = vec![ContactState::Stick; states.len()];
+            let stick = FaceTangent::STICK;
+            self.c = Vec::new();
+            self.stick = Some(self.build(problem, &all_stick, |_| stick, observer)?);
+            self.built = true;
+            return Ok(true);
+        }
+        if let Some(owed) = self.owed.take() {
+            let tangent = |f: usize| match owed[f] {
+                ContactState::Open => FaceTangent::open(problem.law_entry(f)),
+                _ => FaceTangent::STICK,
+            };
+            self.present = Some(self.build(problem, &owed, tangent, observer)?);
+        }
+        let new = |ready: &Option<Ready>| ready.as_ref().is_none_or(|r| r.states != states);
+        let wanted = self.slow && !self.built && new(&self.stick) && new(&self.present);
+        if let (true, Some(faces)) = (wanted, &jacobian.faces) {
+            // the memory of the one before is given back first
+            self.present = None;
+            self.present = Some(self.build(problem, states, |f| faces[f], observer)?);
+            self.built = true;
+            return Ok(true);
+        }
+        Ok(false)
+    }
+
+    /// C, S̃_u and the rules of the faces for these states.
+    fn build(
+        &mut self,
+        problem: &ContactProblem<'_>,
+        states: &[ContactState],
+        tangent: impl Fn(usize) -> FaceTangent,
+        observer: &mut dyn Observer,
+    ) -> Result<Ready, LinearFailure> {
+        let (unit, faces) = (problem.saddle().unit(), states.len());
+        let rules = |c: &[f64]| -> Vec<FaceRule> {
+            (0..faces)
+                .map(|f| FaceRule::new(&tangent(f), [c[3 * f], c[3 * f + 1], c[3 * f + 2]]))
+                .collect()
+        };
+        let blocks_of = |rules: &[FaceRule]| {
+            AugmentationMatrix::from_face_blocks(rules.iter().map(|rule| rule.c).collect())
+        };
+        let (rules, s_u): (Vec<FaceRule>, Box<dyn Preconditioner<f64>>) = match self.settings {
+            RunPreconditioner::Assembled(racp) => {
+                let direct = match racp.inner {
+                    InnerChoice::Exact { backend } => backend,
+                    _ => DirectChoice::default(),
+                };
+                let blocks = problem.stick_blocks()?.into_traction_unit(unit);
+                if self.c.is_empty() {
+                    let c = racp
+                        .augmentation
+                        .compute(&blocks, direct.solver()?.as_ref())?;
+                    self.c = c.matrix.diagonal_entries();
+                }
+                let rules = rules(&self.c);
+                let s_u = racp.inner.prepare(&blocks, &blocks_of(&rules)?)?.inverse;
+                (rules, s_u)
+            }
+            RunPreconditioner::MatrixFree(racp) => {
+                let system = problem.stick_system();
+                if self.c.is_empty() {
+                    let c = problem.saddle().augmentation(&system, racp.augmentation);
+                    self.c = c.map_err(MatrixFreeError::from)?.matrix.diagonal_entries();
+                }
+                let rules = rules(&self.c);
+                let in_pascal = blocks_of(&rules)?.scaled(1.0 / (unit * unit));
+                let s_u = racp
+                    .inner
+                    .build(&system, &in_pascal)
+                    .map_err(MatrixFreeError::from)?;
+                (rules, Box::new(s_u))
+            }
+        };
+        let step = Step::Progress {
+            stage: "preconditioner",
+            done: 1,
+            total: 1,
+        };
+        if observer.observe(&step).is_break() {
+            return Err(MatrixFreeError::Stopped.into());
+        }
+        Ok(Ready {
+            states: states.to_vec(),
+            inverse: StateInverse::new(problem.saddle().coupling().clone(), rules, s_u),
+        })
+    }
 }
 
-/// RACP of the body with every face in stick; the assembled A is given back once S̃_u is there.
-fn prepare(settings: Racp, problem: &ContactProblem<'_>) -> Result<Inverse, LinearFailure> {
-    let direct = match settings.inner {
-        InnerChoice::Exact { backend } => backend,
-        _ => DirectChoice::default(),
+/// Faces whose rows differ: slip and new-slip count as one.
+fn distance(a: &[ContactState], b: &[ContactState]) -> usize {
+    let differ = |(a, b): &(&ContactState, &ContactState)| a.constrained() != b.constrained();
+    a.iter().zip(b).filter(differ).count()
+}
+
+/// The preconditioner that the scene asks for, or that its size suggests.
+fn chosen(problem: &ContactProblem<'_>) -> RunPreconditioner {
+    let body = problem.body();
+    let assembled = |inner| {
+        RunPreconditioner::Assembled(Racp {
+            augmentation: AugmentationChoice::LocalH,
+            inner,
+        })
     };
-    let unit = problem.saddle().unit();
-    let blocks = problem.stick_blocks()?.into_traction_unit(unit);
-    let c = settings
-        .augmentation
-        .compute(&blocks, direct.solver()?.as_ref())?
-        .matrix;
-    let s_u = settings.inner.prepare(&blocks, &c)?.inverse;
-    Ok(RacpInverse::with_operator(
-        problem.saddle().coupling().clone(),
-        c,
-        s_u,
-    ))
+    let amg = InnerChoice::Amg(Default::default());
+    let small = body.constraints.free_len() <= FACTORIZED;
+    match (body.solver.racp, body.solver.inner) {
+        (Some(racp), _) => RunPreconditioner::Assembled(racp),
+        (None, RunInner::Exact) => assembled(InnerChoice::default()),
+        (None, RunInner::Auto) if small => assembled(InnerChoice::default()),
+        (None, RunInner::Auto) if body.mesh.grid.is_none() => assembled(amg),
+        (None, RunInner::Amg) => assembled(amg),
+        (None, RunInner::Auto | RunInner::Geometric) => {
+            RunPreconditioner::MatrixFree(MatrixFreeRacp::default())
+        }
+    }
 }

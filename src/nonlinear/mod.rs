@@ -12,6 +12,7 @@
 
 mod active_set;
 mod cycling;
+mod face_rules;
 mod failure;
 mod fields;
 mod jacobian;
@@ -22,11 +23,13 @@ mod problem;
 mod record;
 mod simulation;
 mod state;
+mod state_inverse;
 
 pub use cycling::Remedy;
 pub use failure::{Failure, LinearFailure, StepFailure};
 pub use fields::FaceFields;
 pub use jacobian::ContactJacobian;
+pub use linear::RunPreconditioner;
 pub use loads::Loads;
 pub use problem::{ContactProblem, Evaluation, Load, Start};
 pub use record::{Accepted, Event, LinearRecord, StepRecord};

@@ -1,7 +1,7 @@
 //! Newton's method at fixed contact states.
 
 use super::linear::Linear;
-use super::{ContactProblem, Evaluation, Failure, LinearRecord, Load, Start};
+use super::{ContactProblem, Evaluation, Failure, LinearFailure, LinearRecord, Load, Start};
 use crate::contact::ContactState;
 use fracas_operators::sparse::Csr;
 use fracas_operators::vector::{axpy, norm2};
@@ -100,12 +100,39 @@ pub(super) fn newton(
         let jacobian = problem.jacobian(states, h, &at);
         let solved = linear.solve(
             problem,
-            &jacobian,
+            (&jacobian, states),
             &at.residual,
             forcing,
             &mut correction,
             observer,
-        )?;
+        );
+        let mut record = LinearRecord {
+            step: attempt.step,
+            attempt: attempt.attempt,
+            active: round,
+            newton: iteration,
+            krylov: "",
+            iterations: 0,
+            tolerance: forcing,
+            relative_residual: f64::NAN,
+            residual,
+            step_length: 0.0,
+            setup: false,
+        };
+        let solved = solved.inspect_err(|failure| {
+            if let LinearFailure::IterationLimit {
+                krylov,
+                iterations,
+                residual,
+                ..
+            } = failure
+            {
+                record.krylov = krylov;
+                record.iterations = *iterations;
+                record.relative_residual = *residual;
+                records.push(record);
+            }
+        })?;
         if solved.report.outcome == Outcome::Stopped {
             return Err(Failure::Stopped);
         }
@@ -125,19 +152,12 @@ pub(super) fn newton(
             length *= 0.5;
         }
         before = size;
-        records.push(LinearRecord {
-            step: attempt.step,
-            attempt: attempt.attempt,
-            active: round,
-            newton: iteration,
-            krylov: solved.krylov,
-            iterations: solved.report.iterations,
-            tolerance: forcing,
-            relative_residual: solved.report.relative_residual,
-            residual,
-            step_length: length,
-            setup: solved.setup,
-        });
+        record.krylov = solved.krylov;
+        record.iterations = solved.report.iterations;
+        record.relative_residual = solved.report.relative_residual;
+        record.step_length = length;
+        record.setup = solved.setup;
+        records.push(record);
         iteration += 1;
     }
 }

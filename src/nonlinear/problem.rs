@@ -120,6 +120,12 @@ impl<'a> ContactProblem<'a> {
         &self.compliance
     }
 
+    /// `s² ω A_f`: what an open face has on the diagonal of its rows.
+    pub(super) fn law_entry(&self, f: usize) -> f64 {
+        let s = self.saddle.unit();
+        s * s * self.faces()[f].area * self.compliance[f]
+    }
+
     /// Friction of a face; none where the scene gives none.
     pub fn friction(&self, face: usize) -> Friction {
         let fracture = usize::from(self.faces()[face].fracture);

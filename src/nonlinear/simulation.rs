@@ -5,8 +5,8 @@ use super::linear::Linear;
 use super::newton::{Attempt, Iterate};
 use super::record::count;
 use super::{
-    Accepted, ContactProblem, Event, FaceFields, Failure, Load, Start, State, StepFailure,
-    StepRecord,
+    Accepted, ContactProblem, Event, FaceFields, Failure, Load, RunPreconditioner, Start, State,
+    StepFailure, StepRecord,
 };
 use crate::contact::ContactState;
 use crate::elasticity::ElasticityError;
@@ -14,7 +14,6 @@ use crate::scene::Body;
 use fracas_operators::LinearOperator;
 use fracas_operators::vector::{axpy, norm2};
 use fracas_solvers::Observer;
-use fracas_solvers::saddle::Racp;
 
 /// Relative distance of two times that counts as none.
 const SAME_TIME: f64 = 1e-9;
@@ -77,7 +76,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// The preconditioner in use.
-    pub fn preconditioner(&self) -> Racp {
+    pub fn preconditioner(&self) -> RunPreconditioner {
         self.linear.settings()
     }
 
@@ -96,6 +95,8 @@ impl<'a> Simulation<'a> {
             next: 1.0,
             force: 0.0,
             traction: 0.0,
+            krylov: 0.0,
+            prepared: None,
             u: vec![0.0; self.problem.body().constraints.free_len()],
             t: vec![0.0; 3 * faces.len()],
             states: faces.iter().map(open).collect(),
@@ -118,7 +119,7 @@ impl<'a> Simulation<'a> {
         &mut self,
         state: &State,
         observer: &mut dyn Observer,
-    ) -> Result<Accepted, StepFailure> {
+    ) -> Result<Accepted, Box<StepFailure>> {
         // a run that comes closer and closer to a time without equilibrium ends there
         let halvings = self.problem.body().solver.max_cuts as i32;
         let shortest = match state.loaded < 1.0 {
@@ -127,6 +128,7 @@ impl<'a> Simulation<'a> {
         };
         let (mut log, mut attempts, mut cuts) = (Log::default(), 0, 0);
         let mut increment = state.next;
+        self.linear.begin_step(state);
         loop {
             let target = self.target(state, increment);
             let outcome = self.attempt_twice(state, target, &mut attempts, &mut log, observer);
@@ -146,7 +148,7 @@ impl<'a> Simulation<'a> {
                     });
                 }
                 Err(reason) => {
-                    return Err(StepFailure {
+                    return Err(Box::new(StepFailure {
                         step: state.step,
                         time: state.time,
                         increment: self.length(state, target),
@@ -158,7 +160,7 @@ impl<'a> Simulation<'a> {
                         reason,
                         linear: log.linear,
                         events: log.events,
-                    });
+                    }));
                 }
             }
         }
@@ -335,6 +337,7 @@ impl<'a> Simulation<'a> {
             reuses: log.linear.len() - setups,
             ..StepRecord::default()
         };
+        let (krylov, prepared) = self.linear.carried();
         let mut flips = before.flips.clone();
         for (f, face) in self.problem.faces().iter().enumerate() {
             if states[f] != before.states[f] {
@@ -354,6 +357,8 @@ impl<'a> Simulation<'a> {
                 next,
                 force,
                 traction,
+                krylov,
+                prepared,
                 u: x.u,
                 t: x.t,
                 states,

@@ -17,6 +17,10 @@ pub struct State {
     pub force: f64,
     /// Largest traction that a face had, or that its normal jump would cost, so far [Pa]; states are judged relative to it.
     pub traction: f64,
+    /// Krylov iterations per digit of the first linear system of the run, 0 before it; others are judged against it.
+    pub krylov: f64,
+    /// States that the preconditioner beside the all-stick one was built for, if there is one to keep.
+    pub prepared: Option<Vec<ContactState>>,
     /// Free displacements [m].
     pub u: Vec<f64>,
     /// Tractions (t_N, t_1, t_2) per face [Pa].

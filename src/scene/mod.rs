@@ -31,7 +31,7 @@ pub use sections::{
     BoundarySection, BoxSection, ComponentsSection, HoldSection, InitialStressSection,
     MaterialSection, SceneSections, SideName, TensorSection,
 };
-pub use solver_section::{SolverSection, TimeSection};
+pub use solver_section::{RunInner, SolverSection, TimeSection};
 
 use source::Source;
 

@@ -40,9 +40,26 @@ pub struct SolverSection {
     pub max_krylov: usize,
     /// Halvings of the nominal step before the run gives up.
     pub max_cuts: usize,
-    /// The preconditioner; chosen by size where it is not given (exact S_u up to 20,000 displacements, then AMG).
+    /// Inner solver of the preconditioner.
+    pub inner: RunInner,
+    /// The preconditioner in full, in place of `inner`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub racp: Option<Racp>,
+}
+
+/// Inner solver of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum RunInner {
+    /// Exact up to 5,000 displacements, then geometric where the mesh has a grid, else AMG.
+    #[default]
+    Auto,
+    /// Sparse Cholesky factorization of S_u.
+    Exact,
+    /// Algebraic multigrid.
+    Amg,
+    /// Geometric multigrid: A is never assembled.
+    Geometric,
 }
 
 impl Default for SolverSection {
@@ -56,6 +73,7 @@ impl Default for SolverSection {
             max_newton: 15,
             max_krylov: 400,
             max_cuts: 8,
+            inner: RunInner::Auto,
             racp: None,
         }
     }

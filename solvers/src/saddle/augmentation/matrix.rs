@@ -81,6 +81,16 @@ impl AugmentationMatrix {
         Ok(matrix)
     }
 
+    /// One symmetric 3×3 block per face.
+    ///
+    /// # Errors
+    /// [`SetupError::NotPositiveDefinite`] naming the first row where a pivot vanishes.
+    pub fn from_face_blocks(c: Vec<[[f64; 3]; 3]>) -> Result<Self, SetupError> {
+        let mut matrix = Self::face_blocks(c);
+        matrix.factor()?;
+        Ok(matrix)
+    }
+
     /// Checks that C is SPD and prepares C⁻¹.
     pub(super) fn factor(&mut self) -> Result<(), SetupError> {
         match self {
