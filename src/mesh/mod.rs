@@ -11,6 +11,7 @@ mod error;
 mod face_geometry;
 mod fracture_edges;
 mod fracture_mesh;
+mod gmsh;
 mod hex_mesh;
 mod incidence;
 mod jacobian;
@@ -29,6 +30,10 @@ pub use error::{MAX_NODES, MeshError};
 pub use face_geometry::{FaceGeometry, face_geometry};
 pub use fracture_edges::fracture_edges;
 pub use fracture_mesh::{FaceSide, FractureEdge, FractureFace, FractureMesh};
+pub use gmsh::{
+    GmshDefect, GmshError, GmshFile, GmshMesh, GroupName, Spot, Surface, SurfaceFracture,
+    SurfaceUse,
+};
 pub use hex_mesh::{Grid, HexMesh};
 pub(crate) use incidence::{Incidence, Places};
 pub use jacobian::{check_jacobians, min_jacobian};

@@ -3,8 +3,10 @@
 mod body;
 mod build;
 mod error;
+mod from_file;
 mod gallery;
 mod geometry;
+mod group_names;
 mod history;
 mod hold;
 mod located;
@@ -15,12 +17,13 @@ mod sections;
 mod solver_section;
 mod source;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub use crate::contact::{Friction, Weakening};
 pub use body::{Body, InitialStress, SurfaceTraction};
 pub use error::{Place, Problem, SceneError};
 pub use gallery::{GalleryScene, gallery, named};
+pub use group_names::GroupNames;
 pub use history::{History, TimeTable};
 pub use mesh_sections::{
     AxisName, AxisSection, DistortSection, FractureSection, InclineSection, MapSection,
@@ -40,17 +43,28 @@ use source::Source;
 pub struct Scene {
     sections: SceneSections,
     source: Source,
+    /// Where paths in the scene start.
+    folder: PathBuf,
 }
 
 impl Scene {
-    /// Reads a scene from text; `file_name` is for messages.
+    /// Reads a scene from text; `file_name` is for messages, and its folder is where the path of a mesh file starts.
     ///
     /// # Errors
     /// [`SceneError`] with line, column and excerpt: syntax, unknown keys with their nearest match, values out of range.
     pub fn from_toml(text: &str, file_name: &str) -> Result<Self, SceneError> {
+        let folder = Path::new(file_name).parent().unwrap_or(Path::new(""));
+        Self::read(text, file_name, folder)
+    }
+
+    fn read(text: &str, file_name: &str, folder: &Path) -> Result<Self, SceneError> {
         let source = Source::new(text, file_name);
         let sections = source.parse()?;
-        Ok(Self { sections, source })
+        Ok(Self {
+            sections,
+            source,
+            folder: folder.into(),
+        })
     }
 
     /// Reads a scene from a file.
@@ -63,7 +77,8 @@ impl Scene {
             file: name.clone(),
             source,
         })?;
-        Self::from_toml(&text, &name)
+        let folder = path.as_ref().parent().unwrap_or(Path::new(""));
+        Self::read(&text, &name, folder)
     }
 
     /// The same scene with values replaced: `mesh.x.cells=8`, `material.rock.young=20 GPa`, `boundary.0.side=z+`.
@@ -75,7 +90,8 @@ impl Scene {
             return Ok(self.clone());
         }
         let text = overrides::apply(&self.source, overrides)?;
-        Self::from_toml(&text, &format!("{} with --set", self.source.file()))
+        let name = format!("{} with --set", self.source.file());
+        Self::read(&text, &name, &self.folder)
     }
 
     /// The sections, as typed data.
@@ -104,7 +120,7 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] with the line of the section that cannot be met, or [`SceneError::NotHeld`].
     pub fn build(&self) -> Result<Body, SceneError> {
-        build::build(&self.sections, &self.source)
+        build::build(&self.sections, &self.source, &self.folder)
     }
 }
 
