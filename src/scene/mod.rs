@@ -36,6 +36,7 @@ pub use sections::{
 };
 pub use solver_section::{SolverSection, TimeSection};
 
+use crate::mesh::GmshFile;
 use source::Source;
 
 /// A scene: its sections and the text that they came from.
@@ -110,6 +111,18 @@ impl Scene {
     /// [`SceneError::Write`] if a value has no TOML form.
     pub fn to_toml(&self) -> Result<String, SceneError> {
         Ok(toml::to_string(&self.sections)?)
+    }
+
+    /// Nodes of the mesh before fractures split them, as the grid or the mesh file says; 0 where either says nothing, which
+    /// [`Scene::build`] explains.
+    pub fn nodes(&self) -> u128 {
+        match &self.sections.mesh.file {
+            Some(file) => {
+                let announced = GmshFile::announced_nodes(&self.folder.join(file));
+                announced.map_or(0, u128::from)
+            }
+            None => self.sections.mesh.nodes(),
+        }
     }
 
     /// Mesh, materials, boundary conditions and loads.

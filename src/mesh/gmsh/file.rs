@@ -1,5 +1,6 @@
 //! What a Gmsh file says.
 
+use std::io::Read;
 use std::path::Path;
 
 use super::cursor::Cursor;
@@ -27,6 +28,9 @@ pub(super) struct Others {
     /// Its centre, in units of the file.
     pub(super) center: [f64; 3],
 }
+
+/// Where a file announces its nodes, at the latest: entities stand before them.
+const HEAD: u64 = 1 << 24;
 
 /// Nodes, hexahedra, quadrilaterals and physical groups of a Gmsh file.
 #[derive(Clone, Debug)]
@@ -68,7 +72,28 @@ impl GmshFile {
         }
     }
 
-    /// The same from bytes; `name` is for messages.
+    /// The number of nodes that a file announces; no more than its first 16 MiB are read.
+    ///
+    /// # Errors
+    /// [`GmshError`] where a file has no nodes there.
+    pub fn announced_nodes(path: &Path) -> Result<u64, GmshError> {
+        let name = path.display().to_string();
+        let read = || -> std::io::Result<Vec<u8>> {
+            let mut bytes = Vec::new();
+            std::fs::File::open(path)?
+                .take(HEAD)
+                .read_to_end(&mut bytes)?;
+            Ok(bytes)
+        };
+        let bytes = read().map_err(|error| GmshDefect::Read {
+            reason: error.kind(),
+        });
+        bytes
+            .and_then(|bytes| header::node_count(&mut Cursor::new(&bytes)))
+            .map_err(|defect| GmshError::new(&name, defect))
+    }
+
+    /// [`GmshFile::read`] from bytes; `name` is for messages.
     ///
     /// # Errors
     /// As [`GmshFile::read`].

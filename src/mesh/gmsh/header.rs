@@ -77,6 +77,27 @@ pub(super) fn sections(cursor: &mut Cursor<'_>, file: &mut GmshFile) -> Result<(
     }
 }
 
+/// The number of nodes that the file announces, without reading any.
+pub(super) fn node_count(cursor: &mut Cursor<'_>) -> Result<u64, GmshDefect> {
+    let is_gmsh = matches!(cursor.section(), Ok("MeshFormat"));
+    if !is_gmsh {
+        return Err(GmshDefect::NotGmsh);
+    }
+    let format = mesh_format(cursor)?;
+    while !cursor.is_at_end() {
+        match (cursor.section()?, format) {
+            ("Nodes", Format::Two) => return cursor.text_count("the number of nodes"),
+            ("Nodes", Format::Four) => {
+                cursor.end_line()?;
+                cursor.size("the number of node blocks")?;
+                return cursor.size("the number of nodes");
+            }
+            (other, _) => cursor.skip_to_end(other)?,
+        }
+    }
+    Err(GmshDefect::NoSection { section: "$Nodes" })
+}
+
 /// `version file-type data-size`, in binary files followed by the number one.
 fn mesh_format(cursor: &mut Cursor<'_>) -> Result<Format, GmshDefect> {
     let version = cursor.word("the version of the format")?;
