@@ -1,7 +1,8 @@
 //! Hexahedral meshes and the fractures in them.
 //!
 //! [`Axis`] lines make a box of bricks ([`BoxGrid`]), [`PlaneFracture`]s select faces of it, a [`Warp`] moves the
-//! nodes, [`BoxGrid::build`] splits the nodes on fractures, and [`audit`] says what came out.
+//! nodes, [`BoxGrid::build`] splits the nodes on fractures, and [`audit`] says what came out. A [`GmshMesh`]
+//! does the same with hexahedra and surfaces from a file.
 
 mod audit;
 mod axis;

@@ -105,12 +105,19 @@ impl Scene {
         &self.sections.title
     }
 
-    /// The scene as TOML with every default left out; reads back as the same sections.
+    /// The scene as TOML with every default left out; reads back as the same sections from any folder: the path of a mesh
+    /// file becomes absolute.
     ///
     /// # Errors
     /// [`SceneError::Write`] if a value has no TOML form.
     pub fn to_toml(&self) -> Result<String, SceneError> {
-        Ok(toml::to_string(&self.sections)?)
+        let mut sections = self.sections.clone();
+        if let Some(file) = &mut sections.mesh.file {
+            let path = self.folder.join(&*file);
+            // without a current folder the path stays as good as it was
+            *file = std::path::absolute(&path).unwrap_or(path);
+        }
+        Ok(toml::to_string(&sections)?)
     }
 
     /// Nodes of the mesh before fractures split them, as the grid or the mesh file says; 0 where either says nothing, which

@@ -123,6 +123,12 @@ fn the_cubes_themselves_are_fine_in_all_four_forms() {
     for (f, form) in FORMS.into_iter().enumerate() {
         build(&format!("fine{f}"), &cubes().write(form), SCENE).unwrap();
     }
+    // line ends of another system, sections that nobody asked for
+    for form in [FORMS[0], FORMS[2]] {
+        let text = String::from_utf8(cubes().write(form)).unwrap();
+        let text = text.replace("$Nodes", "$Comments\nno $End\n$EndComments\n$Nodes");
+        build("lines", text.replace('\n', "\r\n").as_bytes(), SCENE).unwrap();
+    }
 }
 
 #[test]

@@ -337,3 +337,25 @@ fn every_scene_of_the_gallery_is_the_same_from_a_file_in_each_of_the_four_forms(
         }
     }
 }
+
+#[test]
+fn bent_fractures_in_distorted_rock_are_the_same_from_a_file() {
+    let folder = folder("distorted");
+    let entry = fracas::scene::named("layered_crossing").unwrap();
+    let bent = [
+        "mesh.map.distort.amplitude=0.3",
+        "mesh.map.distort.bend_fractures=true",
+        "mesh.map.distort.seed=3",
+        "mesh.map.rotate.axis=y",
+        "mesh.map.rotate.angle=90 deg",
+    ];
+    let scene = entry.small_scene().unwrap().with_overrides(&bent).unwrap();
+    let body = scene.build().unwrap();
+    std::fs::write(folder.join("m.msh"), as_msh(&body).write(FORMS[3])).unwrap();
+    let text = as_file_scene(&scene, &body, "m.msh");
+    let name = folder.join("s.toml").display().to_string();
+    assert_same(
+        &body,
+        &Scene::from_toml(&text, &name).unwrap().build().unwrap(),
+    );
+}

@@ -108,6 +108,9 @@ fn a_path_starts_at_the_folder_of_the_scene_and_sets_reach_the_names() {
     std::fs::write(&path, SCENE.replace("FILE", "meshes/m.msh")).unwrap();
     let scene = Scene::load(&path).unwrap();
     assert_same(&scene.build().unwrap(), &read("crossing_22_ascii.msh"));
+    // what is written reads back from anywhere
+    let elsewhere = Scene::from_toml(&scene.to_toml().unwrap(), "/nowhere/s.toml").unwrap();
+    assert_same(&scene.build().unwrap(), &elsewhere.build().unwrap());
     let one = scene
         .with_overrides(&[
             "fracture.crossing.surface=fault",

@@ -37,8 +37,9 @@ pub(crate) const MATRIX_FREE: PerNode = PerNode {
     remedy: "use fewer cells, e.g. --set mesh.x.cells=8",
 };
 
-/// What reading and checking a mesh file takes per node at its peak [bytes], measured on 1.0 million nodes of an ASCII file.
-const PER_NODE_OF_FILE: u64 = 850;
+/// What reading and checking a mesh file takes per node at its peak [bytes]: 305 to 320 measured on 1.0 million nodes, in
+/// text and binary.
+const PER_NODE_OF_FILE: u64 = 400;
 
 /// What a fracture face adds to [`MATRIX_FREE`] [bytes], measured on a network of 147 thousand.
 const PER_FACE: u64 = 3000;

@@ -253,11 +253,14 @@ fn checked(file: &mut GmshFile) -> Result<Faces, GmshDefect> {
     let inverted = cells.par_iter().find_map_first(|cell| {
         let x = cell.nodes.map(place);
         let min_jacobian = min_jacobian(&x);
-        (!(min_jacobian > 0.0)).then(|| GmshDefect::Inverted {
-            element: cell.id,
-            center: center(&x),
-            min_jacobian,
-        })
+        match min_jacobian > 0.0 {
+            true => None,
+            false => Some(GmshDefect::Inverted {
+                element: cell.id,
+                center: center(&x),
+                min_jacobian,
+            }),
+        }
     });
     if let Some(defect) = inverted {
         return Err(defect);

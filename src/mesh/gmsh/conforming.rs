@@ -34,6 +34,9 @@ fn map(x: &[[f64; 3]; 8], at: [f64; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
     (position, columns)
 }
 
+/// A step this long leaves the element for good.
+const FAR: f64 = 1e3;
+
 /// Newton steps for ξ; quadratic once near.
 const STEPS: usize = 20;
 
@@ -55,7 +58,7 @@ fn holds(x: &[[f64; 3]; 8], p: [f64; 3]) -> bool {
         if size < 1e-10 {
             return at.iter().all(|s| s.abs() <= INSIDE);
         }
-        if !(size < 1e3) {
+        if size > FAR {
             return false;
         }
     }
