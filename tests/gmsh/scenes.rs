@@ -343,7 +343,7 @@ fn bent_fractures_in_distorted_rock_are_the_same_from_a_file() {
     let folder = folder("distorted");
     let entry = fracas::scene::named("layered_crossing").unwrap();
     let bent = [
-        "mesh.map.distort.amplitude=0.3",
+        "mesh.map.distort.amplitude=0.15",
         "mesh.map.distort.bend_fractures=true",
         "mesh.map.distort.seed=3",
         "mesh.map.rotate.axis=y",
