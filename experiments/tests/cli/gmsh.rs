@@ -1,5 +1,7 @@
 //! Claim: a scene with a mesh from Gmsh goes through every command, and geometric multigrid says that it needs a grid.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot copy its mesh fails")]
+
 use crate::run::{fracas, scratch, write};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
