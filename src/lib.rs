@@ -9,6 +9,7 @@ pub mod jacobian;
 pub mod matrix_free;
 pub mod mesh;
 pub mod multigrid;
+mod nearest;
 pub mod nonlinear;
 pub mod scene;
 pub mod system;

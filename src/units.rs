@@ -12,7 +12,7 @@ use std::str::FromStr;
 pub use dimension::Dimension;
 pub use kind::{
     Acceleration, Angle, Density, Distance, Duration, FrictionAngle, Kind, Length, Measure,
-    Poisson, Ratio, Stiffness, Strength, Stress, StressGradient,
+    MeshUnit, Poisson, Ratio, Stiffness, Strength, Stress, StressGradient,
 };
 
 /// A number with a unit: value = number · factor(unit).

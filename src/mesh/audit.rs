@@ -5,6 +5,7 @@ use std::fmt;
 
 use super::error::point;
 use super::face_geometry::{dot, minus};
+use super::hex_mesh::EDGES;
 use super::jacobian::corners;
 use super::kernel::CouplingKernel;
 use super::{
@@ -89,20 +90,6 @@ pub fn audit(mesh: &HexMesh, fractures: &FractureMesh, prescribed: &[bool]) -> A
 
 /// Longest over shortest of the twelve edges.
 fn aspect(x: &[[f64; 3]; 8]) -> f64 {
-    const EDGES: [[usize; 2]; 12] = [
-        [0, 1],
-        [1, 2],
-        [2, 3],
-        [3, 0],
-        [4, 5],
-        [5, 6],
-        [6, 7],
-        [7, 4],
-        [0, 4],
-        [1, 5],
-        [2, 6],
-        [3, 7],
-    ];
     let (mut short, mut long) = (f64::INFINITY, 0.0f64);
     for [a, b] in EDGES {
         let edge = minus(x[a], x[b]);

@@ -4,8 +4,8 @@ use super::error::MAX_NODES;
 use super::jacobian::corners;
 use super::plane_fracture::cuts;
 use super::{
-    Axis, FACES, FaceSide, FractureFace, FractureMesh, Grid, HexMesh, MeshError, PlaneFracture,
-    Warp, WarpContext, check_jacobians, face_geometry, fracture_edges, split,
+    Axis, FACES, FaceSide, FractureMesh, Grid, HexMesh, MeshError, PlaneFracture, Warp,
+    WarpContext, check_jacobians, split,
 };
 
 /// A region of material.
@@ -15,6 +15,14 @@ pub struct BoxRegion {
     pub name: String,
     /// Boxes [from, to] per axis, before any map [m]: the cells whose centre lies in one of them. None at all = every cell.
     pub boxes: Vec<[[f64; 2]; 3]>,
+}
+
+impl BoxRegion {
+    /// Whether a point lies in one of its boxes, or it has none.
+    pub(super) fn holds(&self, point: [f64; 3]) -> bool {
+        let inside = |b: &[[f64; 2]; 3]| (0..3).all(|d| (b[d][0]..=b[d][1]).contains(&point[d]));
+        self.boxes.is_empty() || self.boxes.iter().any(inside)
+    }
 }
 
 /// Everything that makes a mesh.
@@ -30,15 +38,16 @@ pub struct BoxGrid {
     pub warps: Vec<Box<dyn Warp>>,
 }
 
-/// A mesh, its fractures and its six sides.
+/// A mesh, its fractures and its sides.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BuiltMesh {
     /// The body.
     pub mesh: HexMesh,
     /// Its fractures.
     pub fractures: FractureMesh,
-    /// Faces on x−, x+, y−, y+, z−, z+; nodes counter-clockwise seen from outside.
-    pub sides: [Vec<FaceSide>; 6],
+    /// Faces on x−, x+, y−, y+, z−, z+ of a box, or on the surfaces that were asked for; nodes counter-clockwise seen from
+    /// outside.
+    pub sides: Vec<Vec<FaceSide>>,
 }
 
 impl BoxGrid {
@@ -128,28 +137,9 @@ impl BoxGrid {
             .map_or("check the grid lines", |w| w.advice());
         check_jacobians(&mesh, advice)?;
 
-        let faces: Vec<FractureFace> = cuts
-            .iter()
-            .zip(pairs)
-            .map(|(cut, (minus, plus))| {
-                let shape = face_geometry(&minus.nodes.map(|n| mesh.nodes[n as usize]));
-                FractureFace {
-                    fracture: cut.fracture,
-                    minus,
-                    plus,
-                    area: shape.area,
-                    center: shape.center,
-                    frame: shape.frame,
-                    node_areas: shape.node_areas,
-                }
-            })
-            .collect();
-        let fractures = FractureMesh {
-            names: self.fractures.iter().map(|f| f.name.clone()).collect(),
-            edges: fracture_edges(&faces, &mesh.origin),
-            faces,
-        };
-        let sides = [0, 1, 2, 3, 4, 5].map(|side| side_faces(&mesh, cells, side));
+        let names = self.fractures.iter().map(|f| f.name.clone()).collect();
+        let fractures = FractureMesh::between(names, &cuts, &pairs, &mesh);
+        let sides = (0..6).map(|side| side_faces(&mesh, cells, side)).collect();
         Ok(BuiltMesh {
             mesh,
             fractures,
@@ -170,11 +160,9 @@ impl BoxGrid {
             ];
             let center =
                 [0, 1, 2].map(|d: usize| 0.5 * (lines[d][index[d]] + lines[d][index[d] + 1]));
-            let inside =
-                |b: &[[f64; 2]; 3]| (0..3).all(|d| (b[d][0]..=b[d][1]).contains(&center[d]));
             let mut found = None;
             for (r, region) in self.regions.iter().enumerate() {
-                if region.boxes.is_empty() || region.boxes.iter().any(inside) {
+                if region.holds(center) {
                     used[r] |= !region.boxes.is_empty();
                     found = Some(r as u16);
                 }

@@ -14,6 +14,9 @@ pub(super) fn point(x: &[f64; 3]) -> String {
 /// A mesh that cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MeshError {
+    /// From a mesh file.
+    #[error(transparent)]
+    Gmsh(#[from] super::GmshError),
     /// An axis whose end does not lie beyond its start.
     #[error("axis {axis}: from {from} m to {to} m is empty; `to` must be greater than `from`")]
     EmptyAxis {

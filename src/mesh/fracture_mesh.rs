@@ -1,5 +1,7 @@
 //! Fractures as pairs of element faces.
 
+use super::{Cut, HexMesh, face_geometry, fracture_edges};
+
 /// One side of a fracture face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FaceSide {
@@ -48,4 +50,33 @@ pub struct FractureMesh {
     pub faces: Vec<FractureFace>,
     /// Inner edges; those with more than two faces (junctions) are left out.
     pub edges: Vec<FractureEdge>,
+}
+
+impl FractureMesh {
+    /// Faces with their shapes, and their inner edges, from what [`super::split`] made of `cuts`.
+    pub(super) fn between(
+        names: Vec<String>,
+        cuts: &[Cut],
+        sides: &[(FaceSide, FaceSide)],
+        mesh: &HexMesh,
+    ) -> Self {
+        let face = |(cut, (minus, plus)): (&Cut, &(FaceSide, FaceSide))| {
+            let shape = face_geometry(&minus.nodes.map(|n| mesh.nodes[n as usize]));
+            FractureFace {
+                fracture: cut.fracture,
+                minus: *minus,
+                plus: *plus,
+                area: shape.area,
+                center: shape.center,
+                frame: shape.frame,
+                node_areas: shape.node_areas,
+            }
+        };
+        let faces: Vec<FractureFace> = cuts.iter().zip(sides).map(face).collect();
+        Self {
+            names,
+            edges: fracture_edges(&faces, &mesh.origin),
+            faces,
+        }
+    }
 }

@@ -21,6 +21,22 @@ impl Grid {
     }
 }
 
+/// Ends of the twelve edges of an element.
+pub(super) const EDGES: [[usize; 2]; 12] = [
+    [0, 1],
+    [1, 2],
+    [2, 3],
+    [3, 0],
+    [4, 5],
+    [5, 6],
+    [6, 7],
+    [7, 4],
+    [0, 4],
+    [1, 5],
+    [2, 6],
+    [3, 7],
+];
+
 /// A mesh of eight-node hexahedra.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HexMesh {

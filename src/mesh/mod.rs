@@ -1,7 +1,8 @@
 //! Hexahedral meshes and the fractures in them.
 //!
 //! [`Axis`] lines make a box of bricks ([`BoxGrid`]), [`PlaneFracture`]s select faces of it, a [`Warp`] moves the
-//! nodes, [`BoxGrid::build`] splits the nodes on fractures, and [`audit`] says what came out.
+//! nodes, [`BoxGrid::build`] splits the nodes on fractures, and [`audit`] says what came out. A [`GmshMesh`]
+//! does the same with hexahedra and surfaces from a file.
 
 mod audit;
 mod axis;
@@ -11,6 +12,7 @@ mod error;
 mod face_geometry;
 mod fracture_edges;
 mod fracture_mesh;
+mod gmsh;
 mod hex_mesh;
 mod incidence;
 mod jacobian;
@@ -29,6 +31,10 @@ pub use error::{MAX_NODES, MeshError};
 pub use face_geometry::{FaceGeometry, face_geometry};
 pub use fracture_edges::fracture_edges;
 pub use fracture_mesh::{FaceSide, FractureEdge, FractureFace, FractureMesh};
+pub use gmsh::{
+    GmshDefect, GmshError, GmshFile, GmshMesh, GroupName, Spot, Surface, SurfaceFracture,
+    SurfaceUse,
+};
 pub use hex_mesh::{Grid, HexMesh};
 pub(crate) use incidence::{Incidence, Places};
 pub use jacobian::{check_jacobians, min_jacobian};

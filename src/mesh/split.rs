@@ -25,7 +25,7 @@ pub struct Cut {
 }
 
 /// The four nodes of a face in increasing order: its identity.
-fn key(element: &[u32; 8], face: usize) -> [u32; 4] {
+pub(super) fn key(element: &[u32; 8], face: usize) -> [u32; 4] {
     let mut nodes = FACES[face].map(|a| element[a]);
     nodes.sort_unstable();
     nodes

@@ -1,24 +1,30 @@
 //! From sections to a body.
 
 use std::collections::HashSet;
+use std::path::Path;
 
+use super::from_file::{mesh_from_file, require_grid_keys};
 use super::geometry::{axis, expand, regions, warps};
 use super::history::Histories;
 use super::hold::hold;
 use super::located::{Located, at};
-use super::mesh_sections::FractureSection;
+use super::mesh_sections::{AxisName, FractureSection};
 use super::sections::SceneSections;
 use super::source::Source;
 use super::{
     Body, Friction, InitialStress, Problem, SceneError, SolverSection, TimeTable, Weakening,
 };
 use crate::elasticity::{Constraints, Elastic};
-use crate::mesh::{BoxGrid, Hold, MAX_NODES, MeshError, bodies};
+use crate::mesh::{BoxGrid, BuiltMesh, Hold, MAX_NODES, MeshError, bodies};
 use crate::units::Measure;
 
 /// Builds the body; problems get their place in the file.
-pub(super) fn build(sections: &SceneSections, source: &Source) -> Result<Body, SceneError> {
-    let body = assemble(sections).map_err(|located| {
+pub(super) fn build(
+    sections: &SceneSections,
+    source: &Source,
+    folder: &Path,
+) -> Result<Body, SceneError> {
+    let body = assemble(sections, folder).map_err(|located| {
         let path: Vec<&str> = located.path.iter().map(String::as_str).collect();
         SceneError::Section {
             place: Box::new(source.locate(&path)),
@@ -40,7 +46,7 @@ pub(super) fn build(sections: &SceneSections, source: &Source) -> Result<Body, S
     Ok(body)
 }
 
-fn assemble(sections: &SceneSections) -> Result<Body, Located> {
+fn assemble(sections: &SceneSections, folder: &Path) -> Result<Body, Located> {
     if sections.material.is_empty() {
         return Err(at(&["material"], Problem::NoMaterial));
     }
@@ -55,44 +61,13 @@ fn assemble(sections: &SceneSections) -> Result<Body, Located> {
         sections.fracture.iter().map(|f| &f.name),
     )?;
 
-    let mesh = &sections.mesh;
-    // before the lines of an axis take memory
-    let nodes = mesh.nodes();
-    if nodes > MAX_NODES {
-        return Err(at(&["mesh"], MeshError::TooManyNodes { nodes }));
-    }
-    let axes = [
-        axis(&mesh.x, "x")?,
-        axis(&mesh.y, "y")?,
-        axis(&mesh.z, "z")?,
-    ];
-    let mut lines: [Vec<f64>; 3] = Default::default();
-    for d in 0..3 {
-        lines[d] = axes[d]
-            .lines(d)
-            .map_err(|e| at(&["mesh", ["x", "y", "z"][d]], e))?;
-    }
-    let center = [0, 1, 2].map(|d: usize| 0.5 * (lines[d][0] + lines[d][lines[d].len() - 1]));
-
-    // every expanded plane remembers its section
-    let (mut planes, mut section_of) = (Vec::new(), Vec::new());
-    for (i, fracture) in sections.fracture.iter().enumerate() {
-        let expanded = expand(fracture, i, &lines)?;
-        section_of.resize(section_of.len() + expanded.len(), i);
-        planes.extend(expanded);
-    }
-    let grid = BoxGrid {
-        axes,
-        regions: regions(sections)?,
-        fractures: planes,
-        warps: match &mesh.map {
-            Some(map) => warps(map, center)?,
-            None => Vec::new(),
-        },
+    let (built, section_of) = match &sections.mesh.file {
+        Some(file) => (
+            mesh_from_file(sections, &folder.join(file))?,
+            (0..sections.fracture.len()).collect(),
+        ),
+        None => mesh_of_grid(sections)?,
     };
-    let built = grid
-        .build()
-        .map_err(|e| locate(e, &grid, &section_of, sections))?;
 
     let mut histories = Histories::new();
     let (time, of_time) = time_table(sections, &mut histories)?;
@@ -154,6 +129,50 @@ fn assemble(sections: &SceneSections) -> Result<Body, Located> {
             reference: s.reference.as_ref().map_or(0.0, Measure::si),
         }),
     })
+}
+
+/// The mesh of a grid, and the section of every fracture in it.
+fn mesh_of_grid(sections: &SceneSections) -> Result<(BuiltMesh, Vec<usize>), Located> {
+    require_grid_keys(sections)?;
+    let mesh = &sections.mesh;
+    // before the lines of an axis take memory
+    let nodes = mesh.nodes();
+    if nodes > MAX_NODES {
+        return Err(at(&["mesh"], MeshError::TooManyNodes { nodes }));
+    }
+    let axes = [
+        axis(&mesh.x, "x")?,
+        axis(&mesh.y, "y")?,
+        axis(&mesh.z, "z")?,
+    ];
+    let mut lines: [Vec<f64>; 3] = Default::default();
+    for d in 0..3 {
+        lines[d] = axes[d]
+            .lines(d)
+            .map_err(|e| at(&["mesh", ["x", "y", "z"][d]], e))?;
+    }
+    let center = [0, 1, 2].map(|d: usize| 0.5 * (lines[d][0] + lines[d][lines[d].len() - 1]));
+
+    // every expanded plane remembers its section
+    let (mut planes, mut section_of) = (Vec::new(), Vec::new());
+    for (i, fracture) in sections.fracture.iter().enumerate() {
+        let expanded = expand(fracture, i, &lines)?;
+        section_of.resize(section_of.len() + expanded.len(), i);
+        planes.extend(expanded);
+    }
+    let grid = BoxGrid {
+        axes,
+        regions: regions(sections)?,
+        fractures: planes,
+        warps: match &mesh.map {
+            Some(map) => warps(map, center)?,
+            None => Vec::new(),
+        },
+    };
+    let built = grid
+        .build()
+        .map_err(|e| locate(e, &grid, &section_of, sections))?;
+    Ok((built, section_of))
 }
 
 /// All names of a list differ.
@@ -288,6 +307,9 @@ fn solver(sections: &SceneSections) -> Result<SolverSection, Located> {
     Ok(solver)
 }
 
+/// Letters of the axes in order.
+const AXES: &str = "xyz";
+
 /// Where a mesh error is written.
 fn locate(
     error: MeshError,
@@ -302,7 +324,9 @@ fn locate(
         let section = section_of[index];
         let mut path = vec!["fracture".to_string(), section.to_string()];
         match key {
-            Some(axis) if sections.fracture[section].plane.name() != axis.to_string() => {
+            Some(axis)
+                if sections.fracture[section].plane.map(AxisName::index) != AXES.find(axis) =>
+            {
                 path.push(axis.into())
             }
             Some(_) => path.push("at".into()),

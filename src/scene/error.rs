@@ -50,6 +50,26 @@ pub enum Problem {
         /// x, y or z.
         axis: &'static str,
     },
+    /// A key of a grid beside a mesh file, or the other way round.
+    #[error("{what} has `{key}`, which belongs to {belongs}; {instead}")]
+    StrayKey {
+        /// Which section.
+        what: String,
+        /// The key.
+        key: &'static str,
+        /// The kind of mesh that has it.
+        belongs: &'static str,
+        /// What to do.
+        instead: &'static str,
+    },
+    /// A key that this kind of mesh needs.
+    #[error("{what} needs `{key}`")]
+    MissingKey {
+        /// Which section.
+        what: String,
+        /// The key.
+        key: &'static str,
+    },
     /// Not exactly one of several keys.
     #[error("{what} needs exactly one of {keys}; it has {found}")]
     ExactlyOne {

@@ -109,7 +109,11 @@ pub(super) fn expand(
 ) -> Result<Vec<PlaneFracture>, Located> {
     let number = index.to_string();
     let here = ["fracture", number.as_str()];
-    let axis = fracture.plane.index();
+    let Some(plane) = fracture.plane else {
+        let what = format!("fracture \"{}\"", fracture.name);
+        return Err(at(&here, Problem::MissingKey { what, key: "plane" }));
+    };
+    let axis = plane.index();
     let mut spans = [None; 3];
     for (d, span) in [&fracture.x, &fracture.y, &fracture.z]
         .into_iter()
@@ -158,7 +162,7 @@ pub(super) fn expand(
                 &here,
                 Problem::NoPlane {
                     name,
-                    axis: fracture.plane.name(),
+                    axis: plane.name(),
                     every: every.get(),
                 },
             ),

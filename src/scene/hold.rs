@@ -1,7 +1,7 @@
-//! Boundary conditions on the sides of the box.
+//! Boundary conditions on the sides of the body.
 
 use super::located::{Located, at};
-use super::sections::{BoundarySection, HoldSection};
+use super::sections::{BoundarySection, HoldSection, SideName};
 use super::{Problem, SurfaceTraction};
 use crate::mesh::{BuiltMesh, FaceSide, face_geometry};
 use crate::units::Measure;
@@ -22,7 +22,8 @@ pub(super) fn hold(
     let mut tractions = Vec::new();
     for (i, boundary) in boundaries.iter().enumerate() {
         let number = i.to_string();
-        let faces = &built.sides[boundary.side.index()];
+        // the sides of a mesh file are those of the sections
+        let faces = &built.sides[boundary.side.map_or(i, SideName::index)];
         let history = history(i, boundary)?;
         let mut prescribe = |given: [Option<f64>; 3]| {
             let mut nodes: Vec<u32> = faces.iter().flat_map(|f| f.nodes).collect();
@@ -55,7 +56,7 @@ pub(super) fn hold(
                     return Err(at(
                         &["boundary", &number, "hold"],
                         Problem::TiltedRoller {
-                            side: boundary.side.name().into(),
+                            side: boundary.place(),
                             normal,
                         },
                     ));
@@ -70,7 +71,7 @@ pub(super) fn hold(
                     return Err(at(
                         &["boundary", &number, "displacement"],
                         Problem::NoComponent {
-                            side: boundary.side.name().into(),
+                            side: boundary.place(),
                         },
                     ));
                 }
@@ -94,7 +95,10 @@ pub(super) fn hold(
                 return Err(at(
                     &["boundary", &number],
                     Problem::ExactlyOne {
-                        what: format!("[[boundary]] of side {}", boundary.side.name()),
+                        what: match boundary.side {
+                            Some(side) => format!("[[boundary]] of side {}", side.name()),
+                            None => format!("[[boundary]] of {}", boundary.place()),
+                        },
                         keys: "`hold`, `displacement`, `traction`, `pressure`",
                         found: found.iter().filter(|f| **f).count(),
                     },

@@ -1,24 +1,35 @@
 //! The sections of a scene file, as they are written: grid, maps, fractures.
 
 use std::num::NonZeroU32;
+use std::path::PathBuf;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::group_names::GroupNames;
 use super::one_or_many::OneOrMany;
 use crate::units::{
-    Angle, Distance, Duration, FrictionAngle, Length, Measure, Ratio, Strength, Stress,
+    Angle, Distance, Duration, FrictionAngle, Length, Measure, MeshUnit, Ratio, Strength, Stress,
 };
 
-/// Box, grid lines and maps.
+/// Box, grid lines and maps; or a mesh file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshSection {
+    /// Gmsh file (.msh, format 2.2 or 4.1) instead of x, y, z; the path starts at the folder of the scene file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub file: Option<PathBuf>,
+    /// Length of one unit of the mesh file; 1 m if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unit: Option<Measure<MeshUnit>>,
     /// Lines across x.
+    #[serde(default, skip_serializing_if = "AxisSection::is_absent")]
     pub x: AxisSection,
     /// Lines across y.
+    #[serde(default, skip_serializing_if = "AxisSection::is_absent")]
     pub y: AxisSection,
     /// Lines across z (up).
+    #[serde(default, skip_serializing_if = "AxisSection::is_absent")]
     pub z: AxisSection,
     /// Maps of the finished grid, applied in the order distort, incline, rotate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -47,6 +58,13 @@ pub struct AxisSection {
     /// Every grid line.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lines: Option<Vec<Measure<Length>>>,
+}
+
+impl AxisSection {
+    /// Whether nothing is given.
+    pub(super) fn is_absent(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 impl MeshSection {
@@ -129,14 +147,21 @@ pub struct RotateSection {
     pub center: Option<[Measure<Length>; 3]>,
 }
 
-/// Rectangles of grid faces, before any map; give `at` or `every`.
+/// Rectangles of grid faces, before any map: give `plane` and `at` or `every`; or physical surfaces of a mesh file: give
+/// `surface`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FractureSection {
     /// Its name; several planes are numbered from 1.
     pub name: String,
+    /// Physical surfaces of a mesh file, by name or number. The normal agrees across inner edges, and per connected part
+    /// N = ∫ n dS is positive along the first of x, y, z along which it has at least half its largest component; closed
+    /// parts point outwards.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surface: Option<GroupNames>,
     /// Normal axis.
-    pub plane: AxisName,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plane: Option<AxisName>,
     /// Position, or list of positions, along it: grid lines.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at: Option<OneOrMany<Length>>,
@@ -152,7 +177,7 @@ pub struct FractureSection {
     /// Span in z.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub z: Option<[Measure<Length>; 2]>,
-    /// The normal points against the axis.
+    /// The normal points against the axis, or against the rule of `surface`.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub flip: bool,
     /// Friction angle.

@@ -3,8 +3,10 @@
 mod body;
 mod build;
 mod error;
+mod from_file;
 mod gallery;
 mod geometry;
+mod group_names;
 mod history;
 mod hold;
 mod located;
@@ -15,12 +17,13 @@ mod sections;
 mod solver_section;
 mod source;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub use crate::contact::{Friction, Weakening};
 pub use body::{Body, InitialStress, SurfaceTraction};
 pub use error::{Place, Problem, SceneError};
 pub use gallery::{GalleryScene, gallery, named};
+pub use group_names::GroupNames;
 pub use history::{History, TimeTable};
 pub use mesh_sections::{
     AxisName, AxisSection, DistortSection, FractureSection, InclineSection, MapSection,
@@ -33,6 +36,7 @@ pub use sections::{
 };
 pub use solver_section::{RunInner, SolverSection, TimeSection};
 
+use crate::mesh::GmshFile;
 use source::Source;
 
 /// A scene: its sections and the text that they came from.
@@ -40,17 +44,28 @@ use source::Source;
 pub struct Scene {
     sections: SceneSections,
     source: Source,
+    /// Where paths in the scene start.
+    folder: PathBuf,
 }
 
 impl Scene {
-    /// Reads a scene from text; `file_name` is for messages.
+    /// Reads a scene from text; `file_name` is for messages, and its folder is where the path of a mesh file starts.
     ///
     /// # Errors
     /// [`SceneError`] with line, column and excerpt: syntax, unknown keys with their nearest match, values out of range.
     pub fn from_toml(text: &str, file_name: &str) -> Result<Self, SceneError> {
+        let folder = Path::new(file_name).parent().unwrap_or(Path::new(""));
+        Self::read(text, file_name, folder)
+    }
+
+    fn read(text: &str, file_name: &str, folder: &Path) -> Result<Self, SceneError> {
         let source = Source::new(text, file_name);
         let sections = source.parse()?;
-        Ok(Self { sections, source })
+        Ok(Self {
+            sections,
+            source,
+            folder: folder.into(),
+        })
     }
 
     /// Reads a scene from a file.
@@ -63,7 +78,8 @@ impl Scene {
             file: name.clone(),
             source,
         })?;
-        Self::from_toml(&text, &name)
+        let folder = path.as_ref().parent().unwrap_or(Path::new(""));
+        Self::read(&text, &name, folder)
     }
 
     /// The same scene with values replaced: `mesh.x.cells=8`, `material.rock.young=20 GPa`, `boundary.0.side=z+`.
@@ -75,7 +91,8 @@ impl Scene {
             return Ok(self.clone());
         }
         let text = overrides::apply(&self.source, overrides)?;
-        Self::from_toml(&text, &format!("{} with --set", self.source.file()))
+        let name = format!("{} with --set", self.source.file());
+        Self::read(&text, &name, &self.folder)
     }
 
     /// The sections, as typed data.
@@ -88,12 +105,31 @@ impl Scene {
         &self.sections.title
     }
 
-    /// The scene as TOML with every default left out; reads back as the same sections.
+    /// The scene as TOML with every default left out; reads back as the same sections from any folder: the path of a mesh
+    /// file becomes absolute.
     ///
     /// # Errors
     /// [`SceneError::Write`] if a value has no TOML form.
     pub fn to_toml(&self) -> Result<String, SceneError> {
-        Ok(toml::to_string(&self.sections)?)
+        let mut sections = self.sections.clone();
+        if let Some(file) = &mut sections.mesh.file {
+            let path = self.folder.join(&*file);
+            // without a current folder the path stays as good as it was
+            *file = std::path::absolute(&path).unwrap_or(path);
+        }
+        Ok(toml::to_string(&sections)?)
+    }
+
+    /// Nodes of the mesh before fractures split them, as the grid or the mesh file says; 0 where either says nothing, which
+    /// [`Scene::build`] explains.
+    pub fn nodes(&self) -> u128 {
+        match &self.sections.mesh.file {
+            Some(file) => {
+                let announced = GmshFile::announced_nodes(&self.folder.join(file));
+                announced.map_or(0, u128::from)
+            }
+            None => self.sections.mesh.nodes(),
+        }
     }
 
     /// Mesh, materials, boundary conditions and loads.
@@ -104,7 +140,7 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] with the line of the section that cannot be met, or [`SceneError::NotHeld`].
     pub fn build(&self) -> Result<Body, SceneError> {
-        build::build(&self.sections, &self.source)
+        build::build(&self.sections, &self.source, &self.folder)
     }
 }
 

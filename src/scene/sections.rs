@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::group_names::GroupNames;
 use super::mesh_sections::{FractureSection, MeshSection};
 use super::solver_section::{SolverSection, TimeSection};
 use crate::units::{
@@ -19,7 +20,7 @@ pub struct SceneSections {
     /// What it asks and what is known of the answer.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub description: String,
-    /// Box, grid lines and maps.
+    /// Box, grid lines and maps; or a mesh file.
     pub mesh: MeshSection,
     /// Materials; where two overlap the later one wins.
     pub material: Vec<MaterialSection>,
@@ -46,7 +47,7 @@ pub struct SceneSections {
     pub solver: Option<SolverSection>,
 }
 
-/// An isotropic elastic material, everywhere or in boxes and layers.
+/// An isotropic elastic material, everywhere or in volumes, boxes and layers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialSection {
@@ -59,6 +60,9 @@ pub struct MaterialSection {
     /// Density; only gravity asks for it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub density: Option<Measure<Density>>,
+    /// Physical volumes of a mesh file that it fills, by name or number; everything if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub volume: Option<GroupNames>,
     /// Boxes that it fills, before any map (a cell belongs to a box if its centre does).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub boxes: Vec<BoxSection>,
@@ -82,12 +86,16 @@ pub struct BoxSection {
     pub z: Option<[Measure<Length>; 2]>,
 }
 
-/// A condition on one side; give exactly one of `hold`, `displacement`, `traction`, `pressure`.
+/// A condition on one side or surface; give exactly one of `hold`, `displacement`, `traction`, `pressure`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BoundarySection {
     /// Side of the box.
-    pub side: SideName,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub side: Option<SideName>,
+    /// Physical surfaces of a mesh file, by name or number, in place of `side`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surface: Option<GroupNames>,
     /// Zero displacement, normal or all.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hold: Option<HoldSection>,
@@ -103,6 +111,17 @@ pub struct BoundarySection {
     /// Factor in time as `[[time, factor], …]`, linear between and constant outside; that of `[time]` if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub history: Option<Vec<(Measure<Duration>, f64)>>,
+}
+
+impl BoundarySection {
+    /// Where it holds, for messages.
+    pub(super) fn place(&self) -> String {
+        match (self.side, &self.surface) {
+            (Some(side), _) => side.name().into(),
+            (None, Some(surface)) => format!("surface {surface}"),
+            (None, None) => "no side".into(),
+        }
+    }
 }
 
 /// Which displacements are zero.

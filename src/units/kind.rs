@@ -60,6 +60,14 @@ kind!(
     "zero or positive",
     |v| v >= 0.0
 );
+kind!(
+    MeshUnit,
+    "the unit of a mesh",
+    LENGTH,
+    "m, mm, km",
+    "positive",
+    |v| v > 0.0
+);
 kind!(Angle, "an angle", ANGLE, "deg, rad");
 kind!(Stress, "a stress", STRESS, "Pa, MPa, bar");
 kind!(

@@ -16,8 +16,8 @@ pub(super) struct Method {
     #[arg(long, value_name = "C")]
     augmentation: Option<AugmentationChoice>,
     /// Solver of the displacement block, in methods that have one: exact, amg, amg:gauss_seidel, amg:fsai, amg:chebyshev,
-    /// fsai, fsai:static, jacobi, ssor; for `solve` of a scene also geometric, which assembles no A; auto takes geometric for
-    /// a scene and amg for a system folder.
+    /// fsai, fsai:static, jacobi, ssor; for `solve` of a scene on a grid also geometric, which assembles no A; auto takes
+    /// geometric for such a scene and amg for a mesh from a file or a system folder.
     #[arg(long, value_name = "M")]
     inner: Option<Inner>,
 }
@@ -64,6 +64,8 @@ fn help() -> String {
 pub(super) enum Asked {
     /// A scene: its mesh is a grid.
     Scene,
+    /// A scene whose mesh comes from a file.
+    SceneOfFile,
     /// A scene, and work that reads the entries of A: the option.
     SceneWithEntries(&'static str),
     /// A system folder.
@@ -97,6 +99,10 @@ enum NotGeometric {
         "--inner geometric needs a scene, whose mesh is a grid; a system folder has matrices alone, take --inner amg"
     )]
     Folder,
+    #[error(
+        "--inner geometric needs a mesh that is a grid, and the mesh of this scene comes from a file; take --inner amg"
+    )]
+    NoGrid,
     #[error("--inner geometric has no assembled A, and {0} reads its entries; take --inner amg")]
     Entries(&'static str),
 }
@@ -119,6 +125,7 @@ impl Method {
             Some(Inner::Geometric) => match asked {
                 _ if !is_racp => Err(NotGeometric::Method(self.method.name()).into()),
                 Asked::Folder => Err(NotGeometric::Folder.into()),
+                Asked::SceneOfFile => Err(NotGeometric::NoGrid.into()),
                 Asked::SceneWithEntries(who) => Err(NotGeometric::Entries(who).into()),
                 Asked::Scene => {
                     let c = self.augmentation_of_racp()?;
@@ -141,6 +148,7 @@ impl Method {
             }
             _ if !is_racp => format!("{} is made from assembled blocks", self.method.name()),
             Asked::Folder => "a system folder has no grid".to_owned(),
+            Asked::SceneOfFile => "the mesh of the scene comes from a file".to_owned(),
             Asked::SceneWithEntries(who) => format!("{who} reads the entries of A"),
             Asked::Scene => {
                 let c = self.augmentation_of_racp()?;

@@ -69,6 +69,15 @@ impl Source {
         self.place.scene.as_deref()
     }
 
+    /// Whether it is a scene whose mesh is a grid.
+    pub(super) fn is_grid(&self) -> anyhow::Result<bool> {
+        let Some(name) = self.scene() else {
+            return Ok(false);
+        };
+        let scene = scene::load(name, &self.assembly.overrides)?;
+        Ok(scene.sections().mesh.file.is_none())
+    }
+
     /// How the scene becomes a system.
     pub(super) fn assembly(&self) -> &Assembly {
         &self.assembly

@@ -5,6 +5,7 @@ mod breakdowns;
 mod check;
 mod explain;
 mod geometric;
+mod gmsh;
 mod modes;
 mod pipe;
 mod run;

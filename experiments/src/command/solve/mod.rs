@@ -88,7 +88,8 @@ impl Solve {
         let asked = match (self.source.scene(), self.explain) {
             (None, _) => Asked::Folder,
             (Some(_), true) => Asked::SceneWithEntries("--explain"),
-            (Some(_), false) => Asked::Scene,
+            (Some(_), false) if self.source.is_grid()? => Asked::Scene,
+            (Some(_), false) => Asked::SceneOfFile,
         };
         let chosen = self.method.route(asked)?;
         output::try_files(self.json.iter().chain(&self.solution))?;
