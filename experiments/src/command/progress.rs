@@ -28,6 +28,11 @@ impl Progress {
     /// Announces a piece of work.
     pub(super) fn say(&mut self, text: &str) {
         self.announced.clear();
+        self.tell(text);
+    }
+
+    /// Says a line in the course of one piece of work: stages that were announced are not announced again.
+    pub(super) fn tell(&self, text: &str) {
         match &self.bar {
             Some(bar) => bar.suspend(|| line(text)),
             None => line(text),

@@ -6,6 +6,7 @@ mod check;
 mod explain;
 mod geometric;
 mod modes;
+mod output;
 mod pipe;
 mod run;
 mod scenes;
