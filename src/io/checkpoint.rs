@@ -53,7 +53,7 @@ pub enum CheckpointError {
         found: u64,
     },
     /// Shorter or longer than it says.
-    #[error("the checkpoint {} is damaged: it has {found} of {expected} bytes", path.display())]
+    #[error("the checkpoint {} is damaged: it has {found} of {expected} bytes; take the one before it", path.display())]
     Length {
         /// File.
         path: PathBuf,
@@ -63,7 +63,7 @@ pub enum CheckpointError {
         expected: u64,
     },
     /// Changed since it was written.
-    #[error("the checkpoint {} is damaged: its checksum does not fit", path.display())]
+    #[error("the checkpoint {} is damaged: its checksum does not fit; take the one before it", path.display())]
     Checksum {
         /// File.
         path: PathBuf,

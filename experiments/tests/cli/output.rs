@@ -1,5 +1,10 @@
 //! Claim: `run` leaves a folder that other programs read, and that survives its process at any time.
 
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test that cannot run its program fails"
+)]
+
 use crate::run::{Ran, fracas, scratch, write};
 use fracas::scene::Scene;
 use serde_json::Value;

@@ -111,7 +111,7 @@ fn a_checkpoint_cut_anywhere_is_refused() {
     assert_eq!(
         error.to_string(),
         format!(
-            "the checkpoint file is damaged: it has {} of {} bytes",
+            "the checkpoint file is damaged: it has {} of {} bytes; take the one before it",
             bytes.len() + 1,
             bytes.len()
         )

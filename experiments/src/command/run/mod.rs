@@ -11,7 +11,7 @@ mod tree;
 
 use super::progress::Progress;
 use super::scene::{self, Overrides};
-use super::{Status, memory, rank};
+use super::{Status, memory, output, rank};
 use anyhow::Context;
 use clap::Args;
 use fracas::io::{Fingerprint, read_checkpoint};
@@ -58,6 +58,8 @@ impl Run {
         let folder = self.folder(checkpoint.as_deref());
         if checkpoint.is_none() {
             tree::require_free(&folder)?;
+            // a wrong path is said before the work and not after it
+            output::folder(&folder)?;
         }
         let mut progress = Progress::new();
         progress.say(&format!("{}: meshing", scene.title()));

@@ -95,7 +95,7 @@ fn totals(rows: &[[f64; NUMBERS]]) -> Table {
             "Newton",
             "Krylov",
             "step cuts",
-            "largest relative residual",
+            "largest relative residual of a linear solve",
             "largest penetration [m]",
             "largest excess of shear [Pa]",
             "largest slip [m]",
