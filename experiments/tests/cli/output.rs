@@ -334,11 +334,11 @@ fn a_step_that_does_not_converge_leaves_the_state_before_it() {
         &["--steps", "3", "--fields-every", "100"],
     ));
     let from = out.display().to_string();
-    let bad = ["--set", "solver.max_newton=1", "--set", "solver.max_cuts=1"];
+    let bad = ["--set", "solver.max_active=1", "--set", "solver.max_cuts=1"];
     let ran = fracas(&[&["run", &scene, "--restart", &from][..], &bad].concat());
     assert_eq!(ran.status, 3, "{}", ran.stderr);
     assert!(
-        ran.stderr.contains("failed after 1 halvings: Newton"),
+        ran.stderr.contains("failed after 1 halvings: active set"),
         "{}",
         ran.stderr
     );
