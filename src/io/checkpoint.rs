@@ -14,9 +14,9 @@ const MAGIC: [u8; 8] = *b"fracasCK";
 /// Layout of what follows: another number, another layout.
 const VERSION: u64 = 1;
 
-/// Words of eight bytes before the arrays: magic, version, length of the file, mesh, scene, step, time, loaded, next, n_u,
-/// faces.
-const HEADER: usize = 11;
+/// Words of eight bytes before the arrays: magic, version, length of the file, mesh, scene, step, time, loaded, next, force,
+/// traction, n_u, faces.
+const HEADER: usize = 13;
 
 /// Checkpoints that stay in a folder.
 const KEPT: usize = 2;
@@ -176,28 +176,34 @@ fn all(folder: &Path) -> io::Result<Vec<(usize, PathBuf)>> {
 
 /// Header, u and t as bits, states, flips, checksum; all numbers little-endian.
 fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
-    let faces = state.states.len();
-    let length = length(state.u.len() as u64, faces as u64);
+    // by name: a state with more in it must not compile here
+    let State {
+        step,
+        time,
+        loaded,
+        next,
+        force,
+        traction,
+        u,
+        t,
+        states,
+        flips,
+    } = state;
+    let length = length(u.len() as u64, states.len() as u64);
     let mut bytes = Vec::with_capacity(length as usize);
     bytes.extend_from_slice(&MAGIC);
-    let header = [
-        VERSION,
-        length,
-        fingerprint.mesh,
-        fingerprint.scene,
-        state.step as u64,
-        state.time.to_bits(),
-        state.loaded.to_bits(),
-        state.next.to_bits(),
-        state.u.len() as u64,
-        faces as u64,
-    ];
-    bytes.extend(header.iter().flat_map(|word| word.to_le_bytes()));
-    for values in [&state.u, &state.t] {
+    let Fingerprint { mesh, scene } = fingerprint;
+    let whole = [VERSION, length, mesh, scene, *step as u64];
+    let scalars = [time, loaded, next, force, traction].map(|v| v.to_bits());
+    let sizes = [u.len() as u64, states.len() as u64];
+    for words in [&whole[..], &scalars, &sizes] {
+        bytes.extend(words.iter().flat_map(|word| word.to_le_bytes()));
+    }
+    for values in [u, t] {
         bytes.extend(values.iter().flat_map(|v| v.to_le_bytes()));
     }
-    bytes.extend(state.flips.iter().flat_map(|n| n.to_le_bytes()));
-    bytes.extend(state.states.iter().map(|s| s.code()));
+    bytes.extend(flips.iter().flat_map(|n| n.to_le_bytes()));
+    bytes.extend(states.iter().map(|s| s.code()));
     let sum = checksum(&bytes);
     bytes.extend(sum.to_le_bytes());
     bytes
@@ -246,7 +252,7 @@ fn decode(bytes: &[u8], path: &Path, fingerprint: Fingerprint) -> Result<State, 
             expected,
         });
     }
-    let (n_u, faces) = (word(9)?, word(10)?);
+    let (n_u, faces) = (word(11)?, word(12)?);
     let (content, sum) = bytes.split_at(bytes.len() - 8);
     if checksum(content).to_le_bytes() != sum || length(n_u, faces) != found {
         return Err(CheckpointError::Checksum { path: path() });
@@ -269,6 +275,8 @@ fn decode(bytes: &[u8], path: &Path, fingerprint: Fingerprint) -> Result<State, 
         time: f64::from_bits(word(6)?),
         loaded: f64::from_bits(word(7)?),
         next: f64::from_bits(word(8)?),
+        force: f64::from_bits(word(9)?),
+        traction: f64::from_bits(word(10)?),
         u: reals(u),
         t: reals(t),
         states: states.ok_or_else(|| CheckpointError::Checksum { path: path() })?,

@@ -164,6 +164,7 @@ fn a_run_leaves_its_tree() {
     assert_eq!(state["steps"], ROWS);
     assert!(state["sizes"]["n_t"].as_u64().unwrap() > 0);
     assert!(state["tolerances"][0]["relative_to"].is_string());
+    assert!(state["tolerances"][1]["scale"].as_f64().unwrap() > 1e6);
 
     let text = read(out.join("resolved.toml"));
     let again = Scene::from_toml(&text, "resolved.toml").unwrap();

@@ -56,6 +56,9 @@ struct Tolerance {
     name: &'static str,
     value: f64,
     relative_to: &'static str,
+    /// That quantity now, where it is one for all faces.
+    scale: Option<f64>,
+    unit: &'static str,
 }
 
 impl<'a> Manifest<'a> {
@@ -68,11 +71,6 @@ impl<'a> Manifest<'a> {
     ) -> Self {
         let sections = scene.sections();
         let solver = sections.solver.unwrap_or_default();
-        let tolerance = |name, value, relative_to| Tolerance {
-            name,
-            value,
-            relative_to,
-        };
         Self {
             version: concat!("fracas ", env!("CARGO_PKG_VERSION")),
             title: scene.title(),
@@ -92,21 +90,27 @@ impl<'a> Manifest<'a> {
             solver,
             preconditioner: simulation.preconditioner(),
             tolerances: [
-                tolerance(
-                    "tolerance",
-                    solver.tolerance,
-                    "the largest of the loads before and after the step and of the forces of the tractions before it",
-                ),
-                tolerance(
-                    "state_tolerance",
-                    solver.state_tolerance,
-                    "the largest traction, or the traction that would close the largest jump over the step",
-                ),
-                tolerance(
-                    "hysteresis",
-                    solver.hysteresis,
-                    "the shear limit of a face, once its states were found cycling",
-                ),
+                Tolerance {
+                    name: "tolerance",
+                    value: solver.tolerance,
+                    relative_to: "the largest force that loads or tractions had so far, as a Euclidean norm",
+                    scale: None,
+                    unit: "N",
+                },
+                Tolerance {
+                    name: "state_tolerance",
+                    value: solver.state_tolerance,
+                    relative_to: "the largest traction that a face had so far, or that its normal jump would cost",
+                    scale: None,
+                    unit: "Pa",
+                },
+                Tolerance {
+                    name: "hysteresis",
+                    value: solver.hysteresis,
+                    relative_to: "the shear limit of a face, once its states were found cycling",
+                    scale: None,
+                    unit: "Pa",
+                },
             ],
             fields_every,
         }
@@ -121,6 +125,8 @@ impl<'a> Manifest<'a> {
     ) -> anyhow::Result<String> {
         (self.steps, self.time_s) = (state.step, state.time);
         (self.outcome, self.reason) = (outcome, reason);
+        self.tolerances[0].scale = Some(state.force);
+        self.tolerances[1].scale = Some(state.traction);
         let mut text = serde_json::to_string_pretty(self)?;
         text.push('\n');
         Ok(text)
