@@ -11,6 +11,7 @@ mod material;
 mod matrix_free;
 #[cfg(test)]
 mod sample;
+mod stress;
 
 pub use assembled::{lift, reduced, stiffness, stiffness_of_rows};
 pub use constraints::Constraints;
@@ -19,3 +20,4 @@ pub use error::ElasticityError;
 pub use material::Elastic;
 pub(crate) use matrix_free::Colours;
 pub use matrix_free::{Bricks, Hexes, Restricted, matrix_free};
+pub use stress::element_stress;

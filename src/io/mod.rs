@@ -1,8 +1,19 @@
-//! Files for other programs.
+//! Files for other programs, and for the same one later.
 
+mod atomic;
+mod checkpoint;
 mod face_table;
+mod fields;
+mod fingerprint;
+mod grids;
+mod pvd;
 mod snapshot;
 pub mod vtu;
 
+pub use atomic::write_atomically;
+pub use checkpoint::{CheckpointError, Checkpoints, newest_checkpoint, read_checkpoint};
 pub use face_table::face_table;
+pub use fields::Fields;
+pub use fingerprint::Fingerprint;
+pub use pvd::{PvdEntry, read_pvd, write_pvd};
 pub use snapshot::Snapshot;

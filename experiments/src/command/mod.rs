@@ -14,6 +14,7 @@ mod output;
 mod progress;
 mod rank;
 mod reproduce;
+mod run;
 mod scene;
 mod schema;
 mod sentence;
@@ -40,6 +41,8 @@ pub struct Arguments {
 enum Command {
     /// Figures and tables beside the published numbers, in one report.html.
     Reproduce(reproduce::Reproduce),
+    /// Runs a scene through its load steps: fields, history, checkpoints.
+    Run(run::Run),
     /// Reads and audits a scene or a system folder without solving.
     Check(check::Check),
     /// Assembles a scene and writes it as a system folder.
@@ -102,6 +105,7 @@ impl Command {
     fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
         match self {
             Self::Reproduce(command) => command.run(out),
+            Self::Run(command) => command.run(out),
             Self::Spectrum(command) => command.run(out),
             Self::Solve(command) => command.run(out),
             Self::Check(command) => command.run(out),

@@ -10,6 +10,8 @@ pub(super) struct Progress {
     bar: Option<ProgressBar>,
     /// Stages announced since the last piece of work.
     announced: Vec<&'static str>,
+    /// Where in the cycles around Krylov the run is.
+    place: String,
 }
 
 impl Progress {
@@ -22,12 +24,18 @@ impl Progress {
         Self {
             bar,
             announced: Vec::new(),
+            place: String::new(),
         }
     }
 
     /// Announces a piece of work.
     pub(super) fn say(&mut self, text: &str) {
         self.announced.clear();
+        self.tell(text);
+    }
+
+    /// Says a line in the course of one piece of work: stages that were announced are not announced again.
+    pub(super) fn tell(&self, text: &str) {
         match &self.bar {
             Some(bar) => bar.suspend(|| line(text)),
             None => line(text),
@@ -50,9 +58,21 @@ impl Observer for Progress {
                 },
                 Some(bar),
             ) => {
+                let place = &self.place;
                 bar.set_message(format!(
-                    "iteration {iteration}, residual {relative_residual:.2e}"
+                    "{place}iteration {iteration}, residual {relative_residual:.2e}"
                 ));
+                bar.tick();
+            }
+            (
+                Step::Newton {
+                    iteration,
+                    residual,
+                },
+                Some(_),
+            ) => self.place = format!("Newton {iteration} ({residual:.1e}), "),
+            (Step::Round { round, changed }, Some(bar)) => {
+                bar.set_message(format!("round {round}: {changed} faces change state"));
                 bar.tick();
             }
             (Step::Progress { stage, done, total }, Some(bar)) => {

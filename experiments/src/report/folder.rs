@@ -59,13 +59,24 @@ fn write_findings(
     findings: &Findings,
     folder: &Path,
 ) -> anyhow::Result<()> {
+    write_results(experiment.id(), findings, folder)?;
+    for figure in &findings.figures {
+        let column = format!("{}.column.svg", figure.id);
+        write(folder, &column, &figure.to_column_svg()?)?;
+    }
+    let mut manifest = serde_json::to_string_pretty(&Manifest::new(experiment, level, findings))?;
+    manifest.push('\n');
+    write(folder, "manifest.json", &manifest)
+}
+
+/// Writes `folder/*.csv *.svg`; `of` says whose results they are.
+pub(super) fn write_results(of: &str, findings: &Findings, folder: &Path) -> anyhow::Result<()> {
     let mut ids = std::collections::BTreeSet::new();
     let named = findings.tables.iter().map(|t| &t.id);
     for id in named.chain(findings.figures.iter().map(|f| &f.id)) {
         anyhow::ensure!(
             ids.insert(id),
-            "two results of {} are named {id}; one file would overwrite the other",
-            experiment.id()
+            "two results of {of} are named {id}; one file would overwrite the other"
         );
     }
     std::fs::create_dir_all(folder)
@@ -76,12 +87,8 @@ fn write_findings(
     for figure in &findings.figures {
         write(folder, &format!("{}.csv", figure.id), &figure.to_csv())?;
         write(folder, &format!("{}.svg", figure.id), &figure.to_svg()?)?;
-        let column = format!("{}.column.svg", figure.id);
-        write(folder, &column, &figure.to_column_svg()?)?;
     }
-    let mut manifest = serde_json::to_string_pretty(&Manifest::new(experiment, level, findings))?;
-    manifest.push('\n');
-    write(folder, "manifest.json", &manifest)
+    Ok(())
 }
 
 /// Writes the self-contained `out/report.html`.
@@ -93,7 +100,7 @@ pub fn write_report(chapters: &[Chapter], level: Level, out: &Path) -> anyhow::R
     write(out, "report.html", &page(chapters, level)?)
 }
 
-fn write(folder: &Path, name: &str, text: &str) -> anyhow::Result<()> {
+pub(super) fn write(folder: &Path, name: &str, text: &str) -> anyhow::Result<()> {
     let path = folder.join(name);
     std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))
 }

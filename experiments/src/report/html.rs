@@ -1,27 +1,47 @@
 //! The report: one page, figures inline, nothing fetched, no scripts.
 
+use super::sheet::{FIGURES, Sheet};
 use super::{Chapter, Check, Findings, Level, Outcome, Table};
 use std::fmt::Write as _;
+
+const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 const STYLE: &str = include_str!("report.css");
 
 /// The whole page.
 pub(super) fn page(chapters: &[Chapter], level: Level) -> anyhow::Result<String> {
     let mut html = String::new();
-    write!(
-        html,
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width\">\n\
-         <title>fracas: figures and tables</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<header>\n<h1>Figures and tables, beside the published numbers</h1>\n\
-         <p>fracas {}, level {}.</p>\n</header>\n",
-        env!("CARGO_PKG_VERSION"),
-        level.word()
-    )?;
+    let lead = format!("fracas {}, level {}.", VERSION, level.word());
+    let heading = "Figures and tables, beside the published numbers";
+    head(&mut html, "fracas: figures and tables", heading, &lead)?;
     overview(&mut html, chapters)?;
     for chapter in chapters {
         section(&mut html, chapter)?;
     }
     html.push_str("</body>\n</html>\n");
     Ok(html)
+}
+
+/// The page of a single answer.
+pub(super) fn single(sheet: &Sheet<'_>) -> anyhow::Result<String> {
+    let mut html = String::new();
+    let lead = format!("fracas {VERSION}. {}", escape(sheet.lead));
+    let title = escape(sheet.title);
+    head(&mut html, &format!("fracas: {title}"), &title, &lead)?;
+    answer(&mut html, FIGURES, sheet.findings)?;
+    html.push_str("</body>\n</html>\n");
+    Ok(html)
+}
+
+/// Everything down to the first paragraph, from texts in HTML.
+fn head(html: &mut String, title: &str, heading: &str, lead: &str) -> anyhow::Result<()> {
+    write!(
+        html,
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width\">\n\
+         <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<header>\n<h1>{heading}</h1>\n\
+         <p>{lead}</p>\n</header>\n"
+    )?;
+    Ok(())
 }
 
 fn overview(html: &mut String, chapters: &[Chapter]) -> anyhow::Result<()> {

@@ -5,6 +5,7 @@ mod experiment;
 mod folder;
 mod html;
 mod manifest;
+mod sheet;
 mod table;
 
 #[cfg(test)]
@@ -13,5 +14,6 @@ mod tests;
 pub use check::Check;
 pub use experiment::{Experiment, Findings, Level};
 pub use folder::{Chapter, Outcome, run_chapter, write_report};
+pub use sheet::Sheet;
 pub use table::{Cell, Column, Table};
 pub(crate) use table::{format_real, quote, superscript};

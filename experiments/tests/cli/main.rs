@@ -7,6 +7,7 @@ mod explain;
 mod geometric;
 mod gmsh;
 mod modes;
+mod output;
 mod pipe;
 mod run;
 mod scenes;

@@ -1,0 +1,156 @@
+//! A run on its way: step by step, each on the disk before the next begins.
+
+use super::Run;
+use super::manifest::{Manifest, Outcome};
+use super::page;
+use super::tree::Tree;
+use crate::command::progress::Progress;
+use crate::report::format_real;
+use fracas::io::Fields;
+use fracas::nonlinear::{Simulation, State, StepRecord};
+use fracas::scene::{Body, Scene};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// A run on its way.
+pub(super) struct Going<'a> {
+    pub(super) command: &'a Run,
+    pub(super) scene: &'a Scene,
+    pub(super) body: &'a Body,
+    pub(super) simulation: Simulation<'a>,
+    pub(super) manifest: Manifest<'a>,
+    pub(super) tree: Tree,
+    pub(super) progress: Progress,
+    pub(super) folder: PathBuf,
+}
+
+impl Going<'_> {
+    /// Everything that is there before the first step; the checkpoint is the last of it.
+    pub(super) fn begin(&mut self, state: &State, checkpoint: Option<&Path>) -> anyhow::Result<()> {
+        self.tree.file("resolved.toml", &self.scene.to_toml()?)?;
+        self.stands(state, Outcome::Running, None)?;
+        let from = checkpoint.map(|path| path.display().to_string());
+        let event = if from.is_some() { "restart" } else { "start" };
+        self.tree.log(
+            state.step,
+            event,
+            json!({ "time_s": state.time, "checkpoint": from }),
+        )?;
+        self.tree.save(state)
+    }
+
+    /// Step by step to the end, or to where it goes no further.
+    pub(super) fn steps(&mut self, mut state: State) -> anyhow::Result<Outcome> {
+        let mut left = self.command.steps;
+        loop {
+            if self.simulation.is_finished(&state) {
+                return self.end(&state, Outcome::Finished, None);
+            }
+            if left == Some(0) {
+                return self.end(&state, Outcome::Stopped, None);
+            }
+            left = left.map(|n| n - 1);
+            let clock = Instant::now();
+            match self.simulation.advance(&state, &mut self.progress) {
+                Ok(accepted) => {
+                    let wall_s = clock.elapsed().as_secs_f64();
+                    let record = &accepted.record;
+                    let every = self.command.fields_every as usize;
+                    if record.step.is_multiple_of(every) {
+                        self.fields(&accepted.state)?;
+                    }
+                    let wall_s = self.command.clock.then_some(wall_s);
+                    self.tree.accept(&accepted, wall_s)?;
+                    self.progress.tell(&line(record));
+                    state = accepted.state;
+                }
+                Err(failure) => {
+                    self.tree.give_up(state.step, &failure)?;
+                    let reason = failure.to_string();
+                    return self.end(&state, Outcome::NotConverged, Some(reason));
+                }
+            }
+        }
+    }
+
+    /// Fields of the step that led to a state.
+    fn fields(&mut self, state: &State) -> anyhow::Result<()> {
+        let Some(step) = state.step.checked_sub(1) else {
+            return Ok(());
+        };
+        if self.tree.collection.has(step) {
+            return Ok(());
+        }
+        let displacement = self.simulation.displacement(state);
+        let faces = self.simulation.face_fields(state);
+        let fields = Fields::new(
+            self.body,
+            &displacement,
+            &faces,
+            &state.states,
+            &state.flips,
+        )?;
+        self.tree.collection.add(step, state.time, &fields)
+    }
+
+    /// The last good state with its fields, the page, and how it ended.
+    fn end(
+        &mut self,
+        state: &State,
+        outcome: Outcome,
+        reason: Option<String>,
+    ) -> anyhow::Result<Outcome> {
+        self.fields(state)?;
+        let (event, lead) = match outcome {
+            Outcome::NotConverged => (
+                "not_converged",
+                format!("Stopped: {}.", reason.as_deref().unwrap_or_default()),
+            ),
+            Outcome::Stopped => (
+                "stopped",
+                format!("Stopped before step {} as asked.", state.step),
+            ),
+            Outcome::Finished | Outcome::Running => ("finished", "Finished.".to_owned()),
+        };
+        self.tree.log(
+            state.step,
+            event,
+            json!({ "time_s": state.time, "reason": reason }),
+        )?;
+        if let Some(reason) = &reason {
+            self.progress.say(reason);
+        }
+        page::write(self.scene, &lead, &self.tree.rows, &self.folder)?;
+        self.stands(state, outcome, reason)?;
+        Ok(outcome)
+    }
+
+    /// Writes `run.json`.
+    fn stands(
+        &mut self,
+        state: &State,
+        outcome: Outcome,
+        reason: Option<String>,
+    ) -> anyhow::Result<()> {
+        let text = self.manifest.text(state, outcome, reason)?;
+        self.tree.file("run.json", &text)
+    }
+}
+
+/// A step in a line.
+fn line(record: &StepRecord) -> String {
+    let [stick, new_slip, slip, open] = record.faces;
+    let cuts = match record.cuts {
+        0 => String::new(),
+        n => format!(", cut {n} times"),
+    };
+    format!(
+        "step {}, t = {} s: {} rounds, {} Newton, {} Krylov{cuts}; {stick} stick, {new_slip} new-slip, {slip} slip, {open} open",
+        record.step,
+        format_real(record.time),
+        record.active_it,
+        record.newton_it,
+        record.lin_it,
+    )
+}

@@ -1,0 +1,123 @@
+//! Rows of `history.csv` and `solver.csv`.
+
+use fracas::nonlinear::{LinearRecord, StepRecord};
+
+/// First line of `history.csv`.
+pub(super) const HISTORY: &str = "step,time_s,dt_s,active_it,newton_it,lin_it,lin_res,stick,newslip,slip,open,changed_area,max_pen,max_tau_viol,slip_max_m,cuts,wall_s\n";
+
+/// First line of `solver.csv`.
+pub(super) const SOLVER: &str = "step,attempt,active,newton,krylov,iterations,tolerance,relative_residual,residual,step_length,setup\n";
+
+/// Columns of a history row before `wall_s`.
+pub(super) const NUMBERS: usize = 16;
+
+/// A row of `history.csv`; numbers read back to the last bit, and `wall_s` stays empty where no clock was asked for.
+pub(super) fn row(record: &StepRecord, wall_s: Option<f64>) -> String {
+    let r = record;
+    let [stick, newslip, slip, open] = r.faces;
+    let wall = wall_s.map_or(String::new(), |s| format!("{s:.3}"));
+    format!(
+        "{},{:?},{:?},{},{},{},{:?},{stick},{newslip},{slip},{open},{:?},{:?},{:?},{:?},{},{wall}\n",
+        r.step,
+        r.time,
+        r.dt,
+        r.active_it,
+        r.newton_it,
+        r.lin_it,
+        r.lin_res,
+        r.changed_area,
+        r.max_pen,
+        r.max_tau_viol,
+        r.slip_max,
+        r.cuts
+    )
+}
+
+/// A row of `solver.csv`.
+pub(super) fn solver_row(r: &LinearRecord) -> String {
+    format!(
+        "{},{},{},{},{},{},{:?},{:?},{:?},{:?},{}\n",
+        r.step,
+        r.attempt,
+        r.active,
+        r.newton,
+        r.krylov,
+        r.iterations,
+        r.tolerance,
+        r.relative_residual,
+        r.residual,
+        r.step_length,
+        u8::from(r.setup)
+    )
+}
+
+/// The numbers of a history row but the last, or `None` where it is no such row.
+pub(super) fn numbers(row: &str) -> Option<[f64; NUMBERS]> {
+    let fields: Vec<&str> = row.trim_end().split(',').collect();
+    if fields.len() != NUMBERS + 1 {
+        return None;
+    }
+    let values: Option<Vec<f64>> = fields[..NUMBERS].iter().map(|f| f.parse().ok()).collect();
+    values?.try_into().ok()
+}
+
+/// Column of a history row by its name.
+///
+/// # Panics
+/// For a name that is not in the heading: ours to get right.
+pub(super) fn column(name: &str) -> usize {
+    let place = HISTORY.trim_end().split(',').position(|c| c == name);
+    assert!(
+        place.is_some_and(|p| p < NUMBERS),
+        "history.csv has no column {name}"
+    );
+    place.unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record() -> StepRecord {
+        StepRecord {
+            step: 3,
+            time: 0.1 + 0.2,
+            dt: 1e-9,
+            active_it: 2,
+            newton_it: 5,
+            lin_it: 61,
+            lin_res: 1.0 / 3.0,
+            faces: [10, 1, 2, 4],
+            changed_area: 0.5,
+            max_pen: 0.0,
+            max_tau_viol: 1e20,
+            slip_max: 5e-324,
+            cuts: 1,
+            setups: 4,
+            reuses: 1,
+        }
+    }
+
+    #[test]
+    fn a_row_has_a_number_per_column_and_reads_back() {
+        let text = row(&record(), None);
+        assert_eq!(text.matches(',').count(), HISTORY.matches(',').count());
+        assert!(text.ends_with(",1,\n"));
+        let values = numbers(&text).unwrap();
+        for (name, expected) in [
+            ("step", 3.0),
+            ("time_s", 0.1 + 0.2),
+            ("dt_s", 1e-9),
+            ("lin_res", 1.0 / 3.0),
+            ("stick", 10.0),
+            ("open", 4.0),
+            ("max_tau_viol", 1e20),
+            ("slip_max_m", 5e-324),
+            ("cuts", 1.0),
+        ] {
+            assert_eq!(values[column(name)], expected, "{name}");
+        }
+        assert!(row(&record(), Some(1.5)).ends_with(",1,1.500\n"));
+        assert_eq!(numbers("1,2"), None);
+    }
+}

@@ -1,0 +1,134 @@
+//! `run.json`: what was run, with which settings, and how it ended.
+
+use fracas::nonlinear::{Simulation, State};
+use fracas::scene::{Body, Scene, SolverSection, TimeSection};
+use fracas_solvers::saddle::Racp;
+use serde::Serialize;
+
+/// How a run stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Outcome {
+    /// Not at its end; its process was killed if nothing writes here any more.
+    Running,
+    /// At the end of its time.
+    Finished,
+    /// At the end of `--steps`.
+    Stopped,
+    /// A step did not converge.
+    NotConverged,
+}
+
+/// Content of `run.json`. No clock and no host, so that equal runs give equal bytes.
+#[derive(Serialize)]
+pub(super) struct Manifest<'a> {
+    version: &'static str,
+    title: &'a str,
+    outcome: Outcome,
+    /// Why a step did not converge.
+    reason: Option<String>,
+    /// Accepted steps.
+    steps: usize,
+    time_s: f64,
+    /// Step that this process started with, where it went on from a checkpoint.
+    restarted_with: Option<usize>,
+    sizes: Sizes,
+    time: Option<&'a TimeSection>,
+    solver: SolverSection,
+    /// In use, also where the scene leaves the choice.
+    preconditioner: Racp,
+    tolerances: [Tolerance; 3],
+    fields_every: usize,
+}
+
+#[derive(Serialize)]
+struct Sizes {
+    nodes: usize,
+    elements: usize,
+    faces: usize,
+    n_u: usize,
+    n_t: usize,
+}
+
+/// A dimensionless tolerance and what it is relative to.
+#[derive(Serialize)]
+struct Tolerance {
+    name: &'static str,
+    value: f64,
+    relative_to: &'static str,
+    /// That quantity now, where it is one for all faces.
+    scale: Option<f64>,
+    unit: &'static str,
+}
+
+impl<'a> Manifest<'a> {
+    pub(super) fn new(
+        scene: &'a Scene,
+        body: &Body,
+        simulation: &Simulation<'_>,
+        restarted_with: Option<usize>,
+        fields_every: usize,
+    ) -> Self {
+        let sections = scene.sections();
+        let solver = sections.solver.unwrap_or_default();
+        Self {
+            version: concat!("fracas ", env!("CARGO_PKG_VERSION")),
+            title: scene.title(),
+            outcome: Outcome::Running,
+            reason: None,
+            steps: 0,
+            time_s: 0.0,
+            restarted_with,
+            sizes: Sizes {
+                nodes: body.mesh.nodes.len(),
+                elements: body.mesh.elements.len(),
+                faces: body.fractures.faces.len(),
+                n_u: body.constraints.free_len(),
+                n_t: 3 * body.fractures.faces.len(),
+            },
+            time: sections.time.as_ref(),
+            solver,
+            preconditioner: simulation.preconditioner(),
+            tolerances: [
+                Tolerance {
+                    name: "tolerance",
+                    value: solver.tolerance,
+                    relative_to: "the largest force that loads or tractions had so far, as a Euclidean norm",
+                    scale: None,
+                    unit: "N",
+                },
+                Tolerance {
+                    name: "state_tolerance",
+                    value: solver.state_tolerance,
+                    relative_to: "the largest traction that a face had so far, or that its normal jump would cost",
+                    scale: None,
+                    unit: "Pa",
+                },
+                Tolerance {
+                    name: "hysteresis",
+                    value: solver.hysteresis,
+                    relative_to: "the shear limit of a face, once its states were found cycling",
+                    scale: None,
+                    unit: "Pa",
+                },
+            ],
+            fields_every,
+        }
+    }
+
+    /// The file for a state and how the run stands in it.
+    pub(super) fn text(
+        &mut self,
+        state: &State,
+        outcome: Outcome,
+        reason: Option<String>,
+    ) -> anyhow::Result<String> {
+        (self.steps, self.time_s) = (state.step, state.time);
+        (self.outcome, self.reason) = (outcome, reason);
+        self.tolerances[0].scale = Some(state.force);
+        self.tolerances[1].scale = Some(state.traction);
+        let mut text = serde_json::to_string_pretty(self)?;
+        text.push('\n');
+        Ok(text)
+    }
+}

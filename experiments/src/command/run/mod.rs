@@ -1,0 +1,137 @@
+//! `fracas run`: a scene through its load steps, in a folder that survives the process.
+
+mod collection;
+mod events;
+mod going;
+mod history;
+mod lines;
+mod manifest;
+mod page;
+mod tree;
+
+use super::progress::Progress;
+use super::scene::{self, Overrides};
+use super::{Status, memory, output, rank};
+use anyhow::Context;
+use clap::Args;
+use fracas::io::{Fingerprint, read_checkpoint};
+use fracas::nonlinear::Simulation;
+use fracas::scene::Scene;
+use going::Going;
+use manifest::{Manifest, Outcome};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use tree::Tree;
+
+/// Folder of results where none is given.
+const OUT: &str = "out";
+
+#[derive(Args, Debug)]
+pub(super) struct Run {
+    /// Scene file, or the name of a scene of the gallery.
+    #[arg(value_name = "SCENE")]
+    scene: String,
+    #[command(flatten)]
+    overrides: Overrides,
+    /// Folder of the results, which must be empty [default: out, or that of the checkpoint].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Goes on from a checkpoint: a file, or the folder of a run for its last one.
+    #[arg(long, value_name = "CHECKPOINT")]
+    restart: Option<PathBuf>,
+    /// Stops after N steps; --restart goes on.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    steps: Option<u32>,
+    /// Writes fields for ParaView every N steps and at the end.
+    #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u32).range(1..))]
+    fields_every: u32,
+    /// Fills the column wall_s of history.csv, which then differs from run to run.
+    #[arg(long)]
+    clock: bool,
+}
+
+impl Run {
+    pub(super) fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
+        let scene = scene::load(&self.scene, &self.overrides)?;
+        memory::room_for(&self.scene, &scene, memory::BLOCKS)?;
+        let checkpoint = self.restart.as_deref().map(tree::checkpoint).transpose()?;
+        let folder = self.folder(checkpoint.as_deref());
+        if checkpoint.is_none() {
+            tree::require_free(&folder)?;
+            // a wrong path is said before the work and not after it
+            output::folder(&folder)?;
+        }
+        let mut progress = Progress::new();
+        progress.say(&format!("{}: meshing", scene.title()));
+        let body = scene.build()?;
+        rank::require_regular(&self.scene, &body)?;
+        let fingerprint = Fingerprint::new(&body, &physics(&scene)?);
+        // before anything is assembled
+        let started = match &checkpoint {
+            Some(path) => Some(read_checkpoint(path, fingerprint)?),
+            None => None,
+        };
+        progress.say("assembling");
+        let simulation =
+            Simulation::new(&body).with_context(|| format!("{} cannot be run", self.scene))?;
+        let restarted_with = started.as_ref().map(|state| state.step);
+        let state = started.unwrap_or_else(|| simulation.initial_state());
+        let manifest = Manifest::new(
+            &scene,
+            &body,
+            &simulation,
+            restarted_with,
+            self.fields_every as usize,
+        );
+        let tree = match restarted_with {
+            Some(_) if !tree::is_free(&folder)? => Tree::resume(&folder, fingerprint, &state)?,
+            _ => Tree::create(&folder, fingerprint)?,
+        };
+        let mut going = Going {
+            command: self,
+            scene: &scene,
+            body: &body,
+            simulation,
+            manifest,
+            tree,
+            progress,
+            folder,
+        };
+        going.begin(&state, checkpoint.as_deref())?;
+        let outcome = going.steps(state)?;
+        writeln!(out, "{}", going.folder.join("report.html").display())?;
+        Ok(match outcome {
+            Outcome::NotConverged => Status::NotConverged,
+            _ => Status::Done,
+        })
+    }
+
+    /// Where the results go.
+    fn folder(&self, checkpoint: Option<&Path>) -> PathBuf {
+        let of_run = checkpoint
+            .and_then(Path::parent)
+            .filter(|folder| folder.ends_with(tree::CHECKPOINT))
+            .and_then(Path::parent);
+        let own = self.out.as_deref().or(of_run).unwrap_or(Path::new(OUT));
+        if own.as_os_str().is_empty() {
+            ".".into()
+        } else {
+            own.into()
+        }
+    }
+}
+
+/// What of a scene decides where a state can go: all but its names, its last time, its steps and its solver.
+fn physics(scene: &Scene) -> anyhow::Result<String> {
+    let mut table: toml::Table = scene.to_toml()?.parse()?;
+    for key in ["title", "description", "solver"] {
+        table.remove(key);
+    }
+    if let Some(toml::Value::Table(time)) = table.get_mut("time") {
+        time.remove("end");
+        time.remove("steps");
+    }
+    // a section that says nothing more is as good as none
+    table.retain(|_, value| value.as_table().is_none_or(|t| !t.is_empty()));
+    Ok(toml::to_string(&table)?)
+}

@@ -1,0 +1,251 @@
+//! The folder of a run: what is written when, so that a process may die at any time.
+//!
+//! Per step: fields, rows, checkpoint. The checkpoint comes last, so everything up to its step is there whenever it is;
+//! what lies after it is taken back when the run goes on.
+
+use super::super::output;
+use super::collection::Collection;
+use super::events;
+use super::history::{self, HISTORY, SOLVER};
+use super::lines::{Cut, Lines, first_column, json_step};
+use anyhow::Context;
+use fracas::io::{
+    CheckpointError, Checkpoints, Fingerprint, newest_checkpoint, read_checkpoint, write_atomically,
+};
+use fracas::nonlinear::{Accepted, Event, LinearRecord, State, StepFailure};
+use serde_json::{Value, json};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Why a run cannot write where it was told to.
+#[derive(Debug, thiserror::Error)]
+enum Refused {
+    /// There is a run already.
+    #[error(
+        "{0} holds a run: go on with --restart {0}, or choose another --out",
+        out.display()
+    )]
+    Run { out: PathBuf },
+    /// There is something else.
+    #[error("{} is not empty: choose another --out", out.display())]
+    Occupied { out: PathBuf },
+    /// A history that the checkpoint does not belong to.
+    #[error(
+        "{} does not lead up to the checkpoint, which starts step {step}: it has {}; give --out the folder of the checkpoint, or an empty one",
+        path.display(),
+        found.map_or("no steps".to_owned(), |(a, b)| format!("steps {a} to {b}"))
+    )]
+    History {
+        path: PathBuf,
+        step: usize,
+        found: Option<(usize, usize)>,
+    },
+}
+
+/// An open run folder.
+#[derive(Debug)]
+pub(super) struct Tree {
+    out: PathBuf,
+    history: Lines,
+    solver: Lines,
+    log: Lines,
+    checkpoints: Checkpoints,
+    pub(super) collection: Collection,
+    /// Rows of the history, as numbers.
+    pub(super) rows: Vec<[f64; history::NUMBERS]>,
+}
+
+/// True for a folder that does not exist or holds nothing.
+pub(super) fn is_free(out: &Path) -> anyhow::Result<bool> {
+    match std::fs::read_dir(out) {
+        Ok(mut entries) => Ok(entries.next().is_none()),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(true),
+        Err(error) => Err(error).with_context(|| format!("cannot use {}", out.display())),
+    }
+}
+
+/// Refuses a folder that holds anything.
+pub(super) fn require_free(out: &Path) -> anyhow::Result<()> {
+    if is_free(out)? {
+        return Ok(());
+    }
+    let out = out.to_path_buf();
+    let refused = match newest_checkpoint(&out.join(CHECKPOINT)) {
+        Ok(_) => Refused::Run { out },
+        Err(_) => Refused::Occupied { out },
+    };
+    Err(refused.into())
+}
+
+/// Subfolder of the checkpoints.
+pub(super) const CHECKPOINT: &str = "checkpoint";
+
+/// The checkpoint that was asked for: a file, or the last one of a run folder or of its `checkpoint`.
+pub(super) fn checkpoint(path: &Path) -> anyhow::Result<PathBuf> {
+    if !path.is_dir() {
+        return Ok(path.into());
+    }
+    let inner = path.join(CHECKPOINT);
+    Ok(newest_checkpoint(if inner.is_dir() {
+        &inner
+    } else {
+        path
+    })?)
+}
+
+impl Tree {
+    /// Begins a folder; its first checkpoint is that of [`Tree::save`].
+    pub(super) fn create(out: &Path, fingerprint: Fingerprint) -> anyhow::Result<Self> {
+        let folder = out.join(CHECKPOINT);
+        output::folder(&folder)?;
+        Ok(Self {
+            history: Lines::create(out.join("history.csv"), HISTORY)?,
+            solver: Lines::create(out.join("solver.csv"), SOLVER)?,
+            log: Lines::create(out.join("log.jsonl"), "")?,
+            checkpoints: Checkpoints::new(folder, fingerprint),
+            collection: Collection::create(out)?,
+            rows: Vec::new(),
+            out: out.into(),
+        })
+    }
+
+    /// Goes on in a folder from `state`: whatever belongs to the steps that it starts is taken back.
+    pub(super) fn resume(
+        out: &Path,
+        fingerprint: Fingerprint,
+        state: &State,
+    ) -> anyhow::Result<Self> {
+        let folder = out.join(CHECKPOINT);
+        let step = state.step;
+        let (history, solver, log) = (
+            out.join("history.csv"),
+            out.join("solver.csv"),
+            out.join("log.jsonl"),
+        );
+        // nothing is changed before everything is known to fit
+        let rows = Cut::read(&history, HISTORY, step, first_column)?;
+        belongs(&history, &rows, state)?;
+        same_run(&folder, fingerprint)?;
+        let solved = Cut::read(&solver, SOLVER, step, first_column)?;
+        let logged = Cut::read(&log, "", step, json_step)?;
+        let checkpoints = Checkpoints::new(folder, fingerprint);
+        // later checkpoints first: none may outlive the rows that led to it
+        checkpoints
+            .forget_after(step)
+            .with_context(|| format!("cannot take back checkpoints in {}", out.display()))?;
+        Ok(Self {
+            rows: rows
+                .kept
+                .iter()
+                .filter_map(|row| history::numbers(row))
+                .collect(),
+            history: Lines::cut(history, &rows)?,
+            solver: Lines::cut(solver, &solved)?,
+            log: Lines::cut(log, &logged)?,
+            collection: Collection::cut(out, step)?,
+            checkpoints,
+            out: out.into(),
+        })
+    }
+
+    /// Writes a whole file of the folder.
+    pub(super) fn file(&self, name: &str, text: &str) -> anyhow::Result<()> {
+        let path = self.out.join(name);
+        write_atomically(&path, |out| out.write_all(text.as_bytes()))
+            .with_context(|| format!("cannot write {}", path.display()))
+    }
+
+    /// A line of `log.jsonl`.
+    pub(super) fn log(&mut self, step: usize, event: &str, more: Value) -> anyhow::Result<()> {
+        self.log.append(&log_line(step, event, more))
+    }
+
+    /// The lines of an accepted step, its row of the history last, and its checkpoint.
+    pub(super) fn accept(
+        &mut self,
+        accepted: &Accepted,
+        wall_s: Option<f64>,
+    ) -> anyhow::Result<()> {
+        let record = &accepted.record;
+        let (step, time) = (record.step, record.time);
+        let done = json!({ "time_s": time, "setups": record.setups, "reuses": record.reuses });
+        let lines = event_lines(step, &accepted.events) + &log_line(step, "accepted", done);
+        self.log.append(&lines)?;
+        self.solver(&accepted.linear)?;
+        let row = history::row(record, wall_s);
+        self.history.append(&row)?;
+        self.rows.extend(history::numbers(&row));
+        self.save(&accepted.state)
+    }
+
+    /// The lines of a step that was given up.
+    pub(super) fn give_up(&mut self, step: usize, failure: &StepFailure) -> anyhow::Result<()> {
+        self.log.append(&event_lines(step, &failure.events))?;
+        self.solver(&failure.linear)
+    }
+
+    fn solver(&mut self, records: &[LinearRecord]) -> anyhow::Result<()> {
+        let rows: String = records.iter().map(history::solver_row).collect();
+        self.solver.append(&rows)
+    }
+
+    /// The checkpoint of a state: from here on its step cannot be lost.
+    pub(super) fn save(&self, state: &State) -> anyhow::Result<()> {
+        self.checkpoints
+            .save(state)
+            .with_context(|| format!("cannot write a checkpoint in {}", self.out.display()))?;
+        Ok(())
+    }
+}
+
+/// Step, event, and the members of the object `more`.
+fn log_line(step: usize, event: &str, more: Value) -> String {
+    let mut line = json!({ "step": step, "event": event });
+    if let (Value::Object(line), Value::Object(more)) = (&mut line, more) {
+        line.extend(more);
+    }
+    format!("{line}\n")
+}
+
+fn event_lines(step: usize, events: &[Event]) -> String {
+    let line = |event| {
+        let (name, more) = events::event(event);
+        log_line(step, name, more)
+    };
+    events.iter().map(line).collect()
+}
+
+/// Refuses a history that is not the one before `state`: a row per step, the last at its time.
+fn belongs(path: &Path, rows: &Cut, state: &State) -> anyhow::Result<()> {
+    let steps = &rows.steps;
+    let consecutive = steps.windows(2).all(|w| w[1] == w[0] + 1);
+    let joins = steps.first().is_none_or(|first| *first <= state.step);
+    let last = rows.kept.last().and_then(|row| history::numbers(row));
+    let arrives = match last {
+        Some(row) => {
+            row[history::column("step")] + 1.0 == state.step as f64
+                && row[history::column("time_s")] == state.time
+        }
+        None => rows.kept.is_empty(),
+    };
+    if consecutive && joins && arrives {
+        return Ok(());
+    }
+    Err(Refused::History {
+        path: path.into(),
+        step: state.step,
+        found: steps.first().copied().zip(steps.last().copied()),
+    }
+    .into())
+}
+
+/// Refuses a folder whose own checkpoint belongs to another mesh or scene; a damaged one says nothing about that.
+fn same_run(folder: &Path, fingerprint: Fingerprint) -> anyhow::Result<()> {
+    let own = newest_checkpoint(folder).and_then(|path| read_checkpoint(&path, fingerprint));
+    match own {
+        Err(error @ (CheckpointError::OtherMesh { .. } | CheckpointError::OtherScene { .. })) => {
+            Err(error.into())
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,149 @@
+use super::*;
+
+const OWN: Fingerprint = Fingerprint { mesh: 7, scene: 8 };
+
+fn state(step: usize) -> State {
+    State {
+        step,
+        time: 0.1 + 0.2,
+        loaded: 1.0 / 3.0,
+        next: f64::MIN_POSITIVE / 4.0,
+        force: 2.0 / 3.0,
+        traction: 1e300,
+        u: vec![-0.0, 1.0 / 3.0, f64::NAN, f64::INFINITY, 1e-310],
+        t: vec![-1e7, 2.0, 3.0, 0.0, -0.0, 1e-30],
+        states: vec![ContactState::Open, ContactState::NewSlip],
+        flips: vec![3, u32::MAX],
+    }
+}
+
+fn bits(values: &[f64]) -> Vec<u64> {
+    values.iter().map(|v| v.to_bits()).collect()
+}
+
+/// A folder that goes away with the test.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let name = format!("fracas-checkpoint-{}-{name}", std::process::id());
+        let path = std::env::temp_dir().join(name);
+        fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn names(&self) -> Vec<String> {
+        let entries = fs::read_dir(&self.0).unwrap();
+        let mut names: Vec<String> = entries
+            .map(|e| e.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+#[test]
+fn every_bit_comes_back() {
+    let folder = Folder::new("bits");
+    let written = state(12);
+    let path = Checkpoints::new(folder.0.clone(), OWN)
+        .save(&written)
+        .unwrap();
+    let read = read_checkpoint(&path, OWN).unwrap();
+    let scalars = |s: &State| [s.time, s.loaded, s.next, s.force, s.traction].map(f64::to_bits);
+    assert_eq!((read.step, scalars(&read)), (12, scalars(&written)));
+    assert_eq!(bits(&read.u), bits(&written.u));
+    assert_eq!(bits(&read.t), bits(&written.t));
+    assert_eq!((read.states, read.flips), (written.states, written.flips));
+}
+
+#[test]
+fn the_last_two_stay_and_later_ones_can_be_taken_back() {
+    let folder = Folder::new("last");
+    let checkpoints = Checkpoints::new(folder.0.clone(), OWN);
+    assert!(matches!(
+        newest_checkpoint(&folder.0),
+        Err(CheckpointError::None { .. })
+    ));
+    for step in [0, 1, 2, 10] {
+        checkpoints.save(&state(step)).unwrap();
+    }
+    assert_eq!(
+        folder.names(),
+        ["step_000002.checkpoint", "step_000010.checkpoint"]
+    );
+    assert!(
+        newest_checkpoint(&folder.0)
+            .unwrap()
+            .ends_with("step_000010.checkpoint")
+    );
+    checkpoints.forget_after(2).unwrap();
+    assert_eq!(folder.names(), ["step_000002.checkpoint"]);
+    assert!(matches!(
+        newest_checkpoint(&folder.0.join("none")),
+        Err(CheckpointError::Read { .. })
+    ));
+}
+
+#[test]
+fn a_checkpoint_cut_anywhere_is_refused() {
+    let bytes = encode(&state(1), OWN);
+    let path = Path::new("file");
+    assert!(decode(&bytes, path, OWN).is_ok());
+    for n in 0..bytes.len() {
+        let error = decode(&bytes[..n], path, OWN).unwrap_err();
+        match n {
+            0..8 => assert!(matches!(error, CheckpointError::Foreign { .. }), "{error}"),
+            _ => assert!(
+                matches!(error, CheckpointError::Length { found, .. } if found == n as u64),
+                "{error}"
+            ),
+        }
+    }
+    let longer = [&bytes[..], &[0]].concat();
+    let error = decode(&longer, path, OWN).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        format!(
+            "the checkpoint file is damaged: it has {} of {} bytes; take the one before it",
+            bytes.len() + 1,
+            bytes.len()
+        )
+    );
+}
+
+#[test]
+fn a_checkpoint_with_any_bit_changed_is_refused() {
+    let bytes = encode(&state(1), OWN);
+    for bit in 0..8 * bytes.len() {
+        let mut changed = bytes.clone();
+        changed[bit / 8] ^= 1 << (bit % 8);
+        let error = decode(&changed, Path::new("file"), OWN).unwrap_err();
+        let seen = match bit / 64 {
+            0 => matches!(error, CheckpointError::Foreign { .. }),
+            1 => matches!(error, CheckpointError::Version { .. }),
+            2 => matches!(error, CheckpointError::Length { .. }),
+            _ => matches!(error, CheckpointError::Checksum { .. }),
+        };
+        assert!(seen, "bit {bit}: {error}");
+    }
+}
+
+#[test]
+fn a_checkpoint_of_something_else_is_refused() {
+    let bytes = encode(&state(1), OWN);
+    let refused = |mesh, scene| {
+        let other = Fingerprint { mesh, scene };
+        decode(&bytes, Path::new("file"), other)
+            .unwrap_err()
+            .to_string()
+    };
+    assert!(refused(6, 8).contains("another mesh"));
+    assert!(refused(7, 9).contains("same mesh but other materials"));
+}

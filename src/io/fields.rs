@@ -1,0 +1,74 @@
+//! What is known of a body at one time, as two VTK grids.
+
+use super::grids::{field, write_body, write_fractures};
+use crate::contact::ContactState;
+use crate::elasticity::{ElasticityError, element_stress};
+use crate::nonlinear::FaceFields;
+use crate::scene::Body;
+use std::io::{self, Write};
+
+/// Displacements, stresses and contact at one time.
+#[derive(Clone, Debug)]
+pub struct Fields<'a> {
+    body: &'a Body,
+    displacement: &'a [f64],
+    stress: Vec<[f64; 6]>,
+    faces: &'a FaceFields,
+    states: Vec<f64>,
+    flips: Vec<f64>,
+}
+
+impl<'a> Fields<'a> {
+    /// From displacements in full numbering [m], and per face its fields, its state, and how often that changed.
+    ///
+    /// # Errors
+    /// [`ElasticityError`] for a mesh that has no stresses.
+    pub fn new(
+        body: &'a Body,
+        displacement: &'a [f64],
+        faces: &'a FaceFields,
+        states: &[ContactState],
+        flips: &[u32],
+    ) -> Result<Self, ElasticityError> {
+        let initial = |_: usize, x: [f64; 3]| body.initial_stress.map_or([0.0; 6], |s| s.at(x));
+        Ok(Self {
+            body,
+            displacement,
+            stress: element_stress(&body.mesh, &body.materials, displacement, initial)?,
+            faces,
+            states: states.iter().map(|s| f64::from(s.code())).collect(),
+            flips: flips.iter().map(|n| f64::from(*n)).collect(),
+        })
+    }
+
+    /// Writes the hexahedra: point vectors `displacement` [m], cell fields `stress` (mean of the element, initial stress
+    /// included, xx, yy, zz, xy, yz, xz [Pa]) and `material`.
+    ///
+    /// # Errors
+    /// What the writer says.
+    pub fn write_body(&self, out: &mut impl Write) -> io::Result<()> {
+        let stress = field("stress", 6, self.stress.as_flattened());
+        write_body(self.body, self.displacement, vec![stress], out)
+    }
+
+    /// Writes the minus sides of the fracture faces: cell fields `traction`, `displacementJump` (n, t1, t2), `slip`,
+    /// `aperture`, `fractureState`, `criticality`, `tauLimit`, `pressure`, `stateFlips`, `normal`, `fracture`.
+    ///
+    /// # Errors
+    /// What the writer says.
+    pub fn write_fracture(&self, out: &mut impl Write) -> io::Result<()> {
+        let f = self.faces;
+        let fields = vec![
+            field("traction", 3, &f.traction),
+            field("displacementJump", 3, &f.jump),
+            field("slip", 1, &f.slip),
+            field("aperture", 1, &f.aperture),
+            field("fractureState", 1, &self.states),
+            field("criticality", 1, &f.criticality),
+            field("tauLimit", 1, &f.tau_limit),
+            field("pressure", 1, &f.pressure),
+            field("stateFlips", 1, &self.flips),
+        ];
+        write_fractures(self.body, fields, out)
+    }
+}
