@@ -16,7 +16,10 @@ const VERSION: u64 = 1;
 
 /// Words of eight bytes before the arrays: magic, version, length of the file, mesh, scene, step, time, loaded, next, force,
 /// traction, n_u, faces.
-const HEADER: usize = 13;
+const HEADER: usize = 14;
+
+/// Code of a face where no preconditioner is kept.
+const NOT_PREPARED: u8 = u8::MAX;
 
 /// Checkpoints that stay in a folder.
 const KEPT: usize = 2;
@@ -174,7 +177,7 @@ fn all(folder: &Path) -> io::Result<Vec<(usize, PathBuf)>> {
     Ok(found)
 }
 
-/// Header, u and t as bits, states, flips, checksum; all numbers little-endian.
+/// Header, u and t as bits, flips, states, those of the preconditioner, checksum; all numbers little-endian.
 fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
     // by name: a state with more in it must not compile here
     let State {
@@ -184,6 +187,8 @@ fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
         next,
         force,
         traction,
+        krylov,
+        prepared,
         u,
         t,
         states,
@@ -194,7 +199,7 @@ fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
     bytes.extend_from_slice(&MAGIC);
     let Fingerprint { mesh, scene } = fingerprint;
     let whole = [VERSION, length, mesh, scene, *step as u64];
-    let scalars = [time, loaded, next, force, traction].map(|v| v.to_bits());
+    let scalars = [time, loaded, next, force, traction, krylov].map(|v| v.to_bits());
     let sizes = [u.len() as u64, states.len() as u64];
     for words in [&whole[..], &scalars, &sizes] {
         bytes.extend(words.iter().flat_map(|word| word.to_le_bytes()));
@@ -204,15 +209,19 @@ fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
     }
     bytes.extend(flips.iter().flat_map(|n| n.to_le_bytes()));
     bytes.extend(states.iter().map(|s| s.code()));
+    match prepared {
+        Some(prepared) => bytes.extend(prepared.iter().map(|s| s.code())),
+        None => bytes.resize(bytes.len() + states.len(), NOT_PREPARED),
+    }
     let sum = checksum(&bytes);
     bytes.extend(sum.to_le_bytes());
     bytes
 }
 
-/// Bytes of a file with these sizes: u, three tractions, a counter and a state per face.
+/// Bytes of a file with these sizes: u, three tractions, a counter and two states per face.
 fn length(n_u: u64, faces: u64) -> u64 {
     let words = (HEADER as u64 + 1).saturating_add(n_u);
-    let per_face = faces.saturating_mul(3 * 8 + 4 + 1);
+    let per_face = faces.saturating_mul(3 * 8 + 4 + 1 + 1);
     words.saturating_mul(8).saturating_add(per_face)
 }
 
@@ -252,7 +261,7 @@ fn decode(bytes: &[u8], path: &Path, fingerprint: Fingerprint) -> Result<State, 
             expected,
         });
     }
-    let (n_u, faces) = (word(11)?, word(12)?);
+    let (n_u, faces) = (word(12)?, word(13)?);
     let (content, sum) = bytes.split_at(bytes.len() - 8);
     if checksum(content).to_le_bytes() != sum || length(n_u, faces) != found {
         return Err(CheckpointError::Checksum { path: path() });
@@ -267,9 +276,13 @@ fn decode(bytes: &[u8], path: &Path, fingerprint: Fingerprint) -> Result<State, 
     let (n_u, faces) = (n_u as usize, faces as usize);
     let (u, rest) = content[8 * HEADER..].split_at(8 * n_u);
     let (t, rest) = rest.split_at(24 * faces);
-    let (flips, states) = rest.split_at(4 * faces);
-    let states: Option<Vec<ContactState>> =
-        states.iter().map(|s| ContactState::from_code(*s)).collect();
+    let (flips, rest) = rest.split_at(4 * faces);
+    let (states, prepared) = rest.split_at(faces);
+    let no_state = || CheckpointError::Checksum { path: path() };
+    let decoded = |codes: &[u8]| -> Option<Vec<ContactState>> {
+        codes.iter().map(|s| ContactState::from_code(*s)).collect()
+    };
+    let unprepared = prepared.iter().all(|code| *code == NOT_PREPARED);
     Ok(State {
         step: word(5)? as usize,
         time: f64::from_bits(word(6)?),
@@ -277,9 +290,14 @@ fn decode(bytes: &[u8], path: &Path, fingerprint: Fingerprint) -> Result<State, 
         next: f64::from_bits(word(8)?),
         force: f64::from_bits(word(9)?),
         traction: f64::from_bits(word(10)?),
+        krylov: f64::from_bits(word(11)?),
+        prepared: match unprepared {
+            true => None,
+            false => Some(decoded(prepared).ok_or_else(no_state)?),
+        },
         u: reals(u),
         t: reals(t),
-        states: states.ok_or_else(|| CheckpointError::Checksum { path: path() })?,
+        states: decoded(states).ok_or_else(no_state)?,
         flips: flips
             .as_chunks()
             .0

@@ -22,7 +22,8 @@ const FACTORIZED: usize = 5_000;
 const SLOW: f64 = 1.5;
 
 /// What a preconditioner is built from.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum RunPreconditioner {
     /// RACP around an assembled A, which is given back once S̃_u is there.
     Assembled(Racp),

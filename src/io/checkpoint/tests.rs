@@ -10,6 +10,8 @@ fn state(step: usize) -> State {
         next: f64::MIN_POSITIVE / 4.0,
         force: 2.0 / 3.0,
         traction: 1e300,
+        krylov: 2.5,
+        prepared: Some(vec![ContactState::Open, ContactState::Stick]),
         u: vec![-0.0, 1.0 / 3.0, f64::NAN, f64::INFINITY, 1e-310],
         t: vec![-1e7, 2.0, 3.0, 0.0, -0.0, 1e-30],
         states: vec![ContactState::Open, ContactState::NewSlip],

@@ -1,8 +1,8 @@
 //! `run.json`: what was run, with which settings, and how it ended.
 
+use fracas::nonlinear::RunPreconditioner;
 use fracas::nonlinear::{Simulation, State};
 use fracas::scene::{Body, Scene, SolverSection, TimeSection};
-use fracas_solvers::saddle::Racp;
 use serde::Serialize;
 
 /// How a run stands.
@@ -36,7 +36,7 @@ pub(super) struct Manifest<'a> {
     time: Option<&'a TimeSection>,
     solver: SolverSection,
     /// In use, also where the scene leaves the choice.
-    preconditioner: Racp,
+    preconditioner: RunPreconditioner,
     tolerances: [Tolerance; 3],
     fields_every: usize,
 }
