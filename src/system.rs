@@ -80,7 +80,7 @@ impl StickSystem<'_> {
 }
 
 impl Body {
-    /// Nodal forces of body force, surface tractions, fluid in fractures and initial stress over all displacements [N],
+    /// Nodal forces of body force, surface tractions, fluid in fractures and pores and initial stress over all displacements [N],
     /// `3·node + component`, every load at the factor 1 of its history.
     ///
     /// # Errors
@@ -108,6 +108,18 @@ impl Body {
                 let stressed = loads::initial_stress(&self.mesh, |_, x| stress.at(x))?;
                 axpy(1.0, &stressed, &mut force);
             }
+        }
+        let change = |region: usize| match self.pore_pressures[region] {
+            (pressure, of) if of == history => pressure,
+            _ => 0.0,
+        };
+        if (0..self.pore_pressures.len()).any(|region| change(region) != 0.0) {
+            // σ = C ε − α Δp I
+            let drained = loads::initial_stress(&self.mesh, |region, _| {
+                let p = change(region);
+                [-p, -p, -p, 0.0, 0.0, 0.0]
+            })?;
+            axpy(1.0, &drained, &mut force);
         }
         for load in self.tractions.iter().filter(|l| l.history == history) {
             let traction = loads::surface_traction(&self.mesh.nodes, &load.faces, load.value);

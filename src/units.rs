@@ -11,7 +11,7 @@ use std::str::FromStr;
 
 pub use dimension::Dimension;
 pub use kind::{
-    Acceleration, Angle, Density, Distance, Duration, FrictionAngle, Kind, Length, Measure,
+    Acceleration, Angle, BiotCoefficient, Density, Distance, Duration, FrictionAngle, Kind, Length, Measure,
     MeshUnit, Poisson, Ratio, Stiffness, Strength, Stress, StressGradient,
 };
 

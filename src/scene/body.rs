@@ -61,6 +61,8 @@ pub struct Body {
     pub initial_stress: Option<InitialStress>,
     /// Pressure of the fluid in each fracture [Pa] and the number of its history.
     pub pressures: Vec<(f64, usize)>,
+    /// `α Δp` of each material: Biot's coefficient times its change of pore pressure [Pa], and the number of its history.
+    pub pore_pressures: Vec<(f64, usize)>,
     /// Opening of each fracture before any displacement [m].
     pub gaps: Vec<f64>,
     /// Factors of the loads in time; number [`Body::ALWAYS`] is 1 at all times.

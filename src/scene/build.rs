@@ -83,6 +83,14 @@ fn assemble(sections: &SceneSections, folder: &Path) -> Result<Body, Located> {
         let history = histories.number(fracture.pressure_history.as_ref(), &path, of_time)?;
         pressures.push((fracture.pressure.as_ref().map_or(0.0, Measure::si), history));
     }
+    let mut pore_pressures = Vec::with_capacity(sections.material.len());
+    for (i, material) in sections.material.iter().enumerate() {
+        let path = ["material", &i.to_string(), "pressure_history"];
+        let history = histories.number(material.pressure_history.as_ref(), &path, of_time)?;
+        let biot = material.biot.as_ref().map_or(1.0, Measure::si);
+        let change = material.pressure_change.as_ref().map_or(0.0, Measure::si);
+        pore_pressures.push((biot * change, history));
+    }
     let friction = section_of
         .iter()
         .map(|i| friction(*i, &sections.fracture[*i]))
@@ -116,6 +124,7 @@ fn assemble(sections: &SceneSections, folder: &Path) -> Result<Body, Located> {
         prescribed_histories,
         tractions,
         pressures,
+        pore_pressures,
         gaps: section_of
             .iter()
             .map(|i| sections.fracture[*i].gap.as_ref().map_or(0.0, Measure::si))

@@ -7,7 +7,7 @@ use super::group_names::GroupNames;
 use super::mesh_sections::{FractureSection, MeshSection};
 use super::solver_section::{SolverSection, TimeSection};
 use crate::units::{
-    Acceleration, Density, Duration, Kind, Length, Measure, Poisson, Stiffness, Stress,
+    Acceleration, BiotCoefficient, Density, Duration, Kind, Length, Measure, Poisson, Stiffness, Stress,
     StressGradient,
 };
 
@@ -60,6 +60,15 @@ pub struct MaterialSection {
     /// Density; only gravity asks for it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub density: Option<Measure<Density>>,
+    /// Change of pore pressure everywhere in it: total stress falls by `biot` times as much (isotropic, tension positive).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pressure_change: Option<Measure<Stress>>,
+    /// Biot's coefficient; 1 if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub biot: Option<Measure<BiotCoefficient>>,
+    /// Factor of the change in time as `[[time, factor], …]`; that of `[time]` if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pressure_history: Option<Vec<(Measure<Duration>, f64)>>,
     /// Physical volumes of a mesh file that it fills, by name or number; everything if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub volume: Option<GroupNames>,

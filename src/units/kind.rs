@@ -119,6 +119,15 @@ kind!(
     |v| (0.0..std::f64::consts::FRAC_PI_2).contains(&v)
 );
 
+kind!(
+    BiotCoefficient,
+    "Biot's coefficient",
+    NONE,
+    "no unit",
+    "at least 0 and at most 1",
+    |v| (0.0..=1.0).contains(&v)
+);
+
 /// A quantity of kind `K`.
 pub struct Measure<K> {
     quantity: Quantity,
