@@ -11,8 +11,8 @@ use std::str::FromStr;
 
 pub use dimension::Dimension;
 pub use kind::{
-    Acceleration, Angle, BiotCoefficient, Density, Distance, Duration, FrictionAngle, Kind, Length, Measure,
-    MeshUnit, Poisson, Ratio, Stiffness, Strength, Stress, StressGradient,
+    Acceleration, Angle, BiotCoefficient, Density, Distance, Duration, FrictionAngle, Kind, Length,
+    Measure, MeshUnit, Poisson, Ratio, Stiffness, Strength, Stress, StressGradient,
 };
 
 /// A number with a unit: value = number · factor(unit).

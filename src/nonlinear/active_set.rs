@@ -28,6 +28,8 @@ pub(super) struct Log {
     pub(super) rounds: usize,
     pub(super) linear: Vec<LinearRecord>,
     pub(super) events: Vec<Event>,
+    /// States of the last round.
+    pub(super) states: Vec<ContactState>,
 }
 
 /// Rounds of Newton and new states.
@@ -59,6 +61,7 @@ pub(super) fn active_set(
     let mut changing = Vec::new();
     for round in 0..settings.max_active {
         log.rounds += 1;
+        log.states.clone_from(&states);
         let (at, residual) = newton(
             attempt,
             (&states, h.as_ref()),
@@ -184,7 +187,15 @@ impl<'s> Judge<'s> {
                     0.0
                 },
             };
-            let next = next_state(*state, &measure, &thresholds);
+            let next = match next_state(*state, &measure, &thresholds) {
+                // what sticks where it closes may be torn open again by its shear
+                ContactState::Stick
+                    if *state == ContactState::Open && self.treated[f].is_some() =>
+                {
+                    ContactState::Slip
+                }
+                next => next,
+            };
             if next == *state {
                 continue;
             }

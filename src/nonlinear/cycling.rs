@@ -5,7 +5,8 @@ use crate::contact::ContactState;
 /// What is done about states that repeat, in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Remedy {
-    /// The faces of the cycle change between stick and slip only beyond the band of hysteresis.
+    /// The faces of the cycle change between stick and slip only beyond the band of hysteresis, and those that close do so in
+    /// slip; so it stays with the later remedies.
     Hysteresis,
     /// Of the faces of the cycle only the one that violates its state most changes in a round.
     OneFace,
@@ -20,7 +21,7 @@ impl Remedy {
     pub fn text(self) -> &'static str {
         match self {
             Self::Hysteresis => {
-                "these faces change between stick and slip only beyond the hysteresis"
+                "these faces change between stick and slip only beyond the hysteresis, and close in slip"
             }
             Self::Keep => {
                 "these faces keep their state while they violate it by less than the share of hysteresis"

@@ -70,6 +70,20 @@ pub enum Failure {
         /// Faces that differ within the cycle.
         faces: Vec<usize>,
     },
+    /// A block has lost what held it.
+    #[error("with {open} faces open nothing holds the body of {elements} elements around ({:.6}, {:.6}, {:.6}) m: {free} rigid motions are free, so that there is no equilibrium ({reason})", center[0], center[1], center[2])]
+    Loose {
+        /// Open faces.
+        open: usize,
+        /// Elements of the first body that nothing holds.
+        elements: usize,
+        /// Its centre [m].
+        center: [f64; 3],
+        /// Rigid motions left, together with the bodies that it touches.
+        free: usize,
+        /// How it showed.
+        reason: Box<Failure>,
+    },
     /// A number is no longer finite.
     #[error("{what} is not finite")]
     NotFinite {

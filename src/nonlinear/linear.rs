@@ -54,7 +54,7 @@ pub(super) struct Linear {
     slow: bool,
     /// States of a preconditioner that a restart has to build again.
     owed: Option<Vec<ContactState>>,
-    /// A preconditioner has been built in this step.
+    /// A preconditioner for its states has been built in this step.
     built: bool,
     work: Vec<f64>,
 }
@@ -187,7 +187,6 @@ impl Linear {
             let stick = FaceTangent::STICK;
             self.c = Vec::new();
             self.stick = Some(self.build(problem, &all_stick, |_| stick, observer)?);
-            self.built = true;
             return Ok(true);
         }
         if let Some(owed) = self.owed.take() {

@@ -10,6 +10,7 @@ use super::{
 };
 use crate::contact::ContactState;
 use crate::elasticity::ElasticityError;
+use crate::mesh::{FractureMesh, Hold, bodies};
 use crate::scene::Body;
 use fracas_operators::LinearOperator;
 use fracas_operators::vector::{axpy, norm2};
@@ -157,13 +158,44 @@ impl<'a> Simulation<'a> {
                             false => "s",
                         },
                         cuts,
-                        reason,
+                        reason: self.explained(reason, &log.states),
                         linear: log.linear,
                         events: log.events,
                     }));
                 }
             }
         }
+    }
+
+    /// A failure with open faces may mean that a body is held by nothing: then that is the reason.
+    fn explained(&self, reason: Failure, states: &[ContactState]) -> Failure {
+        let body = self.problem.body();
+        let closed = |f: &usize| states[*f] != ContactState::Open;
+        let faces: Vec<_> = (0..states.len())
+            .filter(closed)
+            .map(|f| body.fractures.faces[f].clone())
+            .collect();
+        let open = states.len() - faces.len();
+        let joined = FractureMesh {
+            faces,
+            ..FractureMesh::default()
+        };
+        let parts = match matches!(reason, Failure::Stopped) || open == 0 {
+            true => Vec::new(),
+            false => bodies(&body.mesh, &joined, &body.prescribed()),
+        };
+        for part in parts {
+            if let Hold::Nothing { free } = part.hold {
+                return Failure::Loose {
+                    open,
+                    elements: part.elements,
+                    center: part.center,
+                    free,
+                    reason: Box::new(reason),
+                };
+            }
+        }
+        reason
     }
 
     /// Closed faces in stick; if that fails, every face in stick.
