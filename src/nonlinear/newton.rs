@@ -5,7 +5,6 @@ use super::{ContactProblem, Evaluation, Failure, LinearFailure, LinearRecord, Lo
 use crate::contact::ContactState;
 use fracas_operators::sparse::Csr;
 use fracas_operators::vector::{axpy, norm2};
-use fracas_solvers::krylov::Outcome;
 use fracas_solvers::{Observer, Step};
 
 /// Halvings of a correction that the line search tries.
@@ -133,7 +132,7 @@ pub(super) fn newton(
                 records.push(record);
             }
         })?;
-        if solved.report.outcome == Outcome::Stopped {
+        if solved.stopped {
             return Err(Failure::Stopped);
         }
         // x ← x + α δ with the largest α = 1, ½, … that lowers the residual
@@ -153,8 +152,8 @@ pub(super) fn newton(
         }
         before = size;
         record.krylov = solved.krylov;
-        record.iterations = solved.report.iterations;
-        record.relative_residual = solved.report.relative_residual;
+        record.iterations = solved.iterations;
+        record.relative_residual = solved.relative_residual;
         record.step_length = length;
         record.setup = solved.setup;
         records.push(record);
