@@ -33,7 +33,34 @@ pub(super) fn low_and_high<R: Real, L: Lanes<R>>([sum, difference]: [L; 2]) -> [
     [sum - difference, sum + difference]
 }
 
-/// Forces `∂/∂u ½ ∫ λ (tr ε)² + 2G ε:ε`: those on the face at low y added to `waiting`, those on the face at high y.
+/// The modes of each group, as their places `[component, along z, along x]` on a face.
+pub(super) const GROUPS: [[[usize; 3]; 3]; 4] = [
+    [[0, 0, 1], [1, 0, 0], [2, 1, 0]],
+    [[0, 1, 0], [1, 1, 1], [2, 0, 1]],
+    [[0, 0, 0], [1, 0, 1], [2, 1, 1]],
+    [[0, 1, 1], [1, 1, 0], [2, 0, 0]],
+];
+
+/// The modes of a group on a face, by component.
+pub(super) type Triple<L> = [L; 3];
+
+/// A group of a face.
+#[inline(always)]
+pub(super) fn taken<L: Copy>(face: &Face<L>, group: usize) -> Triple<L> {
+    let [[a, b, c], [d, e, f], [g, h, i]] = GROUPS[group];
+    [face[a][b][c], face[d][e][f], face[g][h][i]]
+}
+
+/// Writes a group of a face.
+#[inline(always)]
+pub(super) fn put<L: Copy>(face: &mut Face<L>, group: usize, values: Triple<L>) {
+    for (value, [c, z, x]) in values.into_iter().zip(GROUPS[group]) {
+        face[c][z][x] = value;
+    }
+}
+
+/// Forces `∂/∂u ½ ∫ λ (tr ε)² + 2G ε:ε` of one group: those on the face at low y added to `waiting`, those on the face at
+/// high y.
 ///
 /// Below `u v w` are the components of the displacement and `f g h` their forces; letters after the underscore name the
 /// axes along which a mode is a difference, none where it is a sum. A factor per axis comes from ∫ over the unit
@@ -41,11 +68,12 @@ pub(super) fn low_and_high<R: Real, L: Lanes<R>>([sum, difference]: [L; 2]) -> [
 /// and 1/144 of modes with one, two and three differences. Means cost no force.
 #[inline(always)]
 pub(super) fn forces<R: Real, L: Lanes<R>>(
-    low: &Face<L>,
-    high: &Face<L>,
+    group: usize,
+    low: Triple<L>,
+    high: Triple<L>,
     brick: Brick<L>,
-    waiting: &Face<L>,
-) -> [Face<L>; 2] {
+    waiting: Triple<L>,
+) -> [Triple<L>; 2] {
     let [r, s, t] = brick.inverse;
     let (lambda, shear) = (brick.lambda, brick.shear);
     let third = L::splat(R::of(1.0 / 3.0));
@@ -55,94 +83,118 @@ pub(super) fn forces<R: Real, L: Lanes<R>>(
     // Modes that vary along all axes: λ/9 + G/9 times the own axis, G/9 times all.
     let own = third * (lambda3 + shear3);
     let all = third * shear3 * ((r2 + t2) + s2);
-    let mut near = *waiting;
-    let mut far = *waiting;
-
-    // Stretches of all axes, and those along x and z that bend along y.
-    {
-        let [u_x, u_xy] = sum_and_difference(low[0][0][1], high[0][0][1]);
-        let v_y = high[1][0][0] - low[1][0][0];
-        let [w_z, w_yz] = sum_and_difference(low[2][1][0], high[2][1][0]);
-        let (e_x, e_y, e_z) = (r * u_x, s * v_y, t * w_z);
-        let p = lambda * (e_x + e_y + e_z);
-        let f_x = r * shear_twice.mul_add(e_x, p);
-        let g = shear_twice.mul_add(e_y, p);
-        let h_z = t * shear_twice.mul_add(e_z, p);
-        let (e_x, e_z) = (r * u_xy, t * w_yz);
-        let p = lambda3 * (e_x + e_z);
-        let stiff = shear3 * s2;
-        let f_xy = stiff.mul_add(u_xy, r * shear3_twice.mul_add(e_x, p));
-        let h_yz = stiff.mul_add(w_yz, t * shear3_twice.mul_add(e_z, p));
-        near[0][0][1] = (near[0][0][1] + f_x) - f_xy;
-        far[0][0][1] = f_x + f_xy;
-        near[1][0][0] = near[1][0][0].minus_product(s, g);
-        far[1][0][0] = s * g;
-        near[2][1][0] = (near[2][1][0] + h_z) - h_yz;
-        far[2][1][0] = h_z + h_yz;
+    let [below_u, below_v, below_w] = waiting;
+    match group {
+        // Stretches of all axes, and those along x and z that bend along y.
+        0 => {
+            let [u_x, u_xy] = sum_and_difference(low[0], high[0]);
+            let v_y = high[1] - low[1];
+            let [w_z, w_yz] = sum_and_difference(low[2], high[2]);
+            let (e_x, e_y, e_z) = (r * u_x, s * v_y, t * w_z);
+            let p = lambda * (e_x + e_y + e_z);
+            let (sigma_x, sigma_z) = (shear_twice.mul_add(e_x, p), shear_twice.mul_add(e_z, p));
+            let g = s * shear_twice.mul_add(e_y, p);
+            let (e_x, e_z) = (r * u_xy, t * w_yz);
+            let p = lambda3 * (e_x + e_z);
+            let stiff = shear3 * s2;
+            let f_xy = stiff.mul_add(u_xy, r * shear3_twice.mul_add(e_x, p));
+            let h_yz = stiff.mul_add(w_yz, t * shear3_twice.mul_add(e_z, p));
+            [
+                [
+                    r.mul_add(sigma_x, below_u) - f_xy,
+                    below_v - g,
+                    t.mul_add(sigma_z, below_w) - h_yz,
+                ],
+                [r.mul_add(sigma_x, f_xy), g, t.mul_add(sigma_z, h_yz)],
+            ]
+        }
+        // The shear of x and z; twists: shears that vary along the axis in neither direction; v along all axes.
+        1 => {
+            let [u_z, u_yz] = sum_and_difference(low[0], high[0]);
+            let [v_xz, v_xyz] = sum_and_difference(low[1], high[1]);
+            let [w_x, w_xy] = sum_and_difference(low[2], high[2]);
+            let tau = shear * t.mul_add(u_z, r * w_x);
+            let tau_xy = shear3 * s.mul_add(u_yz, r * v_xz);
+            let tau_xz = shear3 * t.mul_add(u_yz, r * w_xy);
+            let tau_yz = shear3 * t.mul_add(v_xz, s * w_xy);
+            let f_yz = s.mul_add(tau_xy, t * tau_xz);
+            let g_xz = r.mul_add(tau_xy, t * tau_yz);
+            let h_xy = r.mul_add(tau_xz, s * tau_yz);
+            let k = own.mul_add(s2, all);
+            [
+                [
+                    t.mul_add(tau, below_u) - f_yz,
+                    (below_v + g_xz).minus_product(k, v_xyz),
+                    r.mul_add(tau, below_w) - h_xy,
+                ],
+                [
+                    t.mul_add(tau, f_yz),
+                    k.mul_add(v_xyz, g_xz),
+                    r.mul_add(tau, h_xy),
+                ],
+            ]
+        }
+        // The shear of x and y; stretches along y and z that bend along x; w along all axes.
+        2 => {
+            let u_y = high[0] - low[0];
+            let [v_x, v_xy] = sum_and_difference(low[1], high[1]);
+            let [w_xz, w_xyz] = sum_and_difference(low[2], high[2]);
+            let tau = shear * s.mul_add(u_y, r * v_x);
+            let (e_y, e_z) = (s * v_xy, t * w_xz);
+            let p = lambda3 * (e_y + e_z);
+            let stiff = shear3 * r2;
+            let f = s * tau;
+            let g_xy = stiff.mul_add(v_xy, s * shear3_twice.mul_add(e_y, p));
+            let h_xz = stiff.mul_add(w_xz, t * shear3_twice.mul_add(e_z, p));
+            let k = own.mul_add(t2, all);
+            [
+                [
+                    below_u - f,
+                    r.mul_add(tau, below_v) - g_xy,
+                    (below_w + h_xz).minus_product(k, w_xyz),
+                ],
+                [f, r.mul_add(tau, g_xy), k.mul_add(w_xyz, h_xz)],
+            ]
+        }
+        // The shear of y and z; stretches along x and y that bend along z; u along all axes.
+        _ => {
+            let [u_xz, u_xyz] = sum_and_difference(low[0], high[0]);
+            let [v_z, v_yz] = sum_and_difference(low[1], high[1]);
+            let w_y = high[2] - low[2];
+            let tau = shear * s.mul_add(w_y, t * v_z);
+            let (e_x, e_y) = (r * u_xz, s * v_yz);
+            let p = lambda3 * (e_x + e_y);
+            let stiff = shear3 * t2;
+            let f_xz = stiff.mul_add(u_xz, r * shear3_twice.mul_add(e_x, p));
+            let g_yz = stiff.mul_add(v_yz, s * shear3_twice.mul_add(e_y, p));
+            let h = s * tau;
+            let k = own.mul_add(r2, all);
+            [
+                [
+                    (below_u + f_xz).minus_product(k, u_xyz),
+                    t.mul_add(tau, below_v) - g_yz,
+                    below_w - h,
+                ],
+                [k.mul_add(u_xyz, f_xz), t.mul_add(tau, g_yz), h],
+            ]
+        }
     }
+}
 
-    // The shear of x and y; stretches along y and z that bend along x; w along all axes.
-    {
-        let u_y = high[0][0][0] - low[0][0][0];
-        let [v_x, v_xy] = sum_and_difference(low[1][0][1], high[1][0][1]);
-        let [w_xz, w_xyz] = sum_and_difference(low[2][1][1], high[2][1][1]);
-        let tau = shear * s.mul_add(u_y, r * v_x);
-        let (e_y, e_z) = (s * v_xy, t * w_xz);
-        let p = lambda3 * (e_y + e_z);
-        let stiff = shear3 * r2;
-        let g_x = r * tau;
-        let g_xy = stiff.mul_add(v_xy, s * shear3_twice.mul_add(e_y, p));
-        let h_xz = stiff.mul_add(w_xz, t * shear3_twice.mul_add(e_z, p));
-        let k = own.mul_add(t2, all);
-        near[0][0][0] = near[0][0][0].minus_product(s, tau);
-        far[0][0][0] = s * tau;
-        near[1][0][1] = (near[1][0][1] + g_x) - g_xy;
-        far[1][0][1] = g_x + g_xy;
-        near[2][1][1] = (near[2][1][1] + h_xz).minus_product(k, w_xyz);
-        far[2][1][1] = k.mul_add(w_xyz, h_xz);
-    }
-
-    // The shear of y and z; stretches along x and y that bend along z; u along all axes.
-    {
-        let w_y = high[2][0][0] - low[2][0][0];
-        let [v_z, v_yz] = sum_and_difference(low[1][1][0], high[1][1][0]);
-        let [u_xz, u_xyz] = sum_and_difference(low[0][1][1], high[0][1][1]);
-        let tau = shear * s.mul_add(w_y, t * v_z);
-        let (e_x, e_y) = (r * u_xz, s * v_yz);
-        let p = lambda3 * (e_x + e_y);
-        let stiff = shear3 * t2;
-        let g_z = t * tau;
-        let g_yz = stiff.mul_add(v_yz, s * shear3_twice.mul_add(e_y, p));
-        let f_xz = stiff.mul_add(u_xz, r * shear3_twice.mul_add(e_x, p));
-        let k = own.mul_add(r2, all);
-        near[2][0][0] = near[2][0][0].minus_product(s, tau);
-        far[2][0][0] = s * tau;
-        near[1][1][0] = (near[1][1][0] + g_z) - g_yz;
-        far[1][1][0] = g_z + g_yz;
-        near[0][1][1] = (near[0][1][1] + f_xz).minus_product(k, u_xyz);
-        far[0][1][1] = k.mul_add(u_xyz, f_xz);
-    }
-
-    // The shear of x and z; twists: shears that vary along the axis in neither direction; v along all axes.
-    {
-        let [u_z, u_yz] = sum_and_difference(low[0][1][0], high[0][1][0]);
-        let [w_x, w_xy] = sum_and_difference(low[2][0][1], high[2][0][1]);
-        let [v_xz, v_xyz] = sum_and_difference(low[1][1][1], high[1][1][1]);
-        let tau = shear * t.mul_add(u_z, r * w_x);
-        let (f_z, h_x) = (t * tau, r * tau);
-        let tau_xy = shear3 * s.mul_add(u_yz, r * v_xz);
-        let tau_xz = shear3 * t.mul_add(u_yz, r * w_xy);
-        let tau_yz = shear3 * t.mul_add(v_xz, s * w_xy);
-        let f_yz = s.mul_add(tau_xy, t * tau_xz);
-        let g_xz = r.mul_add(tau_xy, t * tau_yz);
-        let h_xy = r.mul_add(tau_xz, s * tau_yz);
-        let k = own.mul_add(s2, all);
-        near[0][1][0] = (near[0][1][0] + f_z) - f_yz;
-        far[0][1][0] = f_z + f_yz;
-        near[2][0][1] = (near[2][0][1] + h_x) - h_xy;
-        far[2][0][1] = h_x + h_xy;
-        near[1][1][1] = (near[1][1][1] + g_xz).minus_product(k, v_xyz);
-        far[1][1][1] = k.mul_add(v_xyz, g_xz);
+/// Forces of all groups on both faces.
+#[inline(always)]
+pub(super) fn all_forces<R: Real, L: Lanes<R>>(
+    low: &Face<L>,
+    high: &Face<L>,
+    brick: Brick<L>,
+) -> [Face<L>; 2] {
+    let zero = L::splat(R::zero());
+    let [mut near, mut far] = [[[[zero; 2]; 2]; 3]; 2];
+    for group in 0..4 {
+        let (u, v) = (taken(low, group), taken(high, group));
+        let [f, g] = forces(group, u, v, brick, [zero; 3]);
+        put(&mut near, group, f);
+        put(&mut far, group, g);
     }
     [near, far]
 }
@@ -207,8 +259,7 @@ mod tests {
                     .map(|i| [0, 1, 4, 5].map(|m| L::splat(u[3 * LEXICOGRAPHIC[m + 2 * y] + i])))
             };
             let (low, high) = (to_face(&corners(0)), to_face(&corners(1)));
-            let nothing = [[[L::splat(0.0); 2]; 2]; 3];
-            let [near, far] = forces(&low, &high, brick, &nothing);
+            let [near, far] = all_forces(&low, &high, brick);
             let f = [to_corners(&near), to_corners(&far)];
             let mut lanes = vec![0.0; L::WIDTH];
             for i in 0..3 {

@@ -65,4 +65,16 @@ impl<R> Shared<'_, R> {
         // SAFETY: within the vector (asserted) and exclusive (by contract).
         unsafe { std::slice::from_raw_parts_mut(self.start.add(first), len) }
     }
+
+    /// The same, for entries known to exist.
+    ///
+    /// # Safety
+    /// As [`part`](Self::part), and `first + len` is at most the length of the vector.
+    #[inline(always)]
+    #[expect(clippy::mut_from_ref, reason = "disjoint by colouring")]
+    pub(crate) unsafe fn part_unchecked(&self, first: usize, len: usize) -> &mut [R] {
+        debug_assert!(first <= self.len && len <= self.len - first);
+        // SAFETY: within the vector and exclusive (by contract).
+        unsafe { std::slice::from_raw_parts_mut(self.start.add(first), len) }
+    }
 }

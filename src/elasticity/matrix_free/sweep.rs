@@ -1,6 +1,6 @@
 //! One task of a product with bricks: sweeps along y, the registers over consecutive elements along x.
 
-use super::brick::{Brick, Face, forces, to_corners, to_face};
+use super::brick::{Brick, Face, all_forces, forces, put, taken, to_corners, to_face};
 use super::bricks::{Bricks, SplitElement, Task};
 use super::colours::Shared;
 use super::line;
@@ -85,22 +85,36 @@ impl<R: Real> Product<'_, R> {
         let mut materials = first + bricks.stride * (lines.start + bricks.cells[1] * k);
         let mut waiting = [nothing; 2];
         let mut now = 0;
-        for (j, carried) in lines.clone().zip(&mut *carried) {
+        let inverse_y = &bricks.inverse[1][lines.clone()];
+        for (s, carried) in inverse_y.iter().zip(&mut *carried) {
             let next = 1 - now;
             let behind = [at[0] + row, at[1] + row];
             let high = self.read::<L, WHOLE>(first, behind);
             faces[next] = high;
+            let elements = materials..materials + L::WIDTH;
+            // SAFETY: every line of elements is padded to whole registers.
+            let (lambda, shear) = unsafe {
+                (
+                    bricks.lambda.get_unchecked(elements.clone()),
+                    bricks.shear.get_unchecked(elements),
+                )
+            };
             let brick = Brick {
-                inverse: [r, L::splat(bricks.inverse[1][j]), t],
-                lambda: L::load(&bricks.lambda[materials..]),
-                shear: L::load(&bricks.shear[materials..]),
+                inverse: [r, L::splat(*s), t],
+                lambda: L::load(lambda),
+                shear: L::load(shear),
             };
             if WHOLE {
                 self.ask(ahead, materials_ahead);
                 (ahead, materials_ahead) = (ahead + row, materials_ahead + bricks.stride);
             }
-            let [near, far] = forces(&faces[now], &high, brick, &waiting[now]);
-            waiting[next] = far;
+            let mut near = nothing;
+            for group in 0..4 {
+                let (u, v) = (taken(&faces[now], group), taken(&high, group));
+                let [f, g] = forces(group, u, v, brick, taken(&waiting[now], group));
+                put(&mut near, group, f);
+                put(&mut waiting[next], group, g);
+            }
             self.add::<L, WHOLE>(&near, carried, first, at);
             (now, at) = (next, behind);
             materials += bricks.stride;
@@ -129,7 +143,15 @@ impl<R: Real> Product<'_, R> {
         [low, high]: [usize; 2],
     ) -> Face<L> {
         if WHOLE {
-            return line::read(&self.x[low..], &self.x[high..]);
+            let len = 3 * L::WIDTH + 3;
+            // SAFETY: both are nodes of the grid, and x has all of them.
+            let (low, high) = unsafe {
+                (
+                    self.x.get_unchecked(low..low + len),
+                    self.x.get_unchecked(high..high + len),
+                )
+            };
+            return line::read(low, high);
         }
         let len = 3 * (self.bricks.cells[0] + 1 - first);
         let mut padded = [[R::zero(); 3 * MAX_WIDTH + 3]; 2];
@@ -152,11 +174,18 @@ impl<R: Real> Product<'_, R> {
         } else {
             3 * (self.bricks.cells[0] + 1 - first)
         };
-        // SAFETY: both lines belong to this task and are different.
-        let (low, high) = unsafe { (self.y.part(low, len), self.y.part(high, len)) };
         if WHOLE {
+            // SAFETY: both lines are nodes of the grid that belong to this task, and they are different.
+            let (low, high) = unsafe {
+                (
+                    self.y.part_unchecked(low, len),
+                    self.y.part_unchecked(high, len),
+                )
+            };
             return line::add(face, carried, self.alpha, low, high);
         }
+        // SAFETY: both lines belong to this task and are different.
+        let (low, high) = unsafe { (self.y.part(low, len), self.y.part(high, len)) };
         let mut padded = [[R::zero(); 3 * MAX_WIDTH]; 2];
         padded[0][..len].copy_from_slice(low);
         padded[1][..len].copy_from_slice(high);
@@ -217,7 +246,7 @@ impl<R: Real> Product<'_, R> {
             }
         }
         let (low, high) = (to_face(&corners[0]), to_face(&corners[1]));
-        let [near, far] = forces(&low, &high, brick, &[[[zero; 2]; 2]; 3]);
+        let [near, far] = all_forces(&low, &high, brick);
         let force = [to_corners(&near), to_corners(&far)];
         for c in 0..3 {
             for m in 0..8 {
