@@ -1,7 +1,8 @@
 //! The model: from a fractured scene to the blocks of its saddle point.
 //!
-//! Rooms, each importing only those before it: `units` ◄ `mesh` ◄ {`elasticity`, `contact`} ◄ `scene` ◄ `system` ◄ {`multigrid` ◄ `matrix_free` ◄ `nonlinear`, `jacobian`}; `io` writes.
+//! Rooms, each importing only those before it: `units` ◄ `mesh` ◄ {`elasticity`, `contact`} ◄ `scene` ◄ `system` ◄ {`multigrid` ◄ `matrix_free` ◄ `nonlinear`, `jacobian`}; `io` writes; `analytic` knows the answers and imports nothing.
 
+pub mod analytic;
 pub mod contact;
 pub mod elasticity;
 pub mod io;

@@ -50,7 +50,7 @@ fn the_scene_itself_is_fine() {
 fn unknown_keys_and_values_get_their_nearest_match_and_their_line() {
     assert_eq!(
         refused("cells = 4", "cels = 4"),
-        "s.toml:4:33: unknown key `cels`, did you mean `cells`?; known here: from, to, cells, ratio, toward, lines\n  |\n4 | x = { from = \"0 m\", to = \"4 m\", cels = 4 }\n  |                                 ^^^^"
+        "s.toml:4:33: unknown key `cels`, did you mean `cells`?; known here: from, to, cells, ratio, toward, size, growth, near, fine, lines\n  |\n4 | x = { from = \"0 m\", to = \"4 m\", cels = 4 }\n  |                                 ^^^^"
     );
     let text = refused("hold = \"fixed\"", "hold = \"roler\"");
     assert!(
@@ -176,12 +176,27 @@ fn sections_that_make_no_sense_are_refused_with_their_line() {
         (
             "to = \"4 m\", ",
             "",
-            "s.toml:4:1: [mesh.x] needs `from`, `to` and `cells`, or `lines` alone\n",
+            "s.toml:4:1: [mesh.x] needs `from`, `to` and `cells`, or `from`, `to`, `size`, `growth` and `near` or `fine`, or `lines` alone\n",
         ),
         (
             "cells = 4",
             "cells = 4, toward = \"1 m\"",
             "s.toml:4:53: axis x: grading ratio 1 cannot be met with 4 cells; `toward` needs a `ratio`",
+        ),
+        (
+            "cells = 4",
+            "size = \"1 m\", growth = 1.2",
+            "s.toml:4:1: [mesh.x] needs `from`, `to` and `cells`, or `from`, `to`, `size`, `growth` and `near` or `fine`",
+        ),
+        (
+            "cells = 4",
+            "size = \"1 m\", growth = 1.2, near = \"5 m\"",
+            "s.toml:4:1: axis x: near is 5; it must be inside the axis",
+        ),
+        (
+            "cells = 4",
+            "size = \"1e-9 m\", growth = 1, near = \"0 m\"",
+            "s.toml:3:2: 36000000009 nodes are more than 536870911",
         ),
         (
             "poisson = 0.25",

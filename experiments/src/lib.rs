@@ -2,6 +2,7 @@
 //! `fracas` command line.
 
 pub mod command;
+pub mod crack;
 pub mod e01_checkerboard;
 pub mod e02_spectra;
 pub mod e02b_spectrum_amg;
@@ -11,6 +12,10 @@ pub mod e05_mesh_independence;
 pub mod e06_c_laboratory;
 pub mod e07_contact_state;
 pub mod e08_size;
+pub mod e10_inclined_crack;
+pub mod e11_pressurised_cracks;
+pub mod e12_orders;
+pub mod e13_checkerboard_traction;
 pub mod list;
 pub mod measure;
 pub mod plot;

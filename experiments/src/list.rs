@@ -13,6 +13,10 @@ pub static EXPERIMENTS: &[&dyn Experiment] = &[
     &crate::e06_c_laboratory::CLaboratory,
     &crate::e07_contact_state::ContactStates,
     &crate::e08_size::Size,
+    &crate::e10_inclined_crack::Inclined,
+    &crate::e11_pressurised_cracks::PressurisedCracks,
+    &crate::e12_orders::ObservedOrders,
+    &crate::e13_checkerboard_traction::CheckerboardTractions,
 ];
 
 /// What `fracas reproduce` runs without arguments: about two minutes on two cores.

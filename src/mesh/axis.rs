@@ -1,7 +1,7 @@
 //! Grid lines along one axis.
 
-use super::MeshError;
 use super::error::AXES;
+use super::{MeshError, SizeField};
 
 /// How cell sizes vary along an axis.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +36,8 @@ pub enum Axis {
         /// Their sizes.
         grading: Grading,
     },
+    /// Cells of a size in zones, growing away from them.
+    Sized(SizeField),
     /// Every grid line given [m].
     Lines(Vec<f64>),
 }
@@ -59,6 +61,7 @@ impl Axis {
         let axis = AXES[index];
         let lines = match self {
             Self::Lines(lines) => lines.clone(),
+            Self::Sized(field) => field.lines(index)?,
             Self::Cells { cells: 0, .. } => return Err(MeshError::NoCells { axis }),
             Self::Cells { from, to, .. } if !(to > from && (to - from).is_finite()) => {
                 return Err(MeshError::EmptyAxis {

@@ -59,6 +59,18 @@ pub enum MeshError {
         /// What to change.
         advice: &'static str,
     },
+    /// A field of cell sizes that makes no sense.
+    #[error("axis {axis}: {parameter} is {value}; it must be {requirement}")]
+    SizeField {
+        /// x, y or z.
+        axis: char,
+        /// Which one.
+        parameter: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        requirement: &'static str,
+    },
     /// More nodes than 32-bit indices count when each of them gets eight copies.
     #[error(
         "{nodes} nodes are more than {MAX_NODES}, the most this mesh can number; use fewer cells"

@@ -45,7 +45,9 @@ pub enum Problem {
     #[error(transparent)]
     Mesh(#[from] MeshError),
     /// Keys that are needed together.
-    #[error("[mesh.{axis}] needs `from`, `to` and `cells`, or `lines` alone")]
+    #[error(
+        "[mesh.{axis}] needs `from`, `to` and `cells`, or `from`, `to`, `size`, `growth` and `near` or `fine`, or `lines` alone"
+    )]
     AxisKeys {
         /// x, y or z.
         axis: &'static str,

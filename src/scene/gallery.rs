@@ -89,6 +89,16 @@ gallery! {
     "stretched": "What do cells of 1:50 do to iterations?",
         "local augmentation follows the anisotropy, a global one does not",
         ["mesh.x.cells=6", "mesh.y.cells=6", "mesh.z.cells=6"];
+    "inclined_crack": "Does a closed crack under inclined compression slide as the closed form says?",
+        "t_N = -11.698 MPa all along, slip an ellipse of 3.808 mm in the middle",
+        ["mesh.x.size=0.2 m", "mesh.x.growth=1.8", "mesh.z.size=0.2 m", "mesh.z.growth=1.8"];
+    "line_crack": "Does a crack that 2 MPa open in plane strain have the width of Sneddon's?",
+        "an ellipse of 0.3 mm in the middle",
+        ["mesh.x.size=0.2 m", "mesh.x.growth=1.8", "mesh.z.size=0.2 m", "mesh.z.growth=1.8"];
+    "penny_crack": "Does a disc that 2 MPa open have the width of Sneddon's?",
+        "an ellipsoid of 0.191 mm in the centre",
+        ["mesh.x.size=0.25 m", "mesh.y.size=0.25 m", "mesh.z.size=0.25 m",
+            "mesh.x.growth=1.8", "mesh.y.growth=1.8", "mesh.z.growth=1.8"];
     "incompressible": "Does a Poisson ratio of 0.49 spoil the augmentation?",
         "iterations grow with the inner solver for S_u, not with C",
         ["mesh.x.cells=6", "mesh.y.cells=6", "mesh.z.cells=6"];

@@ -5,12 +5,15 @@ use super::located::{Located, at};
 use super::mesh_sections::{AxisName, AxisSection, FractureSection, InclineSection, MapSection};
 use super::sections::{BoxSection, SceneSections};
 use crate::mesh::{
-    Axis, BoxRegion, Distort, Grading, Incline, MeshError, PlaneFracture, Rotate, Warp,
+    Axis, BoxRegion, Disc, Distort, Grading, Incline, MeshError, PlaneFracture, Rotate, Warp,
 };
 use crate::units::{Length, Measure};
 
 pub(super) fn axis(section: &AxisSection, name: &'static str) -> Result<Axis, Located> {
     let keys = || at(&["mesh", name], Problem::AxisKeys { axis: name });
+    if section.asks_for_sizes() {
+        return section.size_field().map(Axis::Sized).ok_or_else(keys);
+    }
     match (&section.from, &section.to, section.cells, &section.lines) {
         (None, None, None, Some(lines)) if section.ratio.is_none() && section.toward.is_none() => {
             Ok(Axis::Lines(lines.iter().map(Measure::si).collect()))
@@ -197,6 +200,13 @@ pub(super) fn warps(map: &MapSection, center: [f64; 3]) -> Result<Vec<Box<dyn Wa
             seed: u64::from(distort.seed),
             smooth: distort.smooth,
             planar: !distort.bend_fractures,
+        }));
+    }
+    if let Some(disc) = &map.disc {
+        warps.push(Box::new(Disc {
+            axis: disc.axis.index(),
+            radius: disc.radius.si(),
+            center: point(&disc.center),
         }));
     }
     if let Some(incline) = &map.incline {

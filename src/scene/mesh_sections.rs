@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::group_names::GroupNames;
 use super::one_or_many::OneOrMany;
+use crate::mesh::SizeField;
 use crate::units::{
     Angle, Distance, Duration, FrictionAngle, Length, Measure, MeshUnit, Ratio, Strength, Stress,
 };
@@ -31,12 +32,13 @@ pub struct MeshSection {
     /// Lines across z (up).
     #[serde(default, skip_serializing_if = "AxisSection::is_absent")]
     pub z: AxisSection,
-    /// Maps of the finished grid, applied in the order distort, incline, rotate.
+    /// Maps of the finished grid, applied in the order distort, disc, incline, rotate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub map: Option<MapSection>,
 }
 
-/// Grid lines along one axis: `from`, `to`, `cells`, perhaps graded; or `lines` alone.
+/// Grid lines along one axis: `from`, `to`, `cells`, perhaps graded; or `from`, `to`, `size`, `growth` and `near`
+/// or `fine`; or `lines` alone.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AxisSection {
@@ -55,6 +57,18 @@ pub struct AxisSection {
     /// Where cells are finest; becomes a grid line. Needs `ratio`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub toward: Option<Measure<Length>>,
+    /// Size of the finest cells.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub size: Option<Measure<Length>>,
+    /// Size of a cell over that of its finer neighbour, at least 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub growth: Option<Measure<Ratio>>,
+    /// Points where cells are finest; they become grid lines.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub near: Option<OneOrMany<Length>>,
+    /// Interval of equal cells; its ends become grid lines.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fine: Option<[Measure<Length>; 2]>,
     /// Every grid line.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lines: Option<Vec<Measure<Length>>>,
@@ -65,6 +79,34 @@ impl AxisSection {
     pub(super) fn is_absent(&self) -> bool {
         *self == Self::default()
     }
+
+    /// The field of cell sizes, if all of its keys are given and no others.
+    pub(super) fn size_field(&self) -> Option<SizeField> {
+        let points = self.near.iter().flat_map(OneOrMany::si).map(|x| [x, x]);
+        let interval = self.fine.iter().map(|[from, to]| [from.si(), to.si()]);
+        let zones: Vec<[f64; 2]> = points.chain(interval).collect();
+        let others = self.cells.is_some()
+            || self.ratio.is_some()
+            || self.toward.is_some()
+            || self.lines.is_some();
+        match (&self.from, &self.to, &self.size, &self.growth) {
+            (Some(from), Some(to), Some(size), Some(growth)) if !others && !zones.is_empty() => {
+                Some(SizeField {
+                    from: from.si(),
+                    to: to.si(),
+                    zones,
+                    size: size.si(),
+                    growth: growth.si(),
+                })
+            }
+            _ => None,
+        }
+    }
+
+    /// One of the keys of a field of cell sizes is given.
+    pub(super) fn asks_for_sizes(&self) -> bool {
+        self.size.is_some() || self.growth.is_some() || self.near.is_some() || self.fine.is_some()
+    }
 }
 
 impl MeshSection {
@@ -73,9 +115,15 @@ impl MeshSection {
         let count = |axis: &AxisSection| match (axis.cells, &axis.lines) {
             (Some(cells), _) => u128::from(cells.get()) + 1,
             (None, Some(lines)) => lines.len() as u128,
-            (None, None) => 0,
+            // what cannot be made counts 0 and is refused where it is made
+            (None, None) => axis
+                .size_field()
+                .and_then(|field| field.cells(0).ok())
+                .map_or(0, |cells| cells as u128 + 1),
         };
-        count(&self.x) * count(&self.y) * count(&self.z)
+        count(&self.x)
+            .saturating_mul(count(&self.y))
+            .saturating_mul(count(&self.z))
     }
 }
 
@@ -86,6 +134,9 @@ pub struct MapSection {
     /// Perturbation of the nodes; sides stay flat.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub distort: Option<DistortSection>,
+    /// Squares that become circles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub disc: Option<DiscSection>,
     /// Shear that tilts planes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub incline: Option<InclineSection>,
@@ -109,6 +160,19 @@ pub struct DistortSection {
     /// Let fractures leave their planes.
     #[serde(default)]
     pub bend_fractures: bool,
+}
+
+/// The square of half-width `radius` around an axis becomes a disc, in every layer along the axis; sides stay.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DiscSection {
+    /// Axis of the disc.
+    pub axis: AxisName,
+    /// Its radius.
+    pub radius: Measure<Length>,
+    /// A point on the axis; the centre of the box if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub center: Option<[Measure<Length>; 3]>,
 }
 
 /// Shear that tilts the planes normal to `plane`; give `dip` or `tilt`.

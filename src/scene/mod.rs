@@ -26,8 +26,8 @@ pub use gallery::{GalleryScene, gallery, named};
 pub use group_names::GroupNames;
 pub use history::{History, TimeTable};
 pub use mesh_sections::{
-    AxisName, AxisSection, DistortSection, FractureSection, InclineSection, MapSection,
-    MeshSection, RotateSection,
+    AxisName, AxisSection, DiscSection, DistortSection, FractureSection, InclineSection,
+    MapSection, MeshSection, RotateSection,
 };
 pub use one_or_many::OneOrMany;
 pub use sections::{

@@ -2,6 +2,7 @@
 
 use super::axis::{Scale, Tick};
 use super::canvas::{Anchor, Canvas, DrawError, draw_page, text_width};
+use super::cells::BAR_SPACE;
 use super::figure::{Figure, Mark, Region, Series};
 use super::legend::Legend;
 use super::palette;
@@ -21,10 +22,10 @@ const GRID: RGBColor = RGBColor(226, 226, 226);
 /// The plot box on the page and the linearized ends of its axes.
 pub(super) struct Frame<'a> {
     pub(super) figure: &'a Figure,
-    left: f64,
-    top: f64,
-    width: f64,
-    height: f64,
+    pub(super) left: f64,
+    pub(super) top: f64,
+    pub(super) width: f64,
+    pub(super) height: f64,
     pub(super) x: [f64; 2],
     pub(super) y: [f64; 2],
 }
@@ -65,7 +66,8 @@ impl Figure {
                 LABEL_SIZE + 8.0
             } + widest
                 + 8.0;
-        let width = page_width - left - 18.0;
+        let bar = self.cells.as_ref().map_or(0.0, |_| BAR_SPACE);
+        let width = page_width - left - 18.0 - bar;
         let mut height = match &self.y.scale {
             Scale::Categories(names) => 34.0 * names.len().max(2) as f64,
             _ => 0.62 * width,
@@ -73,7 +75,8 @@ impl Figure {
         if self.equal_aspect {
             // The box follows the data, within limits; beyond them the shorter range is widened.
             let natural = width * (y[1] - y[0]) / (x[1] - x[0]);
-            height = natural.clamp(0.30 * width, 0.85 * width);
+            let tallest = if self.cells.is_some() { 1.0 } else { 0.85 };
+            height = natural.clamp(0.30 * width, tallest * width);
             widen(&mut y, (x[1] - x[0]) * height / width);
             widen(&mut x, (y[1] - y[0]) * width / height);
         }
@@ -92,6 +95,7 @@ impl Figure {
         let page = top + height + below + legend.height() + 8.0;
         let svg = draw_page(page_width, page, |canvas| {
             frame.grid(canvas, y_names)?;
+            frame.cells(canvas)?;
             frame.regions(canvas)?;
             frame.slopes(canvas)?;
             frame.all_series(canvas)?;
@@ -137,6 +141,7 @@ impl Figure {
             .collect();
         corners.extend(self.shades.iter().flat_map(|s| s.region.outline().1));
         corners.extend(self.slopes.iter().map(|s| s.through));
+        corners.extend(self.cells.iter().flat_map(|c| c.quads.iter().flatten()));
         let x = self.x.fit(corners.iter().map(|p| p[0]));
         let mut y = self.y.fit(corners.iter().map(|p| p[1]));
         let bars = self.series.iter().any(|s| s.mark == Mark::Bars);

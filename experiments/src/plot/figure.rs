@@ -1,6 +1,7 @@
 //! What a figure shows.
 
 use super::axis::Axis;
+use super::cells::Cells;
 use crate::report::quote;
 use std::fmt::Write as _;
 
@@ -21,6 +22,8 @@ pub struct Figure {
     pub equal_aspect: bool,
     /// Shaded regions, drawn first.
     pub shades: Vec<Shade>,
+    /// Coloured cells, drawn behind the data.
+    pub cells: Option<Cells>,
     /// Data.
     pub series: Vec<Series>,
     /// Reference slopes of a log-log plot.
@@ -38,6 +41,7 @@ impl Figure {
             y,
             equal_aspect: false,
             shades: Vec::new(),
+            cells: None,
             series: Vec::new(),
             slopes: Vec::new(),
         }
@@ -67,7 +71,7 @@ impl Figure {
         self
     }
 
-    /// Everything drawn, a line per point: `layer,kind,x,y`.
+    /// Everything drawn, a line per point: `layer,kind,x,y`; a cell is a line at its centre whose layer is its value.
     pub fn to_csv(&self) -> String {
         let mut text = format!(
             "layer,kind,{},{}\n",
@@ -83,6 +87,12 @@ impl Figure {
             corners
                 .iter()
                 .for_each(|c| line(&shade.name, kind, c[0], c[1]));
+        }
+        if let Some(cells) = &self.cells {
+            for (quad, value) in cells.quads.iter().zip(&cells.values) {
+                let [x, y] = Cells::center(quad);
+                line(&value.to_string(), "cell", x, y);
+            }
         }
         for series in &self.series {
             series

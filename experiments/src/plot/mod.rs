@@ -1,8 +1,9 @@
-//! Figures as data: series over two axes, shaded regions, reference slopes. A figure draws itself as SVG and lists
+//! Figures as data: series over two axes, shaded regions, coloured cells, reference slopes. A figure draws itself as SVG and lists
 //! itself as CSV.
 
 mod axis;
 mod canvas;
+mod cells;
 mod draw;
 mod figure;
 mod indices;
@@ -16,4 +17,5 @@ mod spectrum;
 mod tests;
 
 pub use axis::{Axis, Scale};
+pub use cells::Cells;
 pub use figure::{Figure, Mark, Region, Series, Shade, Slope};

@@ -46,6 +46,17 @@ const SHADES: [RGBColor; 4] = [
     RGBColor(204, 121, 167),
 ];
 
+/// From the first colour of the palette through near-white to the second: `place` 0 to 1.
+pub(super) fn diverging(place: f64) -> RGBColor {
+    const MIDDLE: RGBColor = RGBColor(247, 247, 247);
+    let (from, to, share) = match place < 0.5 {
+        true => (COLORS[0], MIDDLE, 2.0 * place),
+        false => (MIDDLE, COLORS[1], 2.0 * place - 1.0),
+    };
+    let mix = |a: u8, b: u8| (f64::from(a) + share * (f64::from(b) - f64::from(a))).round() as u8;
+    RGBColor(mix(from.0, to.0), mix(from.1, to.1), mix(from.2, to.2))
+}
+
 /// Colour of the k-th series.
 pub(super) fn color(k: usize) -> RGBColor {
     COLORS[k % COLORS.len()]

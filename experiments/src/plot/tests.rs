@@ -148,3 +148,21 @@ fn a_failed_bar_is_a_cross() {
     );
     assert!(figure.to_svg().unwrap().contains('✗'));
 }
+
+#[test]
+fn cells_are_drawn_with_their_colours_and_a_bar() {
+    let mut figure = Figure::new("c", "", "", Axis::linear("x"), Axis::linear("y"));
+    let square = |x: f64| [[x, 0.0], [x + 1.0, 0.0], [x + 1.0, 1.0], [x, 1.0]];
+    figure.cells = Some(Cells {
+        label: "t_N [MPa]".into(),
+        quads: vec![square(0.0), square(1.0), square(2.0)],
+        values: vec![-5.0, 5.0, f64::NAN],
+        range: [-5.0, 5.0],
+    });
+    let svg = figure.to_svg().unwrap();
+    // the ends of the palette: one cell each, beside the bar of 64 steps
+    assert!(svg.contains("#0072B2") && svg.contains("#D55E00"));
+    assert_eq!(svg.matches("<polygon").count(), 2 + 64);
+    let csv = figure.to_csv();
+    assert!(csv.contains("-5,cell,0.5,0.5\n") && csv.contains("5,cell,1.5,0.5\n"));
+}

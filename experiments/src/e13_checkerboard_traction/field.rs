@@ -1,0 +1,222 @@
+//! A stress field in equilibrium, and a fractured block that it loads.
+
+use fracas::contact::JumpStabilization;
+use fracas::elasticity::{Constraints, Elastic, loads};
+use fracas::mesh::{BoxGrid, BuiltMesh, Distort, PlaneFracture, face_geometry};
+use fracas::system::StickSystem;
+use fracas_operators::vector::axpy;
+use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
+use fracas_solvers::saddle::{Racp, SaddleOperator};
+use fracas_solvers::{Prepare, Silent};
+
+/// The rock.
+const ROCK: Elastic = Elastic {
+    young: 25e9,
+    poisson: 0.25,
+};
+
+/// Uniform compression across the fracture [Pa].
+pub(super) const COMPRESSION: f64 = 20e6;
+
+/// Amplitude of the normal traction that varies on it [Pa].
+pub(super) const AMPLITUDE: f64 = 5e6;
+
+/// Phases of the waves along x and y [rad]: no side is a plane of symmetry.
+const PHASES: [f64; 2] = [0.7, 0.3];
+
+/// Largest shift of a node over its cell.
+const DISTORTION: f64 = 0.2;
+
+/// Residual of the saddle point.
+const TOLERANCE: f64 = 1e-10;
+
+/// u = ∇φ/(2G) and σ = ∇∇φ with φ harmonic, so that div σ = 0:
+/// ```text
+/// φ = (P/k²) cos(π x + α) cos(π y + β) e^{kz}      k = √2 π
+/// ```
+/// plus a uniform compression along z without lateral strain. On z = 0: t_N = −σ0 + P cos cos.
+fn potential(x: [f64; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
+    let pi = std::f64::consts::PI;
+    let k = std::f64::consts::SQRT_2 * pi;
+    let (sx, cx) = (pi * x[0] + PHASES[0]).sin_cos();
+    let (sy, cy) = (pi * x[1] + PHASES[1]).sin_cos();
+    let p = AMPLITUDE / (k * k) * (k * x[2]).exp();
+    let gradient = [-pi * p * sx * cy, -pi * p * cx * sy, k * p * cx * cy];
+    let hessian = [
+        [
+            -pi * pi * p * cx * cy,
+            pi * pi * p * sx * sy,
+            -pi * k * p * sx * cy,
+        ],
+        [
+            pi * pi * p * sx * sy,
+            -pi * pi * p * cx * cy,
+            -pi * k * p * cx * sy,
+        ],
+        [
+            -pi * k * p * sx * cy,
+            -pi * k * p * cx * sy,
+            k * k * p * cx * cy,
+        ],
+    ];
+    (gradient, hessian)
+}
+
+/// Displacement [m].
+pub(super) fn displacement(x: [f64; 3]) -> [f64; 3] {
+    let (gradient, _) = potential(x);
+    let shear = ROCK.young / (2.0 * (1.0 + ROCK.poisson));
+    let confined =
+        ROCK.young * (1.0 - ROCK.poisson) / ((1.0 + ROCK.poisson) * (1.0 - 2.0 * ROCK.poisson));
+    let mut u = gradient.map(|g| g / (2.0 * shear));
+    u[2] -= COMPRESSION / confined * x[2];
+    u
+}
+
+/// Stress [Pa].
+pub(super) fn stress(x: [f64; 3]) -> [[f64; 3]; 3] {
+    let (_, mut sigma) = potential(x);
+    let lateral = ROCK.poisson / (1.0 - ROCK.poisson) * COMPRESSION;
+    for (i, pressed) in [lateral, lateral, COMPRESSION].into_iter().enumerate() {
+        sigma[i][i] -= pressed;
+    }
+    sigma
+}
+
+/// What one mesh says.
+pub(super) struct Solved {
+    pub(super) built: BuiltMesh,
+    pub(super) n_u: usize,
+    /// t_N per face [Pa].
+    pub(super) normal: Vec<f64>,
+    /// Root mean square of the nodal errors of u over that of u.
+    pub(super) u_error: f64,
+    pub(super) iterations: usize,
+}
+
+/// The block [0, 1]² × [−½, ½] of n³ cells, cut through at z = 0, its nodes shifted at random (those on the cut within its
+/// plane); displacements given below and above, tractions on the sides, every face in stick.
+pub(super) fn solve(n: usize, stabilization: Option<JumpStabilization>) -> anyhow::Result<Solved> {
+    let mut grid = BoxGrid::uniform([0.0, 0.0, -0.5], [1.0, 1.0, 0.5], [n, n, n]);
+    grid.fractures.push(PlaneFracture::through("cut", 2, 0.0));
+    grid.warps.push(Box::new(Distort {
+        amplitude: DISTORTION,
+        seed: 1,
+        smooth: false,
+        planar: true,
+    }));
+    let built = grid.build()?;
+    let nodes = &built.mesh.nodes;
+    let mut prescribed = vec![None; 3 * nodes.len()];
+    for node in built.sides[4..]
+        .iter()
+        .flatten()
+        .flat_map(|face| face.nodes)
+    {
+        let u = displacement(nodes[node as usize]);
+        (0..3).for_each(|i| prescribed[3 * node as usize + i] = Some(u[i]));
+    }
+    let mut force = vec![0.0; 3 * nodes.len()];
+    for face in built.sides[..4].iter().flatten() {
+        let shape = face_geometry(&face.nodes.map(|a| nodes[a as usize]));
+        let sigma = stress(shape.center);
+        let pull = sigma.map(|row| (0..3).map(|j| row[j] * shape.frame[0][j]).sum());
+        axpy(
+            1.0,
+            &loads::surface_traction(nodes, &[face.nodes], pull),
+            &mut force,
+        );
+    }
+    let constraints = Constraints::new(prescribed);
+    let system = StickSystem {
+        mesh: &built.mesh,
+        fractures: &built.fractures,
+        materials: &[ROCK],
+        constraints: &constraints,
+        stabilization,
+    };
+    let blocks = system.assemble(&force)?;
+    let (n_u, unit) = (blocks.n_u(), blocks.traction_unit());
+    let blocks = blocks.into_traction_unit(unit);
+    let inverse = Racp::default().prepare(&blocks)?;
+    let operator = SaddleOperator::new(&blocks);
+    let rhs = blocks.rhs();
+    let linear = System {
+        operator: &operator,
+        preconditioner: &*inverse,
+        rhs: &rhs,
+    };
+    let criteria = Criteria {
+        relative_tolerance: TOLERANCE,
+        max_iterations: 1000,
+    };
+    let mut x = vec![0.0; rhs.len()];
+    let report = KrylovChoice::default()
+        .method()
+        .solve(&linear, &criteria, &mut x, &mut Silent)?;
+    anyhow::ensure!(
+        report.outcome == Outcome::Converged,
+        "a residual of {:e} is left after {} iterations",
+        report.relative_residual,
+        report.iterations
+    );
+    let (u, t) = x.split_at(n_u);
+    let (mut error, mut norm) = (0.0, 0.0);
+    for (dof, u) in constraints.free().iter().zip(u) {
+        let exact = displacement(nodes[*dof as usize / 3])[*dof as usize % 3];
+        error += (u - exact).powi(2);
+        norm += exact * exact;
+    }
+    Ok(Solved {
+        n_u,
+        normal: t.iter().step_by(3).map(|t| unit * t).collect(),
+        u_error: f64::sqrt(error / norm),
+        iterations: report.iterations,
+        built,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Central difference of u along j.
+    fn slope(x: [f64; 3], i: usize, j: usize) -> f64 {
+        let h = 1e-5;
+        let at = |s: f64| {
+            let mut y = x;
+            y[j] += s * h;
+            displacement(y)[i]
+        };
+        (at(1.0) - at(-1.0)) / (2.0 * h)
+    }
+
+    #[test]
+    fn stress_is_that_of_the_displacement_and_in_equilibrium() {
+        let shear = ROCK.young / (2.0 * (1.0 + ROCK.poisson));
+        let lambda = 2.0 * shear * ROCK.poisson / (1.0 - 2.0 * ROCK.poisson);
+        for x in [[0.1, 0.8, 0.3], [0.6, 0.2, -0.4], [0.9, 0.5, 0.0]] {
+            let divergence: f64 = (0..3).map(|i| slope(x, i, i)).sum();
+            let sigma = stress(x);
+            for i in 0..3 {
+                for j in 0..3 {
+                    let hooke = shear * (slope(x, i, j) + slope(x, j, i))
+                        + if i == j { lambda * divergence } else { 0.0 };
+                    assert!((sigma[i][j] - hooke).abs() < 1e-5 * AMPLITUDE);
+                }
+                let h = 1e-5;
+                let force: f64 = (0..3)
+                    .map(|j| {
+                        let at = |s: f64| {
+                            let mut y = x;
+                            y[j] += s * h;
+                            stress(y)[i][j]
+                        };
+                        (at(1.0) - at(-1.0)) / (2.0 * h)
+                    })
+                    .sum();
+                assert!(force.abs() < 1e-4 * AMPLITUDE, "{force:e} N/m³");
+            }
+        }
+    }
+}

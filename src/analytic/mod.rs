@@ -1,0 +1,18 @@
+//! Problems with known answers: closed forms that the numbers of this project are held against.
+//!
+//! Every form takes and returns SI units, tension positive, and is written from its source, not from the code that it
+//! judges: this room imports nothing of the others.
+
+mod block_sliding;
+mod inclined_crack;
+mod line_crack;
+mod nucleation;
+mod penny_crack;
+mod rock;
+
+pub use block_sliding::{BlockSliding, SlidingState};
+pub use inclined_crack::InclinedCrack;
+pub use line_crack::LineCrack;
+pub use nucleation::LinearWeakening;
+pub use penny_crack::PennyCrack;
+pub use rock::Rock;
