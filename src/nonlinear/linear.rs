@@ -213,12 +213,12 @@ impl Linear {
         states: &[ContactState],
         observer: &mut dyn Observer,
     ) -> Result<bool, LinearFailure> {
-        if self.stick.is_none() {
+        let first = self.stick.is_none();
+        if first {
             let all_stick = vec![ContactState::Stick; states.len()];
             let stick = FaceTangent::STICK;
             self.c = Vec::new();
             self.stick = Some(self.build(problem, &all_stick, |_| stick, observer)?);
-            return Ok(true);
         }
         if let Some(owed) = self.owed.take() {
             let tangent = |f: usize| match owed[f] {
@@ -236,7 +236,7 @@ impl Linear {
             self.built = true;
             return Ok(true);
         }
-        Ok(false)
+        Ok(first)
     }
 
     /// C, S̃_u and the rules of the faces for these states.
