@@ -111,6 +111,44 @@ fn a_sliding_block_follows_its_hysteresis_loop() {
     );
 }
 
+#[test]
+fn a_block_that_weakens_faster_than_the_rock_is_stiff_finds_its_only_state() {
+    let (g, height, end) = (1e10, 3.0, 6e-3);
+    for (distance, steps) in [(1e-4, 1), (1e-4, 20), (2e-3, 7)] {
+        let body = body(
+            SLIDING,
+            &[
+                "fracture.0.cohesion=0 MPa",
+                "fracture.0.dynamic_friction_angle=10 deg",
+                &format!("fracture.0.weakening_distance={distance} m"),
+                &format!("time.steps={steps}"),
+                "time.end=1 s",
+            ],
+        );
+        run(&body, |state, fields, _| {
+            let e = body.fractures.faces[0].frame;
+            let along_x = |v: &[f64]| (0..3).map(|k| v[k] * e[k][0]).sum::<f64>();
+            let (t, slip) = (along_x(&fields.traction), along_x(&fields.jump));
+            // equilibrium of the column, and the limit at this slip
+            let top = end * state.time;
+            assert!((t - g * (top - slip) / height).abs() < 1e-6 * g * end / height);
+            let angle = 30.0 - 20.0 * (slip / distance).min(1.0);
+            let limit = 1e7 * f64::to_radians(angle).tan();
+            assert!(
+                t < limit * (1.0 + 1e-6),
+                "{distance} {steps}: {t} over {limit}"
+            );
+            if state.time == 1.0 {
+                let residual = 1e7 * 10f64.to_radians().tan();
+                assert!(
+                    (t - residual).abs() < 1e-6 * residual,
+                    "{distance} {steps}: {t}"
+                );
+            }
+        });
+    }
+}
+
 /// A block on a plane of 45 deg that is pushed down and cannot but slide.
 const PASSING: &str = r#"
 title = "Passing crack"
@@ -217,4 +255,65 @@ fn faces_go_through_all_states_and_back() {
     assert!(counts.iter().any(|c| c[3] == 25), "all open: {counts:?}");
     assert!(counts.iter().any(|c| c[2] > 0), "some slip: {counts:?}");
     assert_eq!(counts[10][3], 0, "closed at the end: {counts:?}");
+}
+
+/// Gravity balanced by an initial stress, a vertical cut through it.
+const GRAVITY: &str = r#"
+title = "Gravity in equilibrium"
+[mesh]
+x = { from = "-500 m", to = "500 m", cells = 4 }
+y = { from = "0 m", to = "500 m", cells = 2 }
+z = { from = "-1 km", to = "0 m", cells = 8 }
+[[material]]
+name = "rock"
+young = "10 GPa"
+poisson = 0.25
+[[fracture]]
+name = "cut"
+plane = "x"
+at = "0 m"
+friction_angle = "30 deg"
+[body_force]
+z = "-25 kPa/m"
+[initial_stress]
+gradient = { xx = "12.5 kPa/m", yy = "12.5 kPa/m", zz = "25 kPa/m" }
+[[boundary]]
+side = "x-"
+hold = "roller"
+[[boundary]]
+side = "x+"
+hold = "roller"
+[[boundary]]
+side = "y-"
+hold = "roller"
+[[boundary]]
+side = "y+"
+hold = "roller"
+[[boundary]]
+side = "z-"
+hold = "roller"
+"#;
+
+#[test]
+fn gravity_in_equilibrium_moves_a_cut_body_by_what_constant_tractions_miss() {
+    let body = body(GRAVITY, &[]);
+    run(&body, |state, fields, record| {
+        // a column of rock is pressed by ρ g L²/(2 M_c) = 1.04 m under its own weight
+        let moved = state.u.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
+        assert!(moved < 2e-3, "{moved}");
+        assert_eq!(record.faces, [16, 0, 0, 0]);
+        for (face, t) in body
+            .fractures
+            .faces
+            .iter()
+            .zip(fields.traction.chunks_exact(3))
+        {
+            let exact = 12.5e3 * face.center[2];
+            assert!(
+                (t[0] - exact).abs() < 0.02 * 12.5e6,
+                "{} against {exact}",
+                t[0]
+            );
+        }
+    });
 }

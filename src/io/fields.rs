@@ -1,9 +1,8 @@
 //! What is known of a body at one time, as two VTK grids.
 
 use super::grids::{field, write_body, write_fractures};
-use crate::contact::ContactState;
 use crate::elasticity::{ElasticityError, element_stress};
-use crate::nonlinear::FaceFields;
+use crate::nonlinear::{FaceFields, State};
 use crate::scene::Body;
 use std::io::{self, Write};
 
@@ -19,7 +18,7 @@ pub struct Fields<'a> {
 }
 
 impl<'a> Fields<'a> {
-    /// From displacements in full numbering [m], and per face its fields, its state, and how often that changed.
+    /// From displacements in full numbering [m], the fields of the faces, and the state that both belong to.
     ///
     /// # Errors
     /// [`ElasticityError`] for a mesh that has no stresses.
@@ -27,22 +26,28 @@ impl<'a> Fields<'a> {
         body: &'a Body,
         displacement: &'a [f64],
         faces: &'a FaceFields,
-        states: &[ContactState],
-        flips: &[u32],
+        state: &State,
     ) -> Result<Self, ElasticityError> {
-        let initial = |_: usize, x: [f64; 3]| body.initial_stress.map_or([0.0; 6], |s| s.at(x));
+        // σ = σ0 − α Δp I + C ε; what is applied of the loads of time 0 is applied of σ0 as well
+        let initial = |region: usize, x: [f64; 3]| {
+            let (pressure, history) = body.pore_pressures[region];
+            let drained = pressure * body.histories[history].at(state.time);
+            let mut sigma = body.initial_stress.map_or([0.0; 6], |s| s.at(x));
+            (0..3).for_each(|i| sigma[i] -= drained);
+            sigma.map(|s| state.loaded * s)
+        };
         Ok(Self {
             body,
             displacement,
             stress: element_stress(&body.mesh, &body.materials, displacement, initial)?,
             faces,
-            states: states.iter().map(|s| f64::from(s.code())).collect(),
-            flips: flips.iter().map(|n| f64::from(*n)).collect(),
+            states: state.states.iter().map(|s| f64::from(s.code())).collect(),
+            flips: state.flips.iter().map(|n| f64::from(*n)).collect(),
         })
     }
 
-    /// Writes the hexahedra: point vectors `displacement` [m], cell fields `stress` (mean of the element, initial stress
-    /// included, xx, yy, zz, xy, yz, xz [Pa]) and `material`.
+    /// Writes the hexahedra: point vectors `displacement` [m], cell fields `stress` (mean of the element, total: initial
+    /// stress and pore pressure included, xx, yy, zz, xy, yz, xz [Pa]) and `material`.
     ///
     /// # Errors
     /// What the writer says.

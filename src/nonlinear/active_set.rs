@@ -13,6 +13,9 @@ const LOOSE: f64 = 1e-4;
 /// Newton steps that a round may take while states still change.
 const LOOSE_STEPS: usize = 3;
 
+/// Newton steps that a round may take while the limit of the iterate before stands for weakening.
+const LAGGED_STEPS: usize = 60;
+
 /// What an attempt found.
 pub(super) struct Settled {
     pub(super) states: Vec<ContactState>,
@@ -48,11 +51,20 @@ pub(super) fn active_set(
     let loose = Until {
         residual: settings.tolerance.max(LOOSE),
         steps: LOOSE_STEPS.min(settings.max_newton),
+        lagged: false,
     };
     let tight = Until {
         residual: settings.tolerance,
         steps: settings.max_newton,
+        lagged: false,
     };
+    // what the lag of weakening takes: it converges by a factor a step
+    let lagging = Until {
+        steps: LAGGED_STEPS,
+        lagged: true,
+        ..tight
+    };
+    let weakens = attempt.problem.weakens();
     let mut judge = Judge::new(attempt, states.len());
     let mut rounds = Rounds::default();
     let mut h = attempt.problem.stabilization(&states);
@@ -71,10 +83,9 @@ pub(super) fn active_set(
             &mut log.linear,
             observer,
         )?;
-        let zero = if until == tight {
-            settings.state_tolerance
-        } else {
-            settings.state_tolerance.max(LOOSE)
+        let zero = match until == loose {
+            true => settings.state_tolerance.max(LOOSE),
+            false => settings.state_tolerance,
         };
         let changes = judge.changes(&states, &x, &at, zero);
         let step = Step::Round {
@@ -86,8 +97,9 @@ pub(super) fn active_set(
         }
         if changes.is_empty() {
             let converged = residual <= until.residual;
-            match (until == tight, converged) {
-                (true, true) => {
+            until = match converged {
+                true if until == loose => tight,
+                true => {
                     return Ok(Settled {
                         states,
                         x,
@@ -95,15 +107,17 @@ pub(super) fn active_set(
                         traction: judge.traction,
                     });
                 }
-                (true, false) => {
+                false if until == tight && weakens => lagging,
+                false if until == loose && weakens => lagging,
+                false if until == loose => tight,
+                false => {
                     return Err(Failure::Newton {
                         residual,
                         iterations: until.steps,
                         tolerance: until.residual,
                     });
                 }
-                (false, _) => until = tight,
-            }
+            };
             continue;
         }
         until = loose;
@@ -139,7 +153,7 @@ struct Judge<'s> {
     attempt: &'s Attempt<'s>,
     /// Remedy per face.
     treated: Vec<Option<Remedy>>,
-    /// Largest [`traction_scale`] so far [Pa].
+    /// Largest traction so far [Pa].
     traction: f64,
 }
 
@@ -157,7 +171,8 @@ impl<'s> Judge<'s> {
     }
 
     /// Faces that take another state, and which. What counts as zero is `zero` times the largest traction of all rounds so
-    /// far; the first one, with every closed face in stick, shows what the loads could do.
+    /// far (the first one, with every closed face in stick, shows what the loads could do), or the one that would close the largest
+    /// jump at hand.
     fn changes(
         &mut self,
         states: &[ContactState],
@@ -168,8 +183,11 @@ impl<'s> Judge<'s> {
         let problem = self.attempt.problem;
         let hysteresis = problem.body().solver.hysteresis;
         let compliance = problem.compliance();
-        self.traction = self.traction.max(traction_scale(x, at, compliance));
-        let traction = self.traction;
+        let largest = x.t.iter().fold(0.0, |m: f64, t| m.max(t.abs()));
+        self.traction = self.traction.max(largest);
+        // jumps are known relative to the largest of them
+        let gaps = at.jumps.iter().step_by(3).zip(compliance);
+        let traction = gaps.fold(self.traction, |m, (g, c)| m.max(g.abs() / c));
         let mut changes = Vec::new();
         let mut worst: Option<(f64, usize, ContactState)> = None;
         for (f, state) in states.iter().enumerate() {
@@ -221,11 +239,4 @@ fn violation(state: ContactState, face: &FaceMeasure, compliance: f64) -> f64 {
         ContactState::Open => -face.gap / compliance,
         _ => face.t_n.max((face.trial - face.limit).abs()),
     }
-}
-
-/// The largest traction, or the traction that would close the largest normal jump [Pa].
-fn traction_scale(x: &Iterate, at: &Evaluation, compliance: &[f64]) -> f64 {
-    let t = x.t.iter().fold(0.0, |m: f64, t| m.max(t.abs()));
-    let gaps = at.jumps.iter().step_by(3).zip(compliance);
-    gaps.fold(t, |m, (g, c)| m.max(g.abs() / c))
 }

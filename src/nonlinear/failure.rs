@@ -71,10 +71,12 @@ pub enum Failure {
         faces: Vec<usize>,
     },
     /// A block has lost what held it.
-    #[error("with {open} faces open nothing holds the body of {elements} elements around ({:.6}, {:.6}, {:.6}) m: {free} rigid motions are free, so that there is no equilibrium ({reason})", center[0], center[1], center[2])]
+    #[error("with {open} faces open nothing{} holds the body of {elements} elements around ({:.6}, {:.6}, {:.6}) m: {free} rigid motions are free, so that there {} no equilibrium ({reason})", but_slipping(*slipping), center[0], center[1], center[2], if *slipping > 0 { "may be" } else { "is" })]
     Loose {
         /// Open faces.
         open: usize,
+        /// Slipping faces, where the body is loose only without them.
+        slipping: usize,
         /// Elements of the first body that nothing holds.
         elements: usize,
         /// Its centre [m].
@@ -93,6 +95,13 @@ pub enum Failure {
     /// The observer wants to stop.
     #[error("stopped on request")]
     Stopped,
+}
+
+fn but_slipping(faces: usize) -> String {
+    match faces {
+        0 => String::new(),
+        faces => format!(" but {faces} slipping faces"),
+    }
 }
 
 fn first(faces: &[usize]) -> String {

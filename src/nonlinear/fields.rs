@@ -3,6 +3,9 @@
 use super::{ContactProblem, Load};
 use crate::contact::ContactState;
 
+/// Shear that counts as none, relative to the largest traction. Unit: 1.
+const NOISE: f64 = 1e-9;
+
 /// Fields per face, in the order of the faces; vectors are (n, t1, t2).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FaceFields {
@@ -14,7 +17,7 @@ pub struct FaceFields {
     pub slip: Vec<f64>,
     /// g_N of open faces, 0 of closed ones [m].
     pub aperture: Vec<f64>,
-    /// χ = ‖t_T‖/τ_L; 0 where both vanish.
+    /// χ = ‖t_T‖/τ_L: 1 in slip, 0 where open and where the shear is noise.
     pub criticality: Vec<f64>,
     /// τ_L [Pa].
     pub tau_limit: Vec<f64>,
@@ -32,6 +35,7 @@ impl FaceFields {
         pressure: Vec<f64>,
     ) -> Self {
         let jump = problem.jumps(u, load);
+        let largest = t.iter().fold(0.0, |m: f64, t| m.max(t.abs()));
         let mut fields = Self {
             traction: t.to_vec(),
             pressure,
@@ -52,10 +56,14 @@ impl FaceFields {
                 .aperture
                 .push(if open { jump[i].max(0.0) } else { 0.0 });
             fields.tau_limit.push(limit);
-            let criticality = if shear == 0.0 { 0.0 } else { shear / limit };
-            fields
-                .criticality
-                .push(if open { 0.0 } else { criticality });
+            fields.criticality.push(match state {
+                ContactState::Open => 0.0,
+                ContactState::NewSlip | ContactState::Slip => 1.0,
+                ContactState::Stick if shear <= NOISE * largest => 0.0,
+                // no limit at all, and a shear that is more than noise
+                ContactState::Stick if limit <= 0.0 => 1.0,
+                ContactState::Stick => shear / limit,
+            });
         }
         fields.jump = jump;
         fields

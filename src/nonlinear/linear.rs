@@ -111,7 +111,11 @@ impl Linear {
     /// What the next step finds: iterations per digit of the first system, and the states of the preconditioner to keep.
     pub(super) fn carried(&self) -> (f64, Option<Vec<ContactState>>) {
         let slips = |s: &ContactState| matches!(s, ContactState::NewSlip | ContactState::Slip);
-        let present = self.present.as_ref().map(|ready| &ready.states);
+        let present = self
+            .present
+            .as_ref()
+            .map(|ready| &ready.states)
+            .or(self.owed.as_ref());
         let kept = present.filter(|states| !states.iter().any(slips)).cloned();
         (self.reference.unwrap_or(0.0), kept)
     }

@@ -43,6 +43,8 @@ pub(super) struct Until {
     pub(super) residual: f64,
     /// Most steps.
     pub(super) steps: usize,
+    /// The tangent leaves out the derivative of weakening.
+    pub(super) lagged: bool,
 }
 
 /// Solves the equations at fixed `states`, from and to `x`; returns the last evaluation and its relative residual, which may
@@ -67,6 +69,8 @@ pub(super) fn newton(
     let is_linear = states
         .iter()
         .all(|s| matches!(s, ContactState::Stick | ContactState::Open));
+    // an iteration that lags weakening may have to pass a larger residual
+    let fixed_point = until.lagged && problem.weakens();
     let mut correction = vec![0.0; n_u + x.t.len()];
     let (mut at, mut before) = (evaluate(x), f64::INFINITY);
     let mut iteration = 0;
@@ -96,7 +100,7 @@ pub(super) fn newton(
             false => (size / before).powi(2).min(FORCING.0).max(last),
         };
         // J δ = −r
-        let jacobian = problem.jacobian(states, h, &at);
+        let jacobian = problem.jacobian(states, h, &at, until.lagged);
         let solved = linear.solve(
             problem,
             (&jacobian, states),
@@ -145,7 +149,7 @@ pub(super) fn newton(
             at = evaluate(x);
             let new = norm2(&at.residual);
             let lowered = new <= (1.0 - DECREASE * length) * size;
-            if is_linear || lowered || backtrack == BACKTRACKS {
+            if is_linear || fixed_point || lowered || backtrack == BACKTRACKS {
                 break;
             }
             length *= 0.5;

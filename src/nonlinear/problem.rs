@@ -29,7 +29,7 @@ pub struct Load {
 pub struct Start {
     /// Mean jump (n, t1, t2) per face [m].
     pub jump: Vec<f64>,
-    /// Tractions [Pa].
+    /// Tractions that H does not act on [Pa]: t_T at the start of the step, and t_N of the initial stress.
     pub t: Vec<f64>,
 }
 
@@ -41,18 +41,21 @@ pub struct Evaluation {
     /// Mean jump (n, t1, t2) per face [m].
     pub jumps: Vec<f64>,
     rows: Vec<FaceRows>,
+    /// The same with derivatives that leave out weakening, where there is any.
+    lagged: Option<Vec<FaceRows>>,
 }
 
 /// A fractured body whose faces stick, slip or are open; A cell by cell, B face by face.
 ///
 /// Rows of face f: `A_f r` of [`FaceLaw::projected_rows`] on the mean jump `(Bᵀu + prescribed part + gap)/A_f`, less
-/// `H t*` with `t* = (t_N, t_T − t_T at the start)`. The assembled form is
+/// `H t*` with `t* = (t_N − that of the initial stress, t_T − t_T at the start)`. The assembled form is
 /// [`ContactSystem`](crate::jacobian::ContactSystem), and a test holds them together.
 pub struct ContactProblem<'a> {
     body: &'a Body,
     saddle: MatrixFreeSaddle<f64>,
     loads: Loads<'a>,
     compliance: Vec<f64>,
+    weakens: bool,
 }
 
 impl<'a> ContactProblem<'a> {
@@ -71,6 +74,11 @@ impl<'a> ContactProblem<'a> {
                 .iter()
                 .map(|f| face_compliance(&body.mesh, &body.materials, f))
                 .collect(),
+            weakens: body
+                .friction
+                .iter()
+                .flatten()
+                .any(|f| f.weakening.is_some()),
             body,
             saddle,
             loads,
@@ -172,22 +180,23 @@ impl<'a> ContactProblem<'a> {
         b.apply_add(-1.0 / s, t, r_u, &mut work);
         // r_t = −s (A_f r − H t*)
         let jumps = self.jumps(u, load);
-        let rows = self.rows(states, t, &jumps, start);
+        let rows = self.rows(states, t, &jumps, start, false);
+        let weakens = self.weakens && states.iter().any(|s| s.constrained() == 1);
+        let lagged = weakens.then(|| self.rows(states, t, &jumps, start, true));
         for (f, face) in self.faces().iter().enumerate() {
             for k in 0..3 {
                 r_t[3 * f + k] = -s * face.area * rows[f].residual[k];
             }
         }
         if let Some(h) = h {
-            let acting: Vec<f64> = (0..t.len())
-                .map(|i| t[i] - if i % 3 == 0 { 0.0 } else { start.t[i] })
-                .collect();
+            let acting: Vec<f64> = t.iter().zip(&start.t).map(|(t, start)| t - start).collect();
             h.apply_add(1.0 / s, &acting, r_t, &mut work);
         }
         Evaluation {
             residual,
             jumps,
             rows,
+            lagged,
         }
     }
 
@@ -198,10 +207,11 @@ impl<'a> ContactProblem<'a> {
         t: &[f64],
         jumps: &[f64],
         start: &Start,
+        lagged: bool,
     ) -> Vec<FaceRows> {
         let row = |(f, state): (usize, &ContactState)| {
             let (law, point) = self.face(f, t, jumps, start);
-            law.projected_rows(*state, &point)
+            law.projected_rows(*state, &point, lagged)
         };
         states.iter().enumerate().map(row).collect()
     }
@@ -224,13 +234,23 @@ impl<'a> ContactProblem<'a> {
         (law, point)
     }
 
-    /// The Jacobian at an evaluated point.
+    /// True where the friction of a fracture weakens with slip.
+    pub fn weakens(&self) -> bool {
+        self.weakens
+    }
+
+    /// The Jacobian at an evaluated point; `lagged` leaves out the derivative of weakening.
     pub fn jacobian<'s>(
         &'s self,
         states: &[ContactState],
         h: Option<&'s Csr<f64>>,
         at: &Evaluation,
+        lagged: bool,
     ) -> ContactJacobian<'s> {
+        let rows = match &at.lagged {
+            Some(rows) if lagged => rows,
+            _ => &at.rows,
+        };
         let s = self.saddle.unit();
         let tangent = |(face, rows): (&FractureFace, &FaceRows)| FaceTangent {
             by_jump: rows.by_jump,
@@ -243,7 +263,7 @@ impl<'a> ContactProblem<'a> {
             a: self.saddle.stiffness(),
             b: self.saddle.coupling(),
             h,
-            faces: (!all_stick).then(|| self.faces().iter().zip(&at.rows).map(tangent).collect()),
+            faces: (!all_stick).then(|| self.faces().iter().zip(rows).map(tangent).collect()),
         }
     }
 

@@ -19,6 +19,9 @@ use fracas_solvers::Observer;
 /// Relative distance of two times that counts as none.
 const SAME_TIME: f64 = 1e-9;
 
+/// Halvings beyond which a step has no length left.
+const MAX_HALVINGS: usize = 60;
+
 /// Why a body cannot be simulated.
 #[derive(Debug, thiserror::Error)]
 pub enum SimulationError {
@@ -122,7 +125,7 @@ impl<'a> Simulation<'a> {
         observer: &mut dyn Observer,
     ) -> Result<Accepted, Box<StepFailure>> {
         // a run that comes closer and closer to a time without equilibrium ends there
-        let halvings = self.problem.body().solver.max_cuts as i32;
+        let halvings = self.problem.body().solver.max_cuts.min(MAX_HALVINGS) as i32;
         let shortest = match state.loaded < 1.0 {
             true => 0.5f64.powi(halvings),
             false => self.table().1 * 0.5f64.powi(halvings),
@@ -170,29 +173,33 @@ impl<'a> Simulation<'a> {
     /// A failure with open faces may mean that a body is held by nothing: then that is the reason.
     fn explained(&self, reason: Failure, states: &[ContactState]) -> Failure {
         let body = self.problem.body();
-        let closed = |f: &usize| states[*f] != ContactState::Open;
-        let faces: Vec<_> = (0..states.len())
-            .filter(closed)
-            .map(|f| body.fractures.faces[f].clone())
-            .collect();
-        let open = states.len() - faces.len();
-        let joined = FractureMesh {
-            faces,
-            ..FractureMesh::default()
-        };
-        let parts = match matches!(reason, Failure::Stopped) || open == 0 {
-            true => Vec::new(),
-            false => bodies(&body.mesh, &joined, &body.prescribed()),
-        };
-        for part in parts {
-            if let Hold::Nothing { free } = part.hold {
-                return Failure::Loose {
-                    open,
-                    elements: part.elements,
-                    center: part.center,
-                    free,
-                    reason: Box::new(reason),
-                };
+        let [_, new_slip, slip, open] = count(states);
+        // what open faces let go, then what nothing but slipping faces hold
+        for slipping in [0, new_slip + slip] {
+            let holds = |f: &usize| match states[*f] {
+                ContactState::Stick => true,
+                ContactState::Open => false,
+                ContactState::NewSlip | ContactState::Slip => slipping == 0,
+            };
+            let faces = (0..states.len()).filter(holds);
+            let joined = FractureMesh {
+                faces: faces.map(|f| body.fractures.faces[f].clone()).collect(),
+                ..FractureMesh::default()
+            };
+            if matches!(reason, Failure::Stopped) || joined.faces.len() == states.len() {
+                continue;
+            }
+            for part in bodies(&body.mesh, &joined, &body.prescribed()) {
+                if let Hold::Nothing { free } = part.hold {
+                    return Failure::Loose {
+                        open,
+                        slipping,
+                        elements: part.elements,
+                        center: part.center,
+                        free,
+                        reason: Box::new(reason),
+                    };
+                }
             }
         }
         reason
@@ -244,15 +251,19 @@ impl<'a> Simulation<'a> {
         // tractions of the initial stress come with the loads of time 0
         let mut t = state.t.clone();
         axpy(target.loaded - state.loaded, &self.initial_traction, &mut t);
+        let mut reference = t.clone();
+        for (r, t0) in reference.iter_mut().zip(&self.initial_traction).step_by(3) {
+            *r = target.loaded * t0;
+        }
         let start = Start {
             jump: problem.jumps(&state.u, &before),
-            t,
+            t: reference,
         };
         let attempt = Attempt {
             problem,
             start: &start,
             load: &load,
-            scale: self.scale(&start.t, [&before, &load]).max(state.force),
+            scale: self.scale(&t, [&before, &load]).max(state.force),
             traction: state.traction,
             step: state.step,
             attempt: *attempts,
@@ -260,7 +271,7 @@ impl<'a> Simulation<'a> {
         *attempts += 1;
         let x = Iterate {
             u: state.u.clone(),
-            t: start.t.clone(),
+            t,
         };
         let settled = active_set(&attempt, states, x, &mut self.linear, log, observer)?;
         Ok((settled, load))
@@ -293,7 +304,13 @@ impl<'a> Simulation<'a> {
         }
         let (end, nominal) = self.table();
         let done = (state.time / nominal + SAME_TIME).floor();
-        let next = (nominal * (done + 1.0)).min(end);
+        let steps = self
+            .problem
+            .body()
+            .time
+            .map_or(1.0, |time| f64::from(time.steps));
+        // end · n/steps, the last one exactly the end
+        let next = end * ((done + 1.0) / steps).min(1.0);
         let time = state.time + increment;
         Target {
             time: if time >= next - SAME_TIME * nominal {

@@ -15,7 +15,7 @@ pub struct State {
     pub next: f64,
     /// Largest force that loads or tractions had so far, ‖·‖₂ [N]; residuals are relative to it.
     pub force: f64,
-    /// Largest traction that a face had, or that its normal jump would cost, so far [Pa]; states are judged relative to it.
+    /// Largest traction that a face had so far, rounds of the active set included [Pa]; states are judged relative to it.
     pub traction: f64,
     /// Krylov iterations per digit of the first linear system of the run, 0 before it; others are judged against it.
     pub krylov: f64,

@@ -25,6 +25,14 @@ pub(super) fn require_regular(scene: &str, body: &Body) -> anyhow::Result<()> {
     )
 }
 
+/// What a run says of such tractions: loads do not reach them, and they stay at those of the initial stress.
+pub(super) fn undetermined(scene: &str, body: &Body) -> Option<String> {
+    let error = require_regular(scene, body).err()?;
+    Some(format!(
+        "{error}; such tractions stay at those of the initial stress"
+    ))
+}
+
 /// The same for a kernel that is known already.
 pub(super) fn judge(scene: &str, body: &Body, kernel: &CouplingKernel) -> anyhow::Result<()> {
     if kernel.stabilized_dimension == 0 {

@@ -84,13 +84,7 @@ impl Going<'_> {
         }
         let displacement = self.simulation.displacement(state);
         let faces = self.simulation.face_fields(state);
-        let fields = Fields::new(
-            self.body,
-            &displacement,
-            &faces,
-            &state.states,
-            &state.flips,
-        )?;
+        let fields = Fields::new(self.body, &displacement, &faces, state)?;
         self.tree.collection.add(step, state.time, &fields)
     }
 

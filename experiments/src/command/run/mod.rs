@@ -64,7 +64,9 @@ impl Run {
         let mut progress = Progress::new();
         progress.say(&format!("{}: meshing", scene.title()));
         let body = scene.build()?;
-        rank::require_regular(&self.scene, &body)?;
+        if let Some(sentence) = rank::undetermined(&self.scene, &body) {
+            progress.say(&sentence);
+        }
         let fingerprint = Fingerprint::new(&body, &physics(&scene)?);
         // before anything is assembled
         let started = match &checkpoint {
