@@ -1,7 +1,11 @@
 //! Why a step could not be done.
 
+use super::record::count;
+use crate::contact::ContactState;
 use crate::elasticity::ElasticityError;
 use crate::matrix_free::MatrixFreeError;
+use crate::mesh::{FractureMesh, Hold, bodies};
+use crate::scene::Body;
 use fracas_solvers::SetupError;
 use fracas_solvers::krylov::Breakdown;
 
@@ -112,6 +116,40 @@ fn first(faces: &[usize]) -> String {
 }
 
 impl Failure {
+    /// A failure with open faces may mean that a body is held by nothing: then that is the reason.
+    pub(super) fn explained(self, body: &Body, states: &[ContactState]) -> Self {
+        let [_, new_slip, slip, open] = count(states);
+        // what open faces let go, then what nothing but slipping faces hold
+        for slipping in [0, new_slip + slip] {
+            let holds = |f: &usize| match states[*f] {
+                ContactState::Stick => true,
+                ContactState::Open => false,
+                ContactState::NewSlip | ContactState::Slip => slipping == 0,
+            };
+            let faces = (0..states.len()).filter(holds);
+            let joined = FractureMesh {
+                faces: faces.map(|f| body.fractures.faces[f].clone()).collect(),
+                ..FractureMesh::default()
+            };
+            if matches!(self, Self::Stopped) || joined.faces.len() == states.len() {
+                continue;
+            }
+            for part in bodies(&body.mesh, &joined, &body.prescribed()) {
+                if let Hold::Nothing { free } = part.hold {
+                    return Self::Loose {
+                        open,
+                        slipping,
+                        elements: part.elements,
+                        center: part.center,
+                        free,
+                        reason: Box::new(self),
+                    };
+                }
+            }
+        }
+        self
+    }
+
     /// True where a shorter step may help.
     pub(super) fn may_be_cut(&self) -> bool {
         !matches!(

@@ -84,3 +84,15 @@ fn prescribed(body: &Body, factor: impl Fn(usize) -> f64) -> Constraints {
     body.constraints
         .with_values(|i, u| u * factor(histories[i]))
 }
+
+/// `R σ0 n` at the centre of every face, R the frame (n, t1, t2) [Pa].
+pub(super) fn initial_traction(body: &Body) -> Vec<f64> {
+    let of_face = |face: &crate::mesh::FractureFace| -> [f64; 3] {
+        let [xx, yy, zz, xy, yz, xz] = body.initial_stress.map_or([0.0; 6], |s| s.at(face.center));
+        let sigma = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let pull = sigma.map(|row| dot(row, face.frame[0]));
+        face.frame.map(|e| dot(e, pull))
+    };
+    body.fractures.faces.iter().flat_map(of_face).collect()
+}

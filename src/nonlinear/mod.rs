@@ -22,6 +22,7 @@ mod newton;
 mod problem;
 mod record;
 mod simulation;
+mod springs;
 mod state;
 mod state_inverse;
 

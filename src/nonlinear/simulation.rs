@@ -2,15 +2,16 @@
 
 use super::active_set::{Log, Settled, active_set};
 use super::linear::Linear;
+use super::loads::initial_traction;
 use super::newton::{Attempt, Iterate};
 use super::record::count;
+use super::springs::SpringMethod;
 use super::{
     Accepted, ContactProblem, Event, FaceFields, Failure, Load, RunPreconditioner, Start, State,
     StepFailure, StepRecord,
 };
 use crate::contact::ContactState;
 use crate::elasticity::ElasticityError;
-use crate::mesh::{FractureMesh, Hold, bodies};
 use crate::scene::Body;
 use fracas_operators::LinearOperator;
 use fracas_operators::vector::{axpy, norm2};
@@ -42,6 +43,8 @@ pub enum SimulationError {
 pub struct Simulation<'a> {
     problem: ContactProblem<'a>,
     linear: Linear,
+    /// What takes the place of multipliers, if anything does.
+    springs: Option<SpringMethod>,
     /// Tractions of the initial stress: the start of the equilibrium at time 0 [Pa].
     initial_traction: Vec<f64>,
 }
@@ -67,8 +70,10 @@ impl<'a> Simulation<'a> {
             });
         }
         let problem = ContactProblem::new(body)?;
+        let linear = Linear::new(&problem);
         Ok(Self {
-            linear: Linear::new(&problem),
+            springs: SpringMethod::new(&problem, linear.settings()),
+            linear,
             initial_traction: initial_traction(body),
             problem,
         })
@@ -132,7 +137,10 @@ impl<'a> Simulation<'a> {
         };
         let (mut log, mut attempts, mut cuts) = (Log::default(), 0, 0);
         let mut increment = state.next;
-        self.linear.begin_step(state);
+        match &mut self.springs {
+            Some(springs) => springs.begin_step(state.prepared.as_ref()),
+            None => self.linear.begin_step(state),
+        }
         loop {
             let target = self.target(state, increment);
             let outcome = self.attempt_twice(state, target, &mut attempts, &mut log, observer);
@@ -161,48 +169,13 @@ impl<'a> Simulation<'a> {
                             false => "s",
                         },
                         cuts,
-                        reason: self.explained(reason, &log.states),
+                        reason: reason.explained(self.problem.body(), &log.states),
                         linear: log.linear,
                         events: log.events,
                     }));
                 }
             }
         }
-    }
-
-    /// A failure with open faces may mean that a body is held by nothing: then that is the reason.
-    fn explained(&self, reason: Failure, states: &[ContactState]) -> Failure {
-        let body = self.problem.body();
-        let [_, new_slip, slip, open] = count(states);
-        // what open faces let go, then what nothing but slipping faces hold
-        for slipping in [0, new_slip + slip] {
-            let holds = |f: &usize| match states[*f] {
-                ContactState::Stick => true,
-                ContactState::Open => false,
-                ContactState::NewSlip | ContactState::Slip => slipping == 0,
-            };
-            let faces = (0..states.len()).filter(holds);
-            let joined = FractureMesh {
-                faces: faces.map(|f| body.fractures.faces[f].clone()).collect(),
-                ..FractureMesh::default()
-            };
-            if matches!(reason, Failure::Stopped) || joined.faces.len() == states.len() {
-                continue;
-            }
-            for part in bodies(&body.mesh, &joined, &body.prescribed()) {
-                if let Hold::Nothing { free } = part.hold {
-                    return Failure::Loose {
-                        open,
-                        slipping,
-                        elements: part.elements,
-                        center: part.center,
-                        free,
-                        reason: Box::new(reason),
-                    };
-                }
-            }
-        }
-        reason
     }
 
     /// Closed faces in stick; if that fails, every face in stick.
@@ -273,7 +246,10 @@ impl<'a> Simulation<'a> {
             u: state.u.clone(),
             t,
         };
-        let settled = active_set(&attempt, states, x, &mut self.linear, log, observer)?;
+        let settled = match &mut self.springs {
+            Some(springs) => springs.attempt(&attempt, states, x, log, observer)?,
+            None => active_set(&attempt, states, x, &mut self.linear, log, observer)?,
+        };
         Ok((settled, load))
     }
 
@@ -386,7 +362,10 @@ impl<'a> Simulation<'a> {
             reuses: log.linear.len() - setups,
             ..StepRecord::default()
         };
-        let (krylov, prepared) = self.linear.carried();
+        let (krylov, prepared) = match &self.springs {
+            Some(springs) => (0.0, springs.carried()),
+            None => self.linear.carried(),
+        };
         let mut flips = before.flips.clone();
         for (f, face) in self.problem.faces().iter().enumerate() {
             if states[f] != before.states[f] {
@@ -444,16 +423,4 @@ impl<'a> Simulation<'a> {
             .prescribed_at(state.time, state.loaded)
             .expand(&state.u)
     }
-}
-
-/// `R σ0 n` at the centre of every face, R the frame (n, t1, t2) [Pa].
-fn initial_traction(body: &Body) -> Vec<f64> {
-    let of_face = |face: &crate::mesh::FractureFace| -> [f64; 3] {
-        let [xx, yy, zz, xy, yz, xz] = body.initial_stress.map_or([0.0; 6], |s| s.at(face.center));
-        let sigma = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
-        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        let pull = sigma.map(|row| dot(row, face.frame[0]));
-        face.frame.map(|e| dot(e, pull))
-    };
-    body.fractures.faces.iter().flat_map(of_face).collect()
 }

@@ -12,7 +12,7 @@ use super::mesh_sections::{AxisName, FractureSection};
 use super::sections::SceneSections;
 use super::source::Source;
 use super::{
-    Body, Friction, InitialStress, Problem, SceneError, SolverSection, TimeTable, Weakening,
+    Body, Friction, InitialStress, Method, Problem, SceneError, SolverSection, TimeTable, Weakening,
 };
 use crate::elasticity::{Constraints, Elastic};
 use crate::mesh::{BoxGrid, BuiltMesh, Hold, MAX_NODES, MeshError, bodies};
@@ -266,6 +266,11 @@ fn time_table(
 fn solver(sections: &SceneSections) -> Result<SolverSection, Located> {
     let solver = sections.solver.unwrap_or_default();
     let share = |v: f64| v > 0.0 && v < 1.0;
+    let (factor, updates) = match solver.method {
+        Method::Lagrange => (1.0, 1),
+        Method::Penalty(penalty) => (penalty.factor, 1),
+        Method::AugmentedLagrangian(method) => (method.factor, method.max_updates),
+    };
     for (key, value, admitted, requirement) in [
         (
             "tolerance",
@@ -303,6 +308,13 @@ fn solver(sections: &SceneSections) -> Result<SolverSection, Located> {
             solver.max_krylov > 0,
             "at least 1",
         ),
+        (
+            "method",
+            factor,
+            factor > 0.0 && factor.is_finite(),
+            "a factor more than 0",
+        ),
+        ("method", updates as f64, updates > 0, "at least 1 update"),
     ] {
         if !admitted {
             let problem = Problem::SolverValue {

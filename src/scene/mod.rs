@@ -34,7 +34,9 @@ pub use sections::{
     BoundarySection, BoxSection, ComponentsSection, HoldSection, InitialStressSection,
     MaterialSection, SceneSections, SideName, TensorSection,
 };
-pub use solver_section::{RunInner, SolverSection, TimeSection};
+pub use solver_section::{
+    AugmentedLagrangian, Method, Penalty, RunInner, SolverSection, TimeSection,
+};
 
 use crate::mesh::GmshFile;
 use source::Source;

@@ -22,6 +22,52 @@ pub struct TimeSection {
     pub history: Option<Vec<(Measure<Duration>, f64)>>,
 }
 
+/// How contact is enforced. Written as `"lagrange"` or `{ penalty = { factor = 1e3 } }`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    /// Tractions are Lagrange multipliers of closed faces: contact holds exactly.
+    #[default]
+    Lagrange,
+    /// Tractions are those of springs in the faces: displacements are the only unknowns, closed faces overlap and give.
+    Penalty(Penalty),
+    /// Springs around multipliers that are updated until the overlap vanishes (Uzawa).
+    AugmentedLagrangian(AugmentedLagrangian),
+}
+
+/// Springs in the faces.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Penalty {
+    /// Stiffness of a face times its local compliance: 1 is about as stiff as the rock beside it. Unit: 1.
+    pub factor: f64,
+}
+
+impl Default for Penalty {
+    fn default() -> Self {
+        Self { factor: 1e2 }
+    }
+}
+
+/// Springs in the faces around multipliers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct AugmentedLagrangian {
+    /// As [`Penalty::factor`]. Unit: 1.
+    pub factor: f64,
+    /// Updates of the multipliers in one attempt at a step.
+    pub max_updates: usize,
+}
+
+impl Default for AugmentedLagrangian {
+    fn default() -> Self {
+        Self {
+            factor: 1e1,
+            max_updates: 200,
+        }
+    }
+}
+
 /// Active set, Newton and Krylov.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -40,6 +86,8 @@ pub struct SolverSection {
     pub max_krylov: usize,
     /// Halvings of the nominal step before the run gives up.
     pub max_cuts: usize,
+    /// How contact is enforced: `lagrange`, or `penalty` and `augmented_lagrangian` to compare with.
+    pub method: Method,
     /// Inner solver of the preconditioner.
     pub inner: RunInner,
     /// The preconditioner in full, in place of `inner`.
@@ -73,6 +121,7 @@ impl Default for SolverSection {
             max_newton: 15,
             max_krylov: 400,
             max_cuts: 8,
+            method: Method::Lagrange,
             inner: RunInner::Auto,
             racp: None,
         }

@@ -24,7 +24,7 @@ pub mod simple;
 mod unit;
 
 pub use crate::DofCoordinate;
-pub use augmentation::{Augmentation, AugmentationChoice, AugmentationMatrix};
+pub use augmentation::{Augmentation, AugmentationChoice, AugmentationMatrix, Block};
 pub use augmented_lagrangian::{AugmentedLagrangian, AugmentedLagrangianInverse};
 pub use block_diagonal::{BlockDiagonal, BlockDiagonalInverse};
 pub use block_triangular::{BlockTriangular, BlockTriangularInverse};

@@ -1,0 +1,219 @@
+//! A face as springs around multipliers.
+
+use crate::contact::{ContactState, Friction};
+use fracas_solvers::saddle::Block;
+
+/// Stiffness that the preconditioner gives a direction in which a face has none or less, times the local stiffness. Unit: 1.
+const FLOOR: f64 = 0.1;
+
+/// Springs of stiffness κ per area around multipliers λ, with Coulomb's return:
+/// ```text
+/// t_N = min(λ_N + κ g_N, 0)
+/// w   = λ_T + κ Δg_T        t_T = w min(1, τ_L(t_N, ‖g_T‖)/‖w‖)
+/// ```
+/// The states follow: open where λ_N + κ g_N > 0, slip where ‖w‖ > τ_L, stick elsewhere.
+///
+/// # Source
+/// J. C. Simo, T. A. Laursen, Comput. Struct. 42 (1992) 97–116 (augmented Lagrangian; penalty is λ held at its start).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SpringLaw {
+    /// κ [Pa/m].
+    pub(super) stiffness: f64,
+    /// λ = (λ_N, λ_1, λ_2) [Pa].
+    pub(super) multiplier: [f64; 3],
+    /// Coulomb friction.
+    pub(super) friction: Friction,
+}
+
+/// What the springs of a face do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Spring {
+    pub(super) state: ContactState,
+    /// t [Pa].
+    pub(super) traction: [f64; 3],
+    /// K = ∂t/∂g [Pa/m]; unsymmetric in slip: the limit follows the normal traction.
+    pub(super) tangent: Block,
+    /// m, in slip.
+    direction: [f64; 2],
+    /// Stiffness across m, κ τ_L/‖w‖, in slip [Pa/m].
+    across: f64,
+}
+
+impl SpringLaw {
+    /// At the jump (g_N, Δg_1, Δg_2), tangential jump (g_1, g_2) at the start of the step [m]. A `held` face that sticks
+    /// or is open stays so, whatever its springs say.
+    pub(super) fn at(&self, jump: [f64; 3], start: [f64; 2], held: Option<ContactState>) -> Spring {
+        let kappa = self.stiffness;
+        let [normal, w1, w2] = std::array::from_fn(|k| self.multiplier[k] + kappa * jump[k]);
+        let mut spring = Spring::held(ContactState::Open);
+        let stick = held == Some(ContactState::Stick);
+        if held == Some(ContactState::Open) || (normal > 0.0 && !stick) {
+            return spring;
+        }
+        spring.traction[0] = normal;
+        spring.tangent[0][0] = kappa;
+        let g = [start[0] + jump[1], start[1] + jump[2]];
+        let slip = g[0].hypot(g[1]);
+        let (limit, size) = (self.friction.limit(normal, slip), w1.hypot(w2));
+        if stick || size <= limit {
+            spring.state = ContactState::Stick;
+            spring.traction[1..].copy_from_slice(&[w1, w2]);
+            (1..3).for_each(|k| spring.tangent[k][k] = kappa);
+            return spring;
+        }
+        spring.state = ContactState::Slip;
+        let m = [w1 / size, w2 / size];
+        spring.direction = m;
+        spring.across = kappa * limit / size;
+        let by_normal = self.friction.by_normal(normal, slip);
+        let by_slip = self.friction.by_slip(normal, slip);
+        for i in 0..2 {
+            // t_T = τ_L m,  ∂m/∂w = (I − m mᵀ)/‖w‖
+            spring.traction[1 + i] = limit * m[i];
+            spring.tangent[1 + i][0] = kappa * by_normal * m[i];
+            for j in 0..2 {
+                let one = f64::from(u8::from(i == j));
+                let along = if slip > 0.0 {
+                    by_slip * g[j] / slip
+                } else {
+                    0.0
+                };
+                spring.tangent[1 + i][1 + j] = spring.across * (one - m[i] * m[j]) + m[i] * along;
+            }
+        }
+        spring
+    }
+}
+
+impl Spring {
+    /// A face held in stick or open, without a traction: what a preconditioner is made of.
+    pub(super) fn held(state: ContactState) -> Self {
+        Self {
+            state,
+            traction: [0.0; 3],
+            tangent: [[0.0; 3]; 3],
+            direction: [0.0; 2],
+            across: 0.0,
+        }
+    }
+
+    /// True for a slip against the slip of `other`.
+    pub(super) fn reverses(&self, other: &Self) -> bool {
+        let [a, b] = [self.direction, other.direction];
+        a[0] * b[0] + a[1] * b[1] < 0.0
+    }
+
+    /// Inverse of the symmetric part of K without weakening, no direction softer than a tenth of the local stiffness 1/ω
+    /// [m/Pa]: what S_u is built of.
+    pub(super) fn compliance(&self, stiffness: f64, omega: f64) -> Block {
+        let floor = FLOOR / omega;
+        let soft = |k: f64| 1.0 / k.max(floor);
+        let mut c = [[0.0; 3]; 3];
+        match self.state {
+            ContactState::Open => (0..3).for_each(|k| c[k][k] = 1.0 / floor),
+            ContactState::Slip | ContactState::NewSlip => {
+                let m = self.direction;
+                c[0][0] = soft(stiffness);
+                for i in 0..2 {
+                    for j in 0..2 {
+                        let one = f64::from(u8::from(i == j));
+                        let (along, rest) = (m[i] * m[j], one - m[i] * m[j]);
+                        c[1 + i][1 + j] = along / floor + rest * soft(self.across);
+                    }
+                }
+            }
+            ContactState::Stick => (0..3).for_each(|k| c[k][k] = soft(stiffness)),
+        }
+        c
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::Weakening;
+
+    const LAW: SpringLaw = SpringLaw {
+        stiffness: 4e10,
+        multiplier: [-2e6, 3e5, -1e5],
+        friction: Friction {
+            angle: 0.5,
+            cohesion: 2e5,
+            weakening: Some(Weakening {
+                angle: 0.3,
+                distance: 4e-3,
+            }),
+        },
+    };
+    const START: [f64; 2] = [3e-4, 2e-4];
+
+    #[test]
+    fn tangents_are_derivatives_in_every_state() {
+        for (jump, state) in [
+            ([-1e-5, 1e-6, 2e-6], ContactState::Stick),
+            ([-1e-5, 3e-4, -1e-4], ContactState::Slip),
+            ([1e-4, 3e-4, -1e-4], ContactState::Open),
+        ] {
+            let spring = LAW.at(jump, START, None);
+            assert_eq!(spring.state, state);
+            for j in 0..3 {
+                let h = 1e-10;
+                let moved = |s: f64| {
+                    let mut g = jump;
+                    g[j] += s;
+                    LAW.at(g, START, None).traction
+                };
+                let (plus, minus) = (moved(h), moved(-h));
+                for i in 0..3 {
+                    let difference = (plus[i] - minus[i]) / (2.0 * h);
+                    let error = (difference - spring.tangent[i][j]).abs() / LAW.stiffness;
+                    assert!(error < 1e-6, "{state:?} {i} {j}: {error:e}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn tractions_obey_coulomb_and_signorini() {
+        for k in 0..200 {
+            let x = f64::from(k);
+            let jump = [x.sin(), (1.7 * x).cos(), (2.3 * x).sin()].map(|v| 1e-4 * v);
+            let spring = LAW.at(jump, START, None);
+            let [n, t1, t2] = spring.traction;
+            let slip = (START[0] + jump[1]).hypot(START[1] + jump[2]);
+            assert!(n <= 0.0);
+            assert!(t1.hypot(t2) <= LAW.friction.limit(n, slip) * (1.0 + 1e-14));
+            if spring.state == ContactState::Open {
+                assert_eq!(spring.traction, [0.0; 3]);
+            }
+        }
+    }
+
+    #[test]
+    fn the_compliance_is_the_inverse_of_a_symmetric_tangent() {
+        // without friction by pressure and weakening, and above the floor, K is symmetric but for the rank along m
+        let law = SpringLaw {
+            friction: Friction {
+                angle: 0.0,
+                cohesion: 2e5,
+                weakening: None,
+            },
+            ..LAW
+        };
+        let omega = 1e-10;
+        let spring = law.at([-1e-5, 4e-6, -1e-6], START, None);
+        assert_eq!(spring.state, ContactState::Slip);
+        let c = spring.compliance(law.stiffness, omega);
+        let m = [0.0, spring.direction[0], spring.direction[1]];
+        for i in 0..3 {
+            for j in 0..3 {
+                // C (K + floor m mᵀ) = I
+                let product: f64 = (0..3)
+                    .map(|k| c[i][k] * (spring.tangent[k][j] + FLOOR / omega * m[k] * m[j]))
+                    .sum();
+                let one = f64::from(u8::from(i == j));
+                assert!((product - one).abs() < 1e-10, "{i} {j}: {product}");
+            }
+        }
+    }
+}

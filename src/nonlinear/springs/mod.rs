@@ -1,0 +1,152 @@
+//! The alternatives to Lagrange multipliers: springs in the faces, alone or around multipliers.
+//!
+//! | method | tractions | what it costs |
+//! |---|---|---|
+//! | penalty | `t = P(λ + κ g)`, λ those of the initial stress and of the start of the step | faces overlap and give by O(1/κ); `A + B κ Bᵀ` has a condition number O(κ) |
+//! | augmented Lagrangian | the same, `λ ← t` until the overlap vanishes (Uzawa) | one non-linear problem per update |
+//!
+//! P is the return to Coulomb's cone. One traction per face, as for multipliers, but no jump stabilization: springs leave
+//! no traction without stiffness.
+
+mod law;
+mod linear;
+mod newton;
+mod operator;
+
+use super::active_set::{Log, Settled};
+use super::newton::{Attempt, Iterate};
+use super::{ContactProblem, Failure, RunPreconditioner};
+use crate::contact::ContactState;
+use crate::scene::{AugmentedLagrangian, Method};
+use fracas_solvers::{Observer, Step};
+use linear::SpringLinear;
+use newton::{Springs, newton};
+
+/// Steps of a body whose faces are held by springs.
+pub(super) struct SpringMethod {
+    /// κ per face [Pa/m].
+    stiffness: Vec<f64>,
+    /// Updates of the multipliers; `None` for a penalty.
+    max_updates: Option<usize>,
+    linear: SpringLinear,
+}
+
+impl SpringMethod {
+    /// What the scene asks for, `None` for Lagrange multipliers; the inner solver of the preconditioner is that of rock and
+    /// springs.
+    pub(super) fn new(
+        problem: &ContactProblem<'_>,
+        preconditioner: RunPreconditioner,
+    ) -> Option<Self> {
+        let solver = problem.body().solver;
+        let (factor, max_updates) = match solver.method {
+            Method::Lagrange => return None,
+            Method::Penalty(penalty) => (penalty.factor, None),
+            Method::AugmentedLagrangian(AugmentedLagrangian {
+                factor,
+                max_updates,
+            }) => (factor, Some(max_updates)),
+        };
+        let compliance = problem.compliance().iter();
+        Some(Self {
+            stiffness: compliance.map(|omega| factor / omega).collect(),
+            max_updates,
+            linear: SpringLinear::new(preconditioner, solver.max_krylov),
+        })
+    }
+
+    /// A step begins from a body that a preconditioner for these states was kept for.
+    pub(super) fn begin_step(&mut self, prepared: Option<&Vec<ContactState>>) {
+        self.linear.begin_step(prepared);
+    }
+
+    /// The states of the preconditioner that the next step finds.
+    pub(super) fn carried(&self) -> Option<Vec<ContactState>> {
+        self.linear.carried()
+    }
+
+    /// One attempt at a step from these states, displacements and tractions.
+    pub(super) fn attempt(
+        &mut self,
+        attempt: &Attempt<'_>,
+        mut states: Vec<ContactState>,
+        Iterate { mut u, t }: Iterate,
+        log: &mut Log,
+        observer: &mut dyn Observer,
+    ) -> Result<Settled, Failure> {
+        // a penalty counts the overlap from the unloaded body, slip from the start of the step
+        let mut multiplier = match self.max_updates {
+            None => attempt.start.t.clone(),
+            Some(_) => t,
+        };
+        let mut traction = attempt.traction;
+        let compliance = attempt.problem.compliance();
+        let mut update = 0;
+        loop {
+            log.rounds += 1;
+            let faces = Springs {
+                stiffness: &self.stiffness,
+                multiplier: &multiplier,
+            };
+            let linear = (&mut self.linear, update);
+            let (at, largest) = newton(
+                attempt,
+                &faces,
+                linear,
+                &states,
+                &mut u,
+                &mut log.linear,
+                observer,
+            )?;
+            states = at.states();
+            let t = at.tractions();
+            traction = traction.max(largest);
+            let wrong = match self.max_updates {
+                None => Vec::new(),
+                Some(_) => self.wrong(attempt, &multiplier, &t, at.scale(compliance, traction)),
+            };
+            let step = Step::Round {
+                round: update + 1,
+                changed: wrong.len(),
+            };
+            if observer.observe(&step).is_break() {
+                return Err(Failure::Stopped);
+            }
+            if wrong.is_empty() {
+                return Ok(Settled {
+                    states,
+                    x: Iterate { u, t },
+                    force: attempt.scale,
+                    traction,
+                });
+            }
+            if self.max_updates.is_some_and(|most| update + 1 >= most) {
+                return Err(Failure::ActiveSet {
+                    rounds: update + 1,
+                    faces: wrong,
+                });
+            }
+            multiplier = t;
+            update += 1;
+        }
+    }
+
+    /// Faces whose overlap or slip error `‖t − λ‖/κ` is more than a face in stick may have.
+    fn wrong(
+        &self,
+        attempt: &Attempt<'_>,
+        multiplier: &[f64],
+        t: &[f64],
+        traction: f64,
+    ) -> Vec<usize> {
+        let problem = attempt.problem;
+        let zero = problem.body().solver.state_tolerance * traction;
+        let error = |f: usize| {
+            let d = |k: usize| t[3 * f + k] - multiplier[3 * f + k];
+            d(0).abs().max(d(1).hypot(d(2))) / self.stiffness[f]
+        };
+        (0..problem.faces().len())
+            .filter(|f| error(*f) > zero * problem.compliance()[*f])
+            .collect()
+    }
+}

@@ -1,0 +1,202 @@
+//! Newton's method for rock and springs: states follow the springs within it.
+
+use super::law::{Spring, SpringLaw};
+use super::linear::SpringLinear;
+use crate::contact::ContactState;
+use crate::nonlinear::newton::{Attempt, relative};
+use crate::nonlinear::{Failure, LinearRecord};
+use fracas_operators::LinearOperator;
+use fracas_operators::vector::{axpy, norm2};
+use fracas_solvers::{Observer, Step};
+
+/// Steps that are taken in full where a face changes its state or reverses its slip.
+const FULL: usize = 12;
+
+/// Halvings of a correction that the line search tries.
+const BACKTRACKS: usize = 6;
+
+/// Least relative decrease of the residual for a share of the correction (Armijo). Unit: 1.
+const DECREASE: f64 = 1e-4;
+
+/// Largest relative residual of a linear solve, and share of the asked residual for the last one. Unit: 1.
+///
+/// Stiff springs make false slip of small errors: with 1e-2 instead of 1e-4 springs of κω = 1e4 lose their way.
+const FORCING: (f64, f64) = (1e-4, 0.3);
+
+/// The equations `f − A u − B t(u) = 0` at a point.
+pub(super) struct Evaluation {
+    pub(super) residual: Vec<f64>,
+    /// Mean jump (n, t1, t2) per face [m].
+    pub(super) jumps: Vec<f64>,
+    pub(super) springs: Vec<Spring>,
+}
+
+impl Evaluation {
+    /// Tractions (t_N, t_1, t_2) per face [Pa].
+    pub(super) fn tractions(&self) -> Vec<f64> {
+        self.springs.iter().flat_map(|s| s.traction).collect()
+    }
+
+    fn largest_traction(&self) -> f64 {
+        let t = self.springs.iter().flat_map(|s| s.traction);
+        t.fold(0.0, |m: f64, t| m.max(t.abs()))
+    }
+
+    /// This traction, or the one that would close the largest normal jump [Pa].
+    pub(super) fn scale(&self, compliance: &[f64], traction: f64) -> f64 {
+        let gaps = self.jumps.iter().step_by(3).zip(compliance);
+        gaps.fold(traction, |m, (g, c)| m.max(g.abs() / c))
+    }
+
+    /// State per face.
+    pub(super) fn states(&self) -> Vec<ContactState> {
+        self.springs.iter().map(|s| s.state).collect()
+    }
+}
+
+/// Springs of stiffness κ per face [Pa/m] around multipliers, three per face [Pa].
+pub(super) struct Springs<'s> {
+    pub(super) stiffness: &'s [f64],
+    pub(super) multiplier: &'s [f64],
+}
+
+/// Forces and springs at displacements u, faces that stick or are open held so where `held` says it.
+fn evaluate(
+    attempt: &Attempt<'_>,
+    faces: &Springs<'_>,
+    u: &[f64],
+    held: &[Option<ContactState>],
+) -> Evaluation {
+    let problem = attempt.problem;
+    let jumps = problem.jumps(u, attempt.load);
+    let spring = |(f, g): (usize, &[f64])| {
+        let from = [1, 2].map(|k| attempt.start.jump[3 * f + k]);
+        let law = SpringLaw {
+            stiffness: faces.stiffness[f],
+            multiplier: std::array::from_fn(|k| faces.multiplier[3 * f + k]),
+            friction: problem.friction(f),
+        };
+        let held = held.get(f).copied().flatten();
+        law.at([g[0], g[1] - from[0], g[2] - from[1]], from, held)
+    };
+    let springs = jumps.chunks_exact(3).enumerate().map(spring).collect();
+    let mut at = Evaluation {
+        residual: attempt.load.force.clone(),
+        jumps,
+        springs,
+    };
+    let saddle = problem.saddle();
+    let (a, b) = (saddle.stiffness(), saddle.coupling());
+    let mut work = vec![0.0; a.work_len().max(b.work_len())];
+    a.apply_add(-1.0, u, &mut at.residual, &mut work);
+    b.apply_add(
+        -1.0 / saddle.unit(),
+        &at.tractions(),
+        &mut at.residual,
+        &mut work,
+    );
+    at
+}
+
+/// Solves `A u + B t(u) = f` from and to `u`; returns the last evaluation and the largest traction of all.
+///
+/// `(A + B D Bᵀ) δ = r`, D the derivative of the tractions (semi-smooth Newton). The first step holds faces that stick or are
+/// open in `states`. It and the next dozen where a face changes its state are taken in full, and a face that reversed its slip
+/// is held in stick for the next one, as the active set would have it; after that, backtracking lowers ‖r‖.
+///
+/// # Errors
+/// [`Failure::Newton`] when `max_active` steps do not reach the tolerance, and the failures of linear systems.
+pub(super) fn newton(
+    attempt: &Attempt<'_>,
+    faces: &Springs<'_>,
+    (linear, update): (&mut SpringLinear, usize),
+    states: &[ContactState],
+    u: &mut [f64],
+    records: &mut Vec<LinearRecord>,
+    observer: &mut dyn Observer,
+) -> Result<(Evaluation, f64), Failure> {
+    let settings = attempt.problem.body().solver;
+    let mut correction = vec![0.0; u.len()];
+    let (mut at, mut before) = (evaluate(attempt, faces, u, &[]), f64::INFINITY);
+    let mut traction = 0.0;
+    let mut held: Vec<Option<ContactState>> = states.iter().copied().map(Some).collect();
+    for iteration in 0.. {
+        traction = at.largest_traction().max(traction);
+        let size = norm2(&at.residual);
+        let residual = relative(size, attempt.scale);
+        if !residual.is_finite() {
+            let what = "the residual";
+            return Err(Failure::NotFinite { what });
+        }
+        if residual <= settings.tolerance {
+            break;
+        }
+        if iteration == settings.max_active {
+            return Err(Failure::Newton {
+                residual,
+                iterations: iteration,
+                tolerance: settings.tolerance,
+            });
+        }
+        let step = Step::Newton {
+            iteration,
+            residual,
+        };
+        if observer.observe(&step).is_break() {
+            return Err(Failure::Stopped);
+        }
+        let holds = held.iter().any(Option::is_some);
+        if holds {
+            at = evaluate(attempt, faces, u, &held);
+            traction = at.largest_traction().max(traction);
+        }
+        let last = FORCING.1 * settings.tolerance / residual;
+        let forcing = (size / before).powi(2).min(FORCING.0).max(last);
+        let solved = linear.solve(
+            attempt.problem,
+            (&at.springs, faces.stiffness),
+            &at.residual,
+            forcing,
+            &mut correction,
+            observer,
+        )?;
+        if solved.stopped {
+            return Err(Failure::Stopped);
+        }
+        let (from, old_springs, mut length) = (u.to_vec(), std::mem::take(&mut at.springs), 1.0);
+        let changed = |at: &Evaluation| {
+            let mut pairs = at.springs.iter().zip(&old_springs);
+            pairs.any(|(new, old)| new.state != old.state || new.reverses(old))
+        };
+        for backtrack in 0..=BACKTRACKS {
+            u.copy_from_slice(&from);
+            axpy(length, &correction, u);
+            at = evaluate(attempt, faces, u, &[]);
+            let lowered = norm2(&at.residual) <= (1.0 - DECREASE * length) * size;
+            let full = holds || iteration < FULL && changed(&at);
+            if lowered || full || backtrack == BACKTRACKS {
+                break;
+            }
+            length *= 0.5;
+        }
+        let hold = |(new, old): (&Spring, &Spring)| {
+            (iteration < FULL && new.reverses(old)).then_some(ContactState::Stick)
+        };
+        held = at.springs.iter().zip(&old_springs).map(hold).collect();
+        before = size;
+        records.push(LinearRecord {
+            step: attempt.step,
+            attempt: attempt.attempt,
+            active: update,
+            newton: iteration,
+            krylov: solved.krylov,
+            iterations: solved.iterations,
+            tolerance: forcing,
+            relative_residual: solved.relative_residual,
+            residual,
+            step_length: length,
+            setup: solved.setup,
+        });
+    }
+    Ok((at, traction))
+}
