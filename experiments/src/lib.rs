@@ -16,6 +16,8 @@ pub mod e10_inclined_crack;
 pub mod e11_pressurised_cracks;
 pub mod e12_orders;
 pub mod e13_checkerboard_traction;
+pub mod e14_cycle;
+pub mod e15_nonlinear;
 pub mod list;
 pub mod measure;
 pub mod plot;

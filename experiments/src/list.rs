@@ -17,6 +17,8 @@ pub static EXPERIMENTS: &[&dyn Experiment] = &[
     &crate::e11_pressurised_cracks::PressurisedCracks,
     &crate::e12_orders::ObservedOrders,
     &crate::e13_checkerboard_traction::CheckerboardTractions,
+    &crate::e14_cycle::Cycle,
+    &crate::e15_nonlinear::Nonlinear,
 ];
 
 /// What `fracas reproduce` runs without arguments: about two minutes on two cores.

@@ -89,6 +89,9 @@ gallery! {
     "stretched": "What do cells of 1:50 do to iterations?",
         "local augmentation follows the anisotropy, a global one does not",
         ["mesh.x.cells=6", "mesh.y.cells=6", "mesh.z.cells=6"];
+    "cycle": "Does a fracture find its way through stick, slip and opening and back?",
+        "rows of faces slip, then all, all open at once, close in stick and slip back",
+        ["mesh.x.cells=4", "mesh.y.cells=5", "mesh.z.cells=5"];
     "inclined_crack": "Does a closed crack under inclined compression slide as the closed form says?",
         "t_N = -11.698 MPa all along, slip an ellipse of 3.808 mm in the middle",
         ["mesh.x.size=0.2 m", "mesh.x.growth=1.8", "mesh.z.size=0.2 m", "mesh.z.growth=1.8"];
