@@ -10,9 +10,15 @@ use fracas_solvers::krylov::{Criteria, Gmres, KrylovMethod, Outcome, System};
 use fracas_solvers::saddle::{Racp, SaddleOperator};
 use fracas_solvers::{Prepare, Silent};
 
-fn relative(a: &[f64], b: &[f64]) -> f64 {
+/// ‖a − b‖/‖b‖; relative to the whole solution where b is a millionth of it: fluid inside a fracture that sticks moves nothing.
+fn relative(a: &[f64], b: &[f64], whole: &[f64]) -> f64 {
     let norm = |v: &mut dyn Iterator<Item = f64>| v.map(|x| x * x).sum::<f64>().sqrt();
-    norm(&mut a.iter().zip(b).map(|(x, y)| x - y)) / norm(&mut b.iter().copied())
+    let (size, whole) = (
+        norm(&mut b.iter().copied()),
+        norm(&mut whole.iter().copied()),
+    );
+    let size = if size < 1e-6 * whole { whole } else { size };
+    norm(&mut a.iter().zip(b).map(|(x, y)| x - y)) / size
 }
 
 #[test]
@@ -40,7 +46,7 @@ fn racp_and_the_direct_solver_agree_in_both_fields() {
             rhs: &b,
         };
         let criteria = Criteria {
-            relative_tolerance: 1e-10,
+            relative_tolerance: 1e-9,
             max_iterations: 200,
         };
         let mut x = vec![0.0; b.len()];
@@ -59,7 +65,7 @@ fn racp_and_the_direct_solver_agree_in_both_fields() {
         let mut exact = vec![0.0; b.len()];
         factor.solve(&b, &mut exact, &mut vec![0.0; factor.work_len()]);
         for (field, part) in [("u", 0..n_u), ("t", n_u..b.len())] {
-            let error = relative(&x[part.clone()], &exact[part]);
+            let error = relative(&x[part.clone()], &exact[part], &exact);
             assert!(
                 error < 1e-6,
                 "{}: {field} differs by {error:.1e}",
