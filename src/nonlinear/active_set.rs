@@ -121,11 +121,17 @@ pub(super) fn active_set(
             continue;
         }
         until = loose;
+        // new-slip to slip leaves H as it is
+        let other_h =
+            |(f, state): &(usize, ContactState)| state.constrained() != states[*f].constrained();
+        let other_h = changes.iter().any(other_h);
         for (f, state) in &changes {
             states[*f] = *state;
         }
         changing = changes.into_iter().map(|(f, _)| f).collect();
-        h = attempt.problem.stabilization(&states);
+        if other_h {
+            h = attempt.problem.stabilization(&states);
+        }
         if let Some(cycle) = rounds.enter(&states) {
             let Some(remedy) = cycle.remedy else {
                 return Err(Failure::Cycle {
@@ -186,8 +192,7 @@ impl<'s> Judge<'s> {
         let largest = x.t.iter().fold(0.0, |m: f64, t| m.max(t.abs()));
         self.traction = self.traction.max(largest);
         // jumps are known relative to the largest of them
-        let gaps = at.jumps.iter().step_by(3).zip(compliance);
-        let traction = gaps.fold(self.traction, |m, (g, c)| m.max(g.abs() / c));
+        let traction = or_closing(self.traction, &at.jumps, compliance);
         let mut changes = Vec::new();
         let mut worst: Option<(f64, usize, ContactState)> = None;
         for (f, state) in states.iter().enumerate() {
@@ -239,4 +244,10 @@ fn violation(state: ContactState, face: &FaceMeasure, compliance: f64) -> f64 {
         ContactState::Open => -face.gap / compliance,
         _ => face.t_n.max((face.trial - face.limit).abs()),
     }
+}
+
+/// A traction, or the one that would close the largest normal jump [Pa].
+pub(super) fn or_closing(traction: f64, jumps: &[f64], compliance: &[f64]) -> f64 {
+    let gaps = jumps.iter().step_by(3).zip(compliance);
+    gaps.fold(traction, |m, (g, c)| m.max(g.abs() / c))
 }

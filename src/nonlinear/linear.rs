@@ -62,6 +62,7 @@ pub(super) struct Linear {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Solved {
     pub(super) krylov: &'static str,
+    /// Those with a preconditioner that was then dropped included.
     pub(super) iterations: usize,
     /// True, recomputed.
     pub(super) relative_residual: f64,
@@ -71,7 +72,7 @@ pub(super) struct Solved {
 }
 
 /// Relative residual up to which a system that rounding keeps from its tolerance is taken: Newton corrects it. Unit: 1.
-const USEFUL: f64 = 1e-2;
+pub(super) const USEFUL: f64 = 1e-2;
 
 impl Linear {
     pub(super) fn new(problem: &ContactProblem<'_>) -> Self {
@@ -221,7 +222,6 @@ impl Linear {
         if first {
             let all_stick = vec![ContactState::Stick; states.len()];
             let stick = FaceTangent::STICK;
-            self.c = Vec::new();
             self.stick = Some(self.build(problem, &all_stick, |_| stick, observer)?);
         }
         if let Some(owed) = self.owed.take() {

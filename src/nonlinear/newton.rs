@@ -8,10 +8,10 @@ use fracas_operators::vector::{axpy, norm2};
 use fracas_solvers::{Observer, Step};
 
 /// Halvings of a correction that the line search tries.
-const BACKTRACKS: usize = 6;
+pub(super) const BACKTRACKS: usize = 6;
 
 /// Least relative decrease of the residual for a share of the correction (Armijo). Unit: 1.
-const DECREASE: f64 = 1e-4;
+pub(super) const DECREASE: f64 = 1e-4;
 
 /// Largest relative residual of a linear solve, and share of the asked residual for the last one. Unit: 1.
 const FORCING: (f64, f64) = (1e-2, 0.3);

@@ -5,6 +5,7 @@ use super::operator::SpringJacobian;
 use crate::contact::ContactState;
 use crate::matrix_free::MatrixFreeError;
 use crate::mesh::FractureFace;
+use crate::nonlinear::linear::{Solved, USEFUL};
 use crate::nonlinear::{ContactProblem, LinearFailure, RunPreconditioner};
 use fracas_operators::Preconditioner;
 use fracas_solvers::Observer;
@@ -13,9 +14,6 @@ use fracas_solvers::saddle::{AugmentationMatrix, SaddleBlocks};
 
 /// Iterations after which a preconditioner that was made for other springs is made anew. Unit: 1.
 const PATIENCE: usize = 40;
-
-/// Relative residual up to which a system that rounding keeps from its tolerance is taken: Newton corrects it. Unit: 1.
-const USEFUL: f64 = 1e-2;
 
 /// A preconditioner and the states of the springs that it was made for.
 struct Ready {
@@ -34,19 +32,6 @@ pub(super) struct SpringLinear {
     /// States of a preconditioner that a restart has to make again.
     owed: Option<Vec<ContactState>>,
     work: Vec<f64>,
-}
-
-/// A solved system.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Solved {
-    pub(super) krylov: &'static str,
-    /// Those with a preconditioner that was then dropped included.
-    pub(super) iterations: usize,
-    /// True, recomputed.
-    pub(super) relative_residual: f64,
-    /// The observer wants to stop.
-    pub(super) stopped: bool,
-    pub(super) setup: bool,
 }
 
 impl SpringLinear {

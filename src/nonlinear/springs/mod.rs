@@ -13,7 +13,7 @@ mod linear;
 mod newton;
 mod operator;
 
-use super::active_set::{Log, Settled};
+use super::active_set::{Log, Settled, or_closing};
 use super::newton::{Attempt, Iterate};
 use super::{ContactProblem, Failure, RunPreconditioner};
 use crate::contact::ContactState;
@@ -103,7 +103,12 @@ impl SpringMethod {
             traction = traction.max(largest);
             let wrong = match self.max_updates {
                 None => Vec::new(),
-                Some(_) => self.wrong(attempt, &multiplier, &t, at.scale(compliance, traction)),
+                Some(_) => self.wrong(
+                    attempt,
+                    &multiplier,
+                    &t,
+                    or_closing(traction, &at.jumps, compliance),
+                ),
             };
             let step = Step::Round {
                 round: update + 1,

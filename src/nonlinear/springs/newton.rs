@@ -3,7 +3,7 @@
 use super::law::{Spring, SpringLaw};
 use super::linear::SpringLinear;
 use crate::contact::ContactState;
-use crate::nonlinear::newton::{Attempt, relative};
+use crate::nonlinear::newton::{Attempt, BACKTRACKS, DECREASE, relative};
 use crate::nonlinear::{Failure, LinearRecord};
 use fracas_operators::LinearOperator;
 use fracas_operators::vector::{axpy, norm2};
@@ -11,12 +11,6 @@ use fracas_solvers::{Observer, Step};
 
 /// Steps that are taken in full where a face changes its state or reverses its slip.
 const FULL: usize = 12;
-
-/// Halvings of a correction that the line search tries.
-const BACKTRACKS: usize = 6;
-
-/// Least relative decrease of the residual for a share of the correction (Armijo). Unit: 1.
-const DECREASE: f64 = 1e-4;
 
 /// Largest relative residual of a linear solve, and share of the asked residual for the last one. Unit: 1.
 ///
@@ -40,12 +34,6 @@ impl Evaluation {
     fn largest_traction(&self) -> f64 {
         let t = self.springs.iter().flat_map(|s| s.traction);
         t.fold(0.0, |m: f64, t| m.max(t.abs()))
-    }
-
-    /// This traction, or the one that would close the largest normal jump [Pa].
-    pub(super) fn scale(&self, compliance: &[f64], traction: f64) -> f64 {
-        let gaps = self.jumps.iter().step_by(3).zip(compliance);
-        gaps.fold(traction, |m, (g, c)| m.max(g.abs() / c))
     }
 
     /// State per face.
