@@ -88,6 +88,7 @@ fn analogues_have_the_published_ratio_and_character() {
         ("analogue_a", 6336.0 / 218790.0, false),
         ("analogue_b", 6936.0 / 194208.0, true),
         ("analogue_c", 167799.0 / 379983.0, true),
+        ("analogue_c_blocks", 167799.0 / 379983.0, true),
     ] {
         let audit = full(name);
         let ours = audit.n_t as f64 / audit.n_u as f64;

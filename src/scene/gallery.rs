@@ -80,6 +80,10 @@ gallery! {
         "RACP keeps converging where MCP-AMG fails (analogue: the mesh of the publication is not public)",
         ["mesh.x.cells=6", "mesh.y.cells=6", "mesh.z.cells=6",
             "fracture.joint_x.z=['8 m', '16 m']", "fracture.joint_y.z=['8 m', '16 m']"];
+    "analogue_c_blocks": "The same density of fractures, no block one cell wide in two directions: what does a network without mechanisms cost?",
+        "RACP takes a few tens of iterations; columns one cell wide (analogue_c) turn like gears, which constant tractions do not see",
+        ["mesh.x.cells=6", "mesh.y.cells=6", "mesh.z.cells=6",
+            "fracture.joint_x.z=['8 m', '16 m']", "fracture.joint_y.z=['8 m', '16 m']"];
     "layered": "What does a stiffness contrast of 1000 between layers do to the spectrum?",
         "C_local alone lets it grow with the contrast; C_local + diag(H) does not",
         ["mesh.x.cells=6", "mesh.y.cells=6", "mesh.z.cells=6"];
