@@ -7,8 +7,8 @@ use super::newton::{Attempt, Iterate};
 use super::record::count;
 use super::springs::SpringMethod;
 use super::{
-    Accepted, ContactProblem, Event, FaceFields, Failure, Load, RunPreconditioner, Start, State,
-    StepFailure, StepRecord,
+    Accepted, ContactProblem, Event, FaceFields, Failure, Load, NewtonSystem, RunPreconditioner,
+    Start, State, StepFailure, StepRecord,
 };
 use crate::contact::ContactState;
 use crate::elasticity::ElasticityError;
@@ -396,6 +396,17 @@ impl<'a> Simulation<'a> {
             linear: log.linear,
             events: log.events,
         }
+    }
+
+    /// Where the number of the linear system to stop at is written; none with springs.
+    pub(super) fn wanted_system(&mut self) -> Option<&mut Option<usize>> {
+        self.springs.is_none().then_some(&mut self.linear.wanted)
+    }
+
+    /// The system that the last step stopped at.
+    pub(super) fn take_system(&mut self) -> Option<NewtonSystem> {
+        self.linear.wanted = None;
+        self.linear.found.take()
     }
 
     /// What the fracture faces show in a state.

@@ -172,3 +172,36 @@ fn exported_frames_are_those_of_the_coupling() {
     let audit = fracas(&["check", "--system", out.to_str().unwrap()]);
     assert!(!audit.stdout.contains("faces.mtx"), "{}", audit.stdout);
 }
+
+#[test]
+fn a_newton_step_of_a_run_is_exported_and_solves() {
+    let out = scratch("export-newton");
+    let out = out.to_str().unwrap();
+    let small = [
+        "--set", "mesh.x.cells=4", "--set", "mesh.y.cells=2", "--set", "mesh.z.cells=2",
+    ];
+    let export = |step: &str, newton: &str| {
+        let mut arguments = vec!["export", "cycle", "--out", out, "--step", step, "--newton", newton];
+        arguments.extend(small);
+        fracas(&arguments)
+    };
+    let ran = export("8", "1");
+    assert_eq!(ran.status, 0, "{}", ran.stderr);
+    let manifest = std::fs::read_to_string(format!("{out}/manifest.json")).unwrap();
+    let manifest: serde_json::Value = serde_json::from_str(&manifest).unwrap();
+    assert_eq!((&manifest["step"], &manifest["newton"]), (&8.into(), &1.into()));
+    let states = manifest["states"].as_array().unwrap();
+    assert_eq!(states.len(), 4, "{manifest}");
+    assert!(states.iter().any(|s| *s != 0), "all faces stick: {manifest}");
+    assert!(std::path::Path::new(&format!("{out}/B2.mtx")).is_file());
+    let solved = fracas(&["solve", "--system", out]);
+    assert_eq!(solved.status, 0, "{}", solved.stderr);
+    let late = export("99", "0");
+    assert_eq!(late.status, 2);
+    assert!(late.stderr.contains("steps 0 to 40"), "{}", late.stderr);
+    let many = export("8", "500");
+    assert_eq!(many.status, 2);
+    assert!(many.stderr.contains("no number 500"), "{}", many.stderr);
+    let alone = fracas(&["export", "cycle", "--out", out, "--newton", "1"]);
+    assert_eq!(alone.status, 2);
+}
