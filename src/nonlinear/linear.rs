@@ -271,10 +271,10 @@ fn c_of(rules: &[FaceRule]) -> Vec<Block> {
     rules.iter().map(|rule| rule.c).collect()
 }
 
-/// Faces whose rows differ: slip and new-slip count as one.
+/// Jumps that one keeps and the other does not: slip and new-slip count as one.
 fn distance(a: &[ContactState], b: &[ContactState]) -> usize {
-    let differ = |(a, b): &(&ContactState, &ContactState)| a.constrained() != b.constrained();
-    a.iter().zip(b).filter(differ).count()
+    let jumps = |(a, b): (&ContactState, &ContactState)| a.constrained().abs_diff(b.constrained());
+    a.iter().zip(b).map(jumps).sum()
 }
 
 /// The preconditioner that the scene asks for, or that its size suggests.

@@ -12,6 +12,7 @@
 
 mod active_set;
 mod cycling;
+mod energy;
 mod face_rules;
 mod failure;
 mod fields;
@@ -23,12 +24,15 @@ mod newton;
 mod newton_system;
 mod problem;
 mod record;
+mod remarks;
 mod simulation;
 mod springs;
 mod state;
 mod state_inverse;
+mod times;
 
 pub use cycling::Remedy;
+pub use energy::EnergyRecord;
 pub use failure::{Failure, LinearFailure, StepFailure};
 pub use fields::FaceFields;
 pub use jacobian::ContactJacobian;
@@ -37,5 +41,6 @@ pub use loads::Loads;
 pub use newton_system::{NewtonSystem, NewtonSystemError};
 pub use problem::{ContactProblem, Evaluation, Load, Start};
 pub use record::{Accepted, Event, LinearRecord, StepRecord};
+pub use remarks::Remark;
 pub use simulation::{Simulation, SimulationError};
 pub use state::{Prepared, State};

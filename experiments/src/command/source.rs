@@ -144,7 +144,7 @@ impl Assembly {
         })
     }
 
-    /// Meshes a scene that fits into memory at `bytes` and whose tractions are unique.
+    /// Meshes a scene that fits into memory at `bytes` and whose answer is unique.
     pub(super) fn mesh(
         &self,
         name: &str,
@@ -155,7 +155,9 @@ impl Assembly {
         memory::room_for(name, &scene, bytes)?;
         progress.say(&format!("{}: meshing", scene.title()));
         let body = scene.build()?;
-        rank::require_regular(name, &body)?;
+        if let Some(sentence) = rank::undetermined(name, &body)? {
+            progress.say(&format!("warning: {sentence}"));
+        }
         Ok(body)
     }
 
