@@ -433,26 +433,26 @@ fn keys_that_would_change_nothing_are_refused() {
         (
             "poisson = 0.25",
             "poisson = 0.25\nbiot = 0.9",
-            "s.toml:12:1",
+            "s.toml:12:",
             "`biot` of material \"rock\" has no effect without `pressure_change`",
         ),
         (
             "poisson = 0.25",
             "poisson = 0.25\npressure_history = [[\"0 s\", 0], [\"1 s\", 1]]",
-            "s.toml:12:1",
+            "s.toml:12:",
             "`pressure_history` of material \"rock\" has no effect without `pressure_change`",
         ),
         (
             "at = \"2 m\"",
             "at = \"2 m\"\npressure_history = [[\"0 s\", 0], [\"1 s\", 1]]",
-            "s.toml:17:1",
+            "s.toml:17:",
             "`pressure_history` of fracture \"F\" has no effect without `pressure`",
         ),
         (
             "hold = \"fixed\"",
             "hold = \"fixed\"\nhistory = [[\"0 s\", 0], [\"1 s\", 1]]",
-            "s.toml:21:1",
-            "`history` of side x- has no effect beside `hold`",
+            "s.toml:21:",
+            "`history` of x- has no effect beside `hold`",
         ),
     ] {
         let text = refused(from, to);
