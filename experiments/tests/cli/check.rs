@@ -90,7 +90,7 @@ fn a_slab_of_one_element_between_rollers_is_told_and_goes_on() {
             ),
             (
                 "at = \"1 m\"",
-                "at = \"1 m\"\n[[boundary]]\nside = \"x+\"\ntraction = { z = \"1 MPa\" }",
+                "at = \"1 m\"\n[[boundary]]\nside = \"x+\"\ntraction = { x = \"-1 MPa\" }",
             ),
         ],
     );
