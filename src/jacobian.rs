@@ -196,7 +196,7 @@ fn add_product(m: &SparseMatrix<f64>, alpha: f64, x: &[f64], y: &mut [f64]) {
 }
 
 /// `B2 = (∂r/∂g) B1ᵀ`, one 3×3 factor per face; rows without a jump are empty.
-fn turned(b1: &SparseMatrix<f64>, rows: &[FaceRows]) -> SparseMatrix<f64> {
+pub(crate) fn turned(b1: &SparseMatrix<f64>, rows: &[FaceRows]) -> SparseMatrix<f64> {
     let mut factor = Triplets::new((3 * rows.len(), 3 * rows.len()));
     for (f, face) in rows.iter().enumerate() {
         for (k, row) in face.by_jump.iter().enumerate() {
@@ -211,7 +211,7 @@ fn turned(b1: &SparseMatrix<f64>, rows: &[FaceRows]) -> SparseMatrix<f64> {
 }
 
 /// `H = H_form − A_f ∂r/∂t`; `None` where it has no entries.
-fn with_laws(
+pub(crate) fn with_laws(
     form: Option<SparseMatrix<f64>>,
     rows: &[FaceRows],
     area: impl Fn(usize) -> f64,

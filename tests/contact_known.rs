@@ -317,3 +317,54 @@ fn gravity_in_equilibrium_moves_a_cut_body_by_what_constant_tractions_miss() {
         }
     });
 }
+
+#[test]
+fn steps_land_on_the_corners_of_histories() {
+    // corners at 1, 3 and 5 s; three steps of 5/3 s jump over the first and the second
+    let body = body(SLIDING, &["time.steps=3"]);
+    let mut times = Vec::new();
+    run(&body, |state, _, _| times.push(state.time));
+    let expected = [0.0, 1.0, 5.0 / 3.0, 3.0, 10.0 / 3.0, 5.0];
+    assert_eq!(times.len(), expected.len(), "{times:?}");
+    for (time, expected) in times.iter().zip(expected) {
+        assert!((time - expected).abs() < 1e-12, "{times:?}");
+    }
+}
+
+#[test]
+fn the_energy_of_a_sliding_block_goes_into_friction() {
+    let body = body(SLIDING, &[]);
+    let mut simulation = Simulation::new(&body).unwrap();
+    let mut state = simulation.initial_state();
+    let limit = 1e6 + 1e7 * 30f64.to_radians().tan();
+    let cycle = 4.0 * limit * (6e-3 - limit * 3.0 / 1e10);
+    // over the closed cycle from 1 s to 5 s the elastic energy returns to where it was
+    let (mut dissipated, mut external, mut elastic, mut taken) = (0.0, 0.0, 0.0, 0.0);
+    while !simulation.is_finished(&state) || state.step == 0 {
+        let after = simulation.advance(&state, &mut Silent).unwrap().state;
+        let energy = simulation.energy(&state, &after);
+        assert!(energy.error.abs() < 1e-9 * cycle, "{energy:?}");
+        assert_eq!(energy.pressure_work, 0.0);
+        let of_faces = simulation.dissipation(&state, &after);
+        assert!(of_faces.iter().all(|d| *d >= 0.0), "{of_faces:?}");
+        assert!((of_faces.iter().sum::<f64>() - energy.dissipation).abs() < 1e-12 * cycle);
+        if state.time >= 1.0 {
+            dissipated += energy.dissipation;
+            external += energy.external_work;
+            elastic += energy.elastic_change;
+            taken += energy.contact_work;
+        }
+        state = after;
+    }
+    assert!(
+        (dissipated - cycle).abs() < 1e-9 * cycle,
+        "{dissipated} against {cycle}"
+    );
+    assert!((external - elastic - taken).abs() < 1e-8 * cycle);
+    assert!(elastic.abs() < 1e-9 * cycle, "{elastic}");
+    // the steps in which slip begins cost the trapezoidal rule a share of their own length
+    assert!(
+        (taken - cycle).abs() < 0.2 * cycle,
+        "{taken} against {cycle}"
+    );
+}

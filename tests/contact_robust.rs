@@ -135,6 +135,9 @@ struct Tally {
     rounds: Vec<usize>,
     /// Krylov iterations per solve and digit, over those of the all-stick systems of the run.
     growth: Vec<f64>,
+    solves: usize,
+    iterations: usize,
+    setups: usize,
 }
 
 fn digits(tolerance: f64) -> f64 {
@@ -159,10 +162,13 @@ fn run(seed: u64, tally: &mut Tally) {
             Ok(done) => {
                 for l in &done.linear {
                     let per_digit = l.iterations as f64 / digits(l.relative_residual.max(1e-16));
-                    match l.krylov {
-                        "sqmr" => stick.push(per_digit),
+                    match l.faces {
+                        [_, 0, 0, 0] => stick.push(per_digit),
                         _ => other.push(per_digit),
                     }
+                    tally.solves += 1;
+                    tally.iterations += l.iterations;
+                    tally.setups += usize::from(l.setup);
                 }
                 let record = done.record;
                 assert!(record.max_tau_viol.is_finite() && record.max_pen.is_finite());
@@ -215,7 +221,7 @@ fn sweep(seeds: std::ops::Range<u64>) -> Tally {
         println!("seed {seed}: {reason}");
     }
     println!(
-        "{} runs, {} refused, {} finished, {} ended with a reason; {} steps, {} cut, {} cycles; rounds median {}, 95 % {}, most {}; growth median {:.2}, 95 % {:.2}",
+        "{} runs, {} refused, {} finished, {} ended with a reason; {} steps, {} cut, {} cycles; rounds median {}, 95 % {}, most {}; growth median {:.2}, 95 % {:.2}; {} iterations, {} solves, {} set-ups",
         tally.runs,
         tally.refused,
         tally.finished,
@@ -228,13 +234,19 @@ fn sweep(seeds: std::ops::Range<u64>) -> Tally {
         tally.rounds[tally.rounds.len() - 1],
         at(&tally.growth, 0.5),
         at(&tally.growth, 0.95),
+        tally.iterations,
+        tally.solves,
+        tally.setups,
     );
     tally
 }
 
-/// Runs that end without equilibrium end because a body is held by nothing, but for a few; nearly all steps take few rounds.
+/// Runs that end without equilibrium end because a body is held by nothing, or by slipping faces alone, but for a few; nearly
+/// all steps take few rounds.
 fn ends_well(tally: &Tally) {
-    let loose = |reason: &&(u64, String)| reason.1.contains("nothing holds");
+    let loose = |reason: &&(u64, String)| {
+        reason.1.contains("nothing holds") || reason.1.contains("slipping faces holds")
+    };
     let other = tally.failed.iter().filter(|r| !loose(r)).count();
     let runs = tally.finished + tally.failed.len();
     assert!(
@@ -243,7 +255,7 @@ fn ends_well(tally: &Tally) {
     );
     let round = tally.rounds[tally.rounds.len() * 95 / 100];
     // the last two rounds of a step change nothing: they judge to the loose and to the tight tolerance
-    assert!(round <= 12, "{round} rounds in 95 % of the steps");
+    assert!(round <= 13, "{round} rounds in 95 % of the steps");
 }
 
 #[test]
@@ -251,9 +263,16 @@ fn runs_of_every_kind_end_well() {
     ends_well(&sweep(0..40));
 }
 
-/// The full sweep: `cargo test --release --test contact_robust -- --ignored --nocapture`.
+/// The full sweep: `cargo test --release --test contact_robust -- --ignored --nocapture five`.
 #[test]
 #[ignore = "minutes"]
 fn five_hundred_runs_end_well() {
     ends_well(&sweep(0..500));
+}
+
+/// Seeds that no setting was chosen by.
+#[test]
+#[ignore = "minutes"]
+fn five_hundred_others_end_well() {
+    ends_well(&sweep(1000..1500));
 }

@@ -87,7 +87,9 @@ fn a_slab_of_one_element_between_rollers_has_empty_columns() {
     let center = empty[0].center.map(|v| (v * 1e9).round() * 1e-9);
     assert_eq!(center, [2.0, 0.5, 0.5]);
     assert_eq!(audit.kernel.dimension, Some(3));
-    assert_eq!(audit.kernel.stabilized_dimension, 1); // the uniform t_1 on the one patch
+    // the uniform t_1 on the one patch, which pushes on rollers
+    assert_eq!(audit.kernel.stabilized_dimension, 1);
+    assert_eq!(audit.kernel.idle_dimension, 1);
     assert!(
         audit
             .to_string()
@@ -104,12 +106,13 @@ fn a_fracture_of_one_face_is_not_split_and_says_so() {
         (audit.kernel.dimension, audit.kernel.stabilized_dimension),
         (Some(3), 3)
     );
+    assert_eq!(audit.kernel.idle_dimension, 3);
     assert_eq!(audit.fractures[0].tip_nodes, 4);
     assert_eq!(audit.kernel.findings.len(), 1);
     assert_eq!(audit.kernel.findings[0].reason, KernelReason::NotSplit);
     let text = audit.to_string();
     assert!(
-        text.contains("3 traction modes stay free even with stabilization: the system is singular")
+        text.contains("3 traction modes push on prescribed displacements or tips only")
             && text.contains("\"F\" on 1 face, first face 0 at (2.000000, 1.500000, 1.500000) m: all four corners are tips"),
         "{text}"
     );

@@ -426,3 +426,36 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn keys_that_would_change_nothing_are_refused() {
+    for (from, to, place, sentence) in [
+        (
+            "poisson = 0.25",
+            "poisson = 0.25\nbiot = 0.9",
+            "s.toml:12:",
+            "`biot` of material \"rock\" has no effect without `pressure_change`",
+        ),
+        (
+            "poisson = 0.25",
+            "poisson = 0.25\npressure_history = [[\"0 s\", 0], [\"1 s\", 1]]",
+            "s.toml:12:",
+            "`pressure_history` of material \"rock\" has no effect without `pressure_change`",
+        ),
+        (
+            "at = \"2 m\"",
+            "at = \"2 m\"\npressure_history = [[\"0 s\", 0], [\"1 s\", 1]]",
+            "s.toml:17:",
+            "`pressure_history` of fracture \"F\" has no effect without `pressure`",
+        ),
+        (
+            "hold = \"fixed\"",
+            "hold = \"fixed\"\nhistory = [[\"0 s\", 0], [\"1 s\", 1]]",
+            "s.toml:21:",
+            "`history` of x- has no effect beside `hold`",
+        ),
+    ] {
+        let text = refused(from, to);
+        assert!(text.starts_with(place) && text.contains(sentence), "{text}");
+    }
+}

@@ -4,15 +4,19 @@
 //! judges: this room imports nothing of the others.
 
 mod block_sliding;
+mod depletion;
 mod inclined_crack;
 mod line_crack;
 mod nucleation;
 mod penny_crack;
+mod plane_slip;
 mod rock;
 
 pub use block_sliding::{BlockSliding, SlidingState};
+pub use depletion::Depletion;
 pub use inclined_crack::InclinedCrack;
 pub use line_crack::LineCrack;
 pub use nucleation::LinearWeakening;
 pub use penny_crack::PennyCrack;
+pub use plane_slip::PlaneSlip;
 pub use rock::Rock;

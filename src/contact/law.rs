@@ -51,7 +51,7 @@ pub struct FaceLaw {
 }
 
 /// Length of (v_1, v_2).
-pub(super) fn tangential_norm(v: [f64; 3]) -> f64 {
+fn tangential_norm(v: [f64; 3]) -> f64 {
     v[1].hypot(v[2])
 }
 

@@ -5,6 +5,7 @@ mod coupling;
 mod friction;
 mod law;
 mod projection;
+mod slip;
 mod stabilization;
 mod state;
 mod transition;

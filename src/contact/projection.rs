@@ -1,6 +1,6 @@
 //! The slip law with a direction that stays defined where slip begins.
 
-use super::law::{FaceLaw, FacePoint, FaceRows, tangential_norm};
+use super::law::{FaceLaw, FacePoint, FaceRows};
 use super::{ContactState, FaceMeasure};
 
 impl FaceLaw {
@@ -28,34 +28,16 @@ impl FaceLaw {
             start,
         } = *point;
         let omega = self.compliance;
-        let w = [0.0, t[1] + jump[1] / omega, t[2] + jump[2] / omega];
-        let size = tangential_norm(w);
-        let m = w.map(|w| if size > 0.0 { w / size } else { 0.0 });
-        let total = [0.0, start[0] + jump[1], start[1] + jump[2]];
-        let slip = tangential_norm(total);
-        let limit = self.friction.limit(t[0], slip);
-        let (by_normal, by_slip) = (
-            self.friction.by_normal(t[0], slip),
-            match lagged {
-                true => 0.0,
-                false => self.friction.by_slip(t[0], slip),
-            },
-        );
-        let turning = if size > 0.0 { limit / size } else { 0.0 };
-        for i in 1..3 {
-            rows.residual[i] = omega * (limit * m[i] - t[i]);
-            rows.by_traction[i][0] = omega * by_normal * m[i];
-            for j in 1..3 {
+        let w = [1, 2].map(|k: usize| t[k] + jump[k] / omega);
+        let total = [0, 1].map(|k: usize| start[k] + jump[1 + k]);
+        let slip = self.friction.slip_traction(t[0], w, total, lagged);
+        for i in 0..2 {
+            rows.residual[1 + i] = omega * (slip.limit * slip.direction[i] - t[1 + i]);
+            rows.by_traction[1 + i][0] = omega * slip.by_normal[i];
+            for j in 0..2 {
                 let one = f64::from(u8::from(i == j));
-                // τ_L ∂m/∂w
-                let across = turning * (one - m[i] * m[j]);
-                rows.by_traction[i][j] = omega * (across - one);
-                let along = if slip > 0.0 {
-                    by_slip * total[j] / slip
-                } else {
-                    0.0
-                };
-                rows.by_jump[i][j] = across + omega * m[i] * along;
+                rows.by_traction[1 + i][1 + j] = omega * (slip.by_trial[i][j] - one);
+                rows.by_jump[1 + i][1 + j] = slip.by_trial[i][j] + omega * slip.by_slip[i][j];
             }
         }
         rows

@@ -3,7 +3,7 @@
 use super::fingerprint::{Fingerprint, Hash};
 use super::write_atomically;
 use crate::contact::ContactState;
-use crate::nonlinear::State;
+use crate::nonlinear::{Prepared, State};
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 const MAGIC: [u8; 8] = *b"fracasCK";
 
 /// Layout of what follows: another number, another layout.
-const VERSION: u64 = 1;
+const VERSION: u64 = 2;
 
 /// Words of eight bytes before the arrays: magic, version, length of the file, mesh, scene, step, time, loaded, next, force,
 /// traction, n_u, faces.
@@ -177,7 +177,8 @@ fn all(folder: &Path) -> io::Result<Vec<(usize, PathBuf)>> {
     Ok(found)
 }
 
-/// Header, u and t as bits, flips, states, those of the preconditioner, checksum; all numbers little-endian.
+/// Header, u and t as bits, C of the preconditioner, flips, states, those of the preconditioner, checksum; all numbers
+/// little-endian.
 fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
     // by name: a state with more in it must not compile here
     let State {
@@ -207,10 +208,17 @@ fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
     for values in [u, t] {
         bytes.extend(values.iter().flat_map(|v| v.to_le_bytes()));
     }
+    match prepared {
+        Some(prepared) => {
+            let c = prepared.c.as_flattened().as_flattened();
+            bytes.extend(c.iter().flat_map(|v| v.to_le_bytes()));
+        }
+        None => bytes.resize(bytes.len() + 72 * states.len(), 0),
+    }
     bytes.extend(flips.iter().flat_map(|n| n.to_le_bytes()));
     bytes.extend(states.iter().map(|s| s.code()));
     match prepared {
-        Some(prepared) => bytes.extend(prepared.iter().map(|s| s.code())),
+        Some(prepared) => bytes.extend(prepared.states.iter().map(|s| s.code())),
         None => bytes.resize(bytes.len() + states.len(), NOT_PREPARED),
     }
     let sum = checksum(&bytes);
@@ -218,10 +226,10 @@ fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
     bytes
 }
 
-/// Bytes of a file with these sizes: u, three tractions, a counter and two states per face.
+/// Bytes of a file with these sizes: u; three tractions, a block, a counter and two states per face.
 fn length(n_u: u64, faces: u64) -> u64 {
     let words = (HEADER as u64 + 1).saturating_add(n_u);
-    let per_face = faces.saturating_mul(3 * 8 + 4 + 1 + 1);
+    let per_face = faces.saturating_mul(3 * 8 + 9 * 8 + 4 + 1 + 1);
     words.saturating_mul(8).saturating_add(per_face)
 }
 
@@ -276,6 +284,7 @@ fn decode(bytes: &[u8], path: &Path, fingerprint: Fingerprint) -> Result<State, 
     let (n_u, faces) = (n_u as usize, faces as usize);
     let (u, rest) = content[8 * HEADER..].split_at(8 * n_u);
     let (t, rest) = rest.split_at(24 * faces);
+    let (c, rest) = rest.split_at(72 * faces);
     let (flips, rest) = rest.split_at(4 * faces);
     let (states, prepared) = rest.split_at(faces);
     let no_state = || CheckpointError::Checksum { path: path() };
@@ -293,7 +302,10 @@ fn decode(bytes: &[u8], path: &Path, fingerprint: Fingerprint) -> Result<State, 
         krylov: f64::from_bits(word(11)?),
         prepared: match unprepared {
             true => None,
-            false => Some(decoded(prepared).ok_or_else(no_state)?),
+            false => Some(Prepared {
+                states: decoded(prepared).ok_or_else(no_state)?,
+                c: reals(c).as_chunks().0.as_chunks().0.to_vec(),
+            }),
         },
         u: reals(u),
         t: reals(t),

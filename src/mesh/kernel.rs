@@ -63,6 +63,9 @@ pub struct CouplingKernel {
     /// dim (ker B ∩ ker H): with jump stabilization the tractions are unique exactly if this is 0. Beyond 1,200 patches
     /// a lower bound, from each patch alone.
     pub stabilized_dimension: usize,
+    /// How many of these push on prescribed displacements or tips only: displacements and all other tractions are unique, and
+    /// these stay where they start.
+    pub idle_dimension: usize,
     /// Where and why.
     pub findings: Vec<KernelFinding>,
 }
@@ -271,6 +274,7 @@ pub fn coupling_kernel(
                 ));
             }
         }
+        kernel.idle_dimension += alone;
         kernel.stabilized_dimension += match patches.len() <= DENSE_PATCHES {
             true => patches.len() - rank(&columns),
             false => alone,

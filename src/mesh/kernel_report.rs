@@ -28,11 +28,29 @@ pub(super) fn write(
             "rank        too many faces for a dense rank of B; local counts below"
         )?,
     }
-    if free > 0 {
-        let (s, verb) = if free == 1 { ("", "s") } else { ("s", "") };
+    let idle = kernel.idle_dimension;
+    if idle > 0 {
         writeln!(
             f,
-            "warning     {free} traction mode{s} stay{verb} free even with stabilization: the system is singular"
+            "warning     {idle} traction {} on prescribed displacements or tips only and keep{} the initial stress; all else is unique",
+            if idle == 1 {
+                "mode pushes"
+            } else {
+                "modes push"
+            },
+            if idle == 1 { "s" } else { "" }
+        )?;
+    }
+    let singular = free - idle.min(free);
+    if singular > 0 {
+        writeln!(
+            f,
+            "warning     {singular} traction {} free even with stabilization: the system is singular",
+            if singular == 1 {
+                "mode stays"
+            } else {
+                "modes stay"
+            }
         )?;
     }
     let groups = grouped(&kernel.findings);

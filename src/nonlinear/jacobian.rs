@@ -22,12 +22,9 @@ impl FaceTangent {
         law: [[0.0; 3]; 3],
     };
 
-    /// D = 0, L = λ I.
-    pub(super) fn open(lambda: f64) -> Self {
-        Self {
-            by_jump: [[0.0; 3]; 3],
-            law: Self::STICK.by_jump.map(|row| row.map(|v| lambda * v)),
-        }
+    /// D = 0, no jump in any row.
+    pub(super) fn is_open(&self) -> bool {
+        self.by_jump == [[0.0; 3]; 3]
     }
 }
 
@@ -47,9 +44,12 @@ impl ContactJacobian<'_> {
         Layout::new(["u", "t"], [shape.rows, shape.cols])
     }
 
-    /// True where every face is in stick.
+    /// True where every face is in stick or open: J is symmetric on the x that meet the laws `−λ t = b_l` of open faces.
     pub fn is_symmetric(&self) -> bool {
-        self.faces.is_none()
+        let faces = self.faces.iter().flatten();
+        faces
+            .into_iter()
+            .all(|face| *face == FaceTangent::STICK || face.is_open())
     }
 }
 

@@ -2,15 +2,16 @@
 
 use super::face_rules::FaceRule;
 use super::jacobian::FaceTangent;
+use super::krylov::{self, Asked, Ended, Solved};
 use super::state_inverse::StateInverse;
-use super::{ContactJacobian, ContactProblem, LinearFailure, State};
+use super::{ContactJacobian, ContactProblem, LinearFailure, NewtonSystem, Prepared, State};
 use crate::contact::ContactState;
 use crate::matrix_free::{MatrixFreeError, MatrixFreeRacp};
 use crate::scene::RunInner;
 use fracas_operators::Preconditioner;
 use fracas_solvers::direct::DirectChoice;
-use fracas_solvers::krylov::{Breakdown, Criteria, KrylovChoice, Outcome, Sqmr, System};
-use fracas_solvers::saddle::{AugmentationChoice, AugmentationMatrix, InnerChoice, Racp};
+use fracas_solvers::krylov::{KrylovChoice, Sqmr, System};
+use fracas_solvers::saddle::{AugmentationChoice, AugmentationMatrix, Block, InnerChoice, Racp};
 use fracas_solvers::{Observer, Step};
 
 /// Displacements up to which S_u is factorized when the scene does not choose. Unit: 1.
@@ -18,7 +19,7 @@ const FACTORIZED: usize = 5_000;
 
 /// Iterations per digit, over those of the first all-stick system, from which a preconditioner of the present states is
 /// wanted. Unit: 1.
-const SLOW: f64 = 1.5;
+const SLOW: f64 = 1.3;
 
 /// What a preconditioner is built from.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -30,17 +31,20 @@ pub enum RunPreconditioner {
     MatrixFree(MatrixFreeRacp),
 }
 
-/// A preconditioner and the states that it was built for.
+/// S̃_u⁻¹ and what it was built for.
 struct Ready {
-    states: Vec<ContactState>,
-    inverse: StateInverse,
+    of: Prepared,
+    s_u: Box<dyn Preconditioner<f64>>,
 }
 
 /// Solves Jacobians with RACP.
 ///
-/// The preconditioner of the all-stick body, `M = [A B; Bᵀ −C]`, is built once for the whole run; slipping and open faces
-/// have `ωA_f` on their diagonal, which is 0.5 to 1.4 times C, so that it serves them too. Where it takes more than 1.5 times
-/// its iterations, one for the states at hand is built, at most once per step, and kept as long as it is nearer.
+/// The rows of the faces are taken in their present states; S̃_u is that of the all-stick body, built once for the whole run.
+/// With `C ≈ λ` of the laws of slipping and open rows l the eigenvalues beside 1 are then those of `C (C + B_lᵀS_u⁻¹B_l)⁻¹`
+/// for the S_u of the present states: few are small, so that it serves them too. Where it takes more than 1.3 times its
+/// iterations, one for the states at hand is built, at most once per step, and kept, also over steps, as long as it is nearer.
+///
+/// Without slip J is symmetric on the x that meet the laws of open faces, and RACP maps them into themselves: SQMR does.
 pub(super) struct Linear {
     settings: RunPreconditioner,
     max_krylov: usize,
@@ -51,28 +55,15 @@ pub(super) struct Linear {
     /// Iterations per digit of the first all-stick system.
     reference: Option<f64>,
     slow: bool,
-    /// States of a preconditioner that a restart has to build again.
-    owed: Option<Vec<ContactState>>,
+    /// What a restart has to build again.
+    owed: Option<Prepared>,
     /// A preconditioner for its states has been built in this step.
     built: bool,
     work: Vec<f64>,
+    /// Number of the system of a step to stop at, and that system.
+    pub(super) wanted: Option<usize>,
+    pub(super) found: Option<NewtonSystem>,
 }
-
-/// A solved system.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Solved {
-    pub(super) krylov: &'static str,
-    /// Those with a preconditioner that was then dropped included.
-    pub(super) iterations: usize,
-    /// True, recomputed.
-    pub(super) relative_residual: f64,
-    /// The observer wants to stop.
-    pub(super) stopped: bool,
-    pub(super) setup: bool,
-}
-
-/// Relative residual up to which a system that rounding keeps from its tolerance is taken: Newton corrects it. Unit: 1.
-pub(super) const USEFUL: f64 = 1e-2;
 
 impl Linear {
     pub(super) fn new(problem: &ContactProblem<'_>) -> Self {
@@ -87,6 +78,8 @@ impl Linear {
             owed: None,
             built: false,
             work: Vec::new(),
+            wanted: None,
+            found: None,
         }
     }
 
@@ -95,29 +88,23 @@ impl Linear {
         self.settings
     }
 
-    /// A step begins. What is kept from the step before is what a restart from `state` can build again: a preconditioner
-    /// for slip depends on the slip, one for stick and open faces on their states alone.
+    /// A step begins, with the preconditioner that `state` tells of.
     pub(super) fn begin_step(&mut self, state: &State) {
         self.built = false;
         self.slow = false;
         self.reference = (state.krylov > 0.0).then_some(state.krylov);
         self.owed = None;
-        let kept = self.present.as_ref().map(|ready| &ready.states);
-        if kept != state.prepared.as_ref() {
+        if self.present.as_ref().map(|ready| &ready.of) != state.prepared.as_ref() {
             self.present = None;
             self.owed.clone_from(&state.prepared);
         }
     }
 
-    /// What the next step finds: iterations per digit of the first system, and the states of the preconditioner to keep.
-    pub(super) fn carried(&self) -> (f64, Option<Vec<ContactState>>) {
-        let slips = |s: &ContactState| matches!(s, ContactState::NewSlip | ContactState::Slip);
-        let present = self
-            .present
-            .as_ref()
-            .map(|ready| &ready.states)
-            .or(self.owed.as_ref());
-        let kept = present.filter(|states| !states.iter().any(slips)).cloned();
+    /// What the next step finds: iterations per digit of the first system, and what the preconditioner beside the all-stick
+    /// one was built for.
+    pub(super) fn carried(&self) -> (f64, Option<Prepared>) {
+        let present = self.present.as_ref().map(|ready| &ready.of);
+        let kept = present.or(self.owed.as_ref()).cloned();
         (self.reference.unwrap_or(0.0), kept)
     }
 
@@ -133,80 +120,56 @@ impl Linear {
     ) -> Result<Solved, LinearFailure> {
         let setup = self.prepare(problem, jacobian, states, observer)?;
         let far = |ready: &Option<Ready>| match ready {
-            Some(ready) => distance(&ready.states, states),
+            Some(ready) => distance(&ready.of.states, states),
             None => usize::MAX,
         };
         let nearest = match far(&self.present) < far(&self.stick) {
             true => &self.present,
             false => &self.stick,
         };
-        let Some(Ready { inverse, .. }) = nearest else {
+        let Some(Ready { s_u, .. }) = nearest else {
             unreachable!("prepared above");
         };
-        let symmetric = jacobian.is_symmetric() && inverse.is_linear() && !inverse.is_single();
+        let tangent = |f: usize| match &jacobian.faces {
+            Some(faces) => faces[f],
+            None => FaceTangent::STICK,
+        };
+        let rules = rules(&self.c, tangent);
+        // laws of open faces are met at the start, and every iterate keeps them
+        let n_u = problem.saddle().layout().lengths[0];
+        x.fill(0.0);
+        if jacobian.is_symmetric() {
+            let open = |f: &usize| states[*f] == ContactState::Open;
+            for f in (0..states.len()).filter(open) {
+                let at = n_u + 3 * f;
+                for k in 0..3 {
+                    x[at + k] = -rhs[at + k] / problem.law_entry(f);
+                }
+            }
+        }
+        let inverse = StateInverse::new(problem.saddle().coupling(), rules, s_u.as_ref());
         let system = System {
             operator: jacobian,
-            preconditioner: inverse,
+            preconditioner: &inverse,
             rhs,
         };
-        let criteria = Criteria {
-            relative_tolerance: tolerance,
+        let asked = Asked {
+            short: jacobian
+                .is_symmetric()
+                .then_some(KrylovChoice::Sqmr(Sqmr {})),
+            tolerance,
             max_iterations: self.max_krylov,
+            patience: None,
         };
-        let general = KrylovChoice::default().flexible_for(inverse as &dyn Preconditioner<f64>);
-        let mut solve = |krylov: KrylovChoice, x: &mut [f64]| {
-            let method = krylov.method::<f64>();
-            let needed = method.work_len(&system, &criteria);
-            if self.work.len() < needed {
-                self.work.resize(needed, 0.0);
-            }
-            x.fill(0.0);
-            method.solve_in(&system, &criteria, x, observer, &mut self.work[..needed])
+        let solved = match krylov::solve(&system, asked, x, observer, &mut self.work)? {
+            Ended::Solved(solved) => Solved { setup, ..solved },
+            Ended::Dropped { .. } => unreachable!("no patience is set"),
         };
-        let mut krylov = if symmetric {
-            KrylovChoice::Sqmr(Sqmr {})
-        } else {
-            general
-        };
-        let mut outcome = solve(krylov, x);
-        if symmetric && outcome.is_err() {
-            // a short recurrence may end early where GMRES does not
-            krylov = general;
-            outcome = solve(krylov, x);
-        }
-        let krylov = krylov.name();
-        let (iterations, relative_residual, stopped) = match outcome {
-            Ok(report) if report.outcome == Outcome::IterationLimit => {
-                return Err(LinearFailure::IterationLimit {
-                    krylov,
-                    iterations: report.iterations,
-                    residual: report.relative_residual,
-                    tolerance,
-                });
-            }
-            Ok(report) => (
-                report.iterations,
-                report.relative_residual,
-                report.outcome == Outcome::Stopped,
-            ),
-            Err(Breakdown::Stagnation {
-                iteration,
-                relative_residual,
-                ..
-            }) if relative_residual <= USEFUL => (iteration, relative_residual, false),
-            Err(breakdown) => return Err(breakdown.into()),
-        };
-        let digits = -relative_residual.max(f64::EPSILON).log10();
-        let rate = iterations as f64 / digits.max(1.0);
+        let digits = -solved.relative_residual.max(f64::EPSILON).log10();
+        let rate = solved.iterations as f64 / digits.max(1.0);
         let reference = *self.reference.get_or_insert(rate);
         self.slow = rate > SLOW * reference;
-        Ok(Solved {
-            krylov,
-            iterations,
-            relative_residual,
-            stopped,
-            setup,
-        })
+        Ok(solved)
     }
 
     /// The preconditioner of the all-stick body at first; that of the present states when the last system was slow. True
@@ -218,49 +181,39 @@ impl Linear {
         states: &[ContactState],
         observer: &mut dyn Observer,
     ) -> Result<bool, LinearFailure> {
+        let faces = states.len();
         let first = self.stick.is_none();
         if first {
-            let all_stick = vec![ContactState::Stick; states.len()];
-            let stick = FaceTangent::STICK;
-            self.stick = Some(self.build(problem, &all_stick, |_| stick, observer)?);
+            let all_stick = vec![ContactState::Stick; faces];
+            let c = |c: &[f64]| c_of(&rules(c, |_| FaceTangent::STICK));
+            self.stick = Some(self.build(problem, all_stick, c, observer)?);
         }
-        if let Some(owed) = self.owed.take() {
-            let tangent = |f: usize| match owed[f] {
-                ContactState::Open => FaceTangent::open(problem.law_entry(f)),
-                _ => FaceTangent::STICK,
-            };
-            self.present = Some(self.build(problem, &owed, tangent, observer)?);
+        if let Some(Prepared { states, c }) = self.owed.take() {
+            self.present = Some(self.build(problem, states, |_| c, observer)?);
         }
-        let new = |ready: &Option<Ready>| ready.as_ref().is_none_or(|r| r.states != states);
+        let new = |ready: &Option<Ready>| ready.as_ref().is_none_or(|r| r.of.states != states);
         let wanted = self.slow && !self.built && new(&self.stick) && new(&self.present);
-        if let (true, Some(faces)) = (wanted, &jacobian.faces) {
+        if let (true, Some(tangents)) = (wanted, &jacobian.faces) {
             // the memory of the one before is given back first
             self.present = None;
-            self.present = Some(self.build(problem, states, |f| faces[f], observer)?);
+            let c = |c: &[f64]| c_of(&rules(c, |f| tangents[f]));
+            self.present = Some(self.build(problem, states.to_vec(), c, observer)?);
             self.built = true;
             return Ok(true);
         }
         Ok(first)
     }
 
-    /// C, S̃_u and the rules of the faces for these states.
+    /// S̃_u for C per face, which follows from its diagonal in stick.
     fn build(
         &mut self,
         problem: &ContactProblem<'_>,
-        states: &[ContactState],
-        tangent: impl Fn(usize) -> FaceTangent,
+        states: Vec<ContactState>,
+        c: impl FnOnce(&[f64]) -> Vec<Block>,
         observer: &mut dyn Observer,
     ) -> Result<Ready, LinearFailure> {
-        let (unit, faces) = (problem.saddle().unit(), states.len());
-        let rules = |c: &[f64]| -> Vec<FaceRule> {
-            (0..faces)
-                .map(|f| FaceRule::new(&tangent(f), [c[3 * f], c[3 * f + 1], c[3 * f + 2]]))
-                .collect()
-        };
-        let blocks_of = |rules: &[FaceRule]| {
-            AugmentationMatrix::from_face_blocks(rules.iter().map(|rule| rule.c).collect())
-        };
-        let (rules, s_u): (Vec<FaceRule>, Box<dyn Preconditioner<f64>>) = match self.settings {
+        let unit = problem.saddle().unit();
+        let (c, s_u): (_, Box<dyn Preconditioner<f64>>) = match self.settings {
             RunPreconditioner::Assembled(racp) => {
                 let direct = match racp.inner {
                     InnerChoice::Exact { backend } => backend,
@@ -273,9 +226,10 @@ impl Linear {
                         .compute(&blocks, direct.solver()?.as_ref())?;
                     self.c = c.matrix.diagonal_entries();
                 }
-                let rules = rules(&self.c);
-                let s_u = racp.inner.prepare(&blocks, &blocks_of(&rules)?)?.inverse;
-                (rules, s_u)
+                let c = c(&self.c);
+                let matrix = AugmentationMatrix::from_face_blocks(c.clone())?;
+                let s_u = racp.inner.prepare(&blocks, &matrix)?.inverse;
+                (c, s_u)
             }
             RunPreconditioner::MatrixFree(racp) => {
                 let system = problem.stick_system();
@@ -283,13 +237,14 @@ impl Linear {
                     let c = problem.saddle().augmentation(&system, racp.augmentation);
                     self.c = c.map_err(MatrixFreeError::from)?.matrix.diagonal_entries();
                 }
-                let rules = rules(&self.c);
-                let in_pascal = blocks_of(&rules)?.scaled(1.0 / (unit * unit));
+                let c = c(&self.c);
+                let matrix = AugmentationMatrix::from_face_blocks(c.clone())?;
+                let in_pascal = matrix.scaled(1.0 / (unit * unit));
                 let s_u = racp
                     .inner
                     .build(&system, &in_pascal)
                     .map_err(MatrixFreeError::from)?;
-                (rules, Box::new(s_u))
+                (c, Box::new(s_u))
             }
         };
         let step = Step::Progress {
@@ -300,17 +255,26 @@ impl Linear {
         if observer.observe(&step).is_break() {
             return Err(MatrixFreeError::Stopped.into());
         }
-        Ok(Ready {
-            states: states.to_vec(),
-            inverse: StateInverse::new(problem.saddle().coupling().clone(), rules, s_u),
-        })
+        let of = Prepared { states, c };
+        Ok(Ready { of, s_u })
     }
 }
 
-/// Faces whose rows differ: slip and new-slip count as one.
+/// What faces with these tangents make of their rows, and of the diagonal of C in stick.
+fn rules(c: &[f64], tangent: impl Fn(usize) -> FaceTangent) -> Vec<FaceRule> {
+    let faces = c.as_chunks().0.iter().enumerate();
+    faces.map(|(f, c)| FaceRule::new(&tangent(f), *c)).collect()
+}
+
+/// C per face.
+fn c_of(rules: &[FaceRule]) -> Vec<Block> {
+    rules.iter().map(|rule| rule.c).collect()
+}
+
+/// Jumps that one keeps and the other does not: slip and new-slip count as one.
 fn distance(a: &[ContactState], b: &[ContactState]) -> usize {
-    let differ = |(a, b): &(&ContactState, &ContactState)| a.constrained() != b.constrained();
-    a.iter().zip(b).filter(differ).count()
+    let jumps = |(a, b): (&ContactState, &ContactState)| a.constrained().abs_diff(b.constrained());
+    a.iter().zip(b).map(jumps).sum()
 }
 
 /// The preconditioner that the scene asks for, or that its size suggests.

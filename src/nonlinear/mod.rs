@@ -5,34 +5,42 @@
 //! | steps | [`Simulation`] | the last time; a step that fails starts once more from all-stick, then is halved |
 //! | active set | `active_set` | no face changes its state |
 //! | Newton | `newton` | the residual at fixed states is small |
-//! | Krylov | `linear` | the linear system is solved as well as Newton asks |
+//! | Krylov | `linear`, `krylov` | the linear system is solved as well as Newton asks |
 //!
 //! A step starts with every closed face in stick. Tractions are total; slip is counted from the start of the step, the
 //! jump stabilization acts on total normal and on incremental tangential tractions.
 
 mod active_set;
 mod cycling;
+mod energy;
 mod face_rules;
 mod failure;
 mod fields;
 mod jacobian;
+mod krylov;
 mod linear;
 mod loads;
 mod newton;
+mod newton_system;
 mod problem;
 mod record;
+mod remarks;
 mod simulation;
 mod springs;
 mod state;
 mod state_inverse;
+mod times;
 
 pub use cycling::Remedy;
+pub use energy::EnergyRecord;
 pub use failure::{Failure, LinearFailure, StepFailure};
 pub use fields::FaceFields;
 pub use jacobian::ContactJacobian;
 pub use linear::RunPreconditioner;
 pub use loads::Loads;
+pub use newton_system::{NewtonSystem, NewtonSystemError};
 pub use problem::{ContactProblem, Evaluation, Load, Start};
 pub use record::{Accepted, Event, LinearRecord, StepRecord};
+pub use remarks::Remark;
 pub use simulation::{Simulation, SimulationError};
-pub use state::State;
+pub use state::{Prepared, State};

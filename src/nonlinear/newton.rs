@@ -1,7 +1,10 @@
 //! Newton's method at fixed contact states.
 
 use super::linear::Linear;
-use super::{ContactProblem, Evaluation, Failure, LinearFailure, LinearRecord, Load, Start};
+use super::record::count;
+use super::{
+    ContactProblem, Evaluation, Failure, LinearFailure, LinearRecord, Load, NewtonSystem, Start,
+};
 use crate::contact::ContactState;
 use fracas_operators::sparse::Csr;
 use fracas_operators::vector::{axpy, norm2};
@@ -99,6 +102,17 @@ pub(super) fn newton(
             true => last,
             false => (size / before).powi(2).min(FORCING.0).max(last),
         };
+        if linear.wanted == Some(records.len()) {
+            let blocks = problem.assembled(states, &at, until.lagged);
+            linear.found = Some(NewtonSystem {
+                blocks: blocks.map_err(LinearFailure::from)?,
+                states: states.to_vec(),
+                attempt: attempt.attempt,
+                round,
+                newton: iteration,
+            });
+            return Err(Failure::Stopped);
+        }
         // J δ = −r
         let jacobian = problem.jacobian(states, h, &at, until.lagged);
         let solved = linear.solve(
@@ -114,6 +128,7 @@ pub(super) fn newton(
             attempt: attempt.attempt,
             active: round,
             newton: iteration,
+            faces: count(states),
             krylov: "",
             iterations: 0,
             tolerance: forcing,

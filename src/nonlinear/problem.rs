@@ -45,6 +45,16 @@ pub struct Evaluation {
     lagged: Option<Vec<FaceRows>>,
 }
 
+impl Evaluation {
+    /// Residual and tangent of every face; `lagged` leaves out the derivative of weakening.
+    pub(super) fn rows(&self, lagged: bool) -> &[FaceRows] {
+        match &self.lagged {
+            Some(rows) if lagged => rows,
+            _ => &self.rows,
+        }
+    }
+}
+
 /// A fractured body whose faces stick, slip or are open; A cell by cell, B face by face.
 ///
 /// Rows of face f: `A_f r` of [`FaceLaw::projected_rows`] on the mean jump `(Bᵀu + prescribed part + gap)/A_f`, less
@@ -247,10 +257,7 @@ impl<'a> ContactProblem<'a> {
         at: &Evaluation,
         lagged: bool,
     ) -> ContactJacobian<'s> {
-        let rows = match &at.lagged {
-            Some(rows) if lagged => rows,
-            _ => &at.rows,
-        };
+        let rows = at.rows(lagged);
         let s = self.saddle.unit();
         let tangent = |(face, rows): (&FractureFace, &FaceRows)| FaceTangent {
             by_jump: rows.by_jump,

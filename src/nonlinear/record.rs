@@ -49,6 +49,8 @@ pub struct LinearRecord {
     pub active: usize,
     /// Newton step of that round, from 0.
     pub newton: usize,
+    /// Faces in stick, new-slip, slip, open.
+    pub faces: [usize; 4],
     /// Method.
     pub krylov: &'static str,
     /// Its iterations.

@@ -6,9 +6,10 @@ use super::loads::initial_traction;
 use super::newton::{Attempt, Iterate};
 use super::record::count;
 use super::springs::SpringMethod;
+use super::times::{Target, Times, length};
 use super::{
-    Accepted, ContactProblem, Event, FaceFields, Failure, Load, RunPreconditioner, Start, State,
-    StepFailure, StepRecord,
+    Accepted, ContactProblem, Event, FaceFields, Failure, Load, NewtonSystem, RunPreconditioner,
+    Start, State, StepFailure, StepRecord,
 };
 use crate::contact::ContactState;
 use crate::elasticity::ElasticityError;
@@ -16,12 +17,6 @@ use crate::scene::Body;
 use fracas_operators::LinearOperator;
 use fracas_operators::vector::{axpy, norm2};
 use fracas_solvers::Observer;
-
-/// Relative distance of two times that counts as none.
-const SAME_TIME: f64 = 1e-9;
-
-/// Halvings beyond which a step has no length left.
-const MAX_HALVINGS: usize = 60;
 
 /// Why a body cannot be simulated.
 #[derive(Debug, thiserror::Error)]
@@ -45,15 +40,9 @@ pub struct Simulation<'a> {
     linear: Linear,
     /// What takes the place of multipliers, if anything does.
     springs: Option<SpringMethod>,
+    times: Times,
     /// Tractions of the initial stress: the start of the equilibrium at time 0 [Pa].
     initial_traction: Vec<f64>,
-}
-
-/// Where a step goes.
-#[derive(Clone, Copy, Debug)]
-struct Target {
-    time: f64,
-    loaded: f64,
 }
 
 impl<'a> Simulation<'a> {
@@ -75,6 +64,7 @@ impl<'a> Simulation<'a> {
             springs: SpringMethod::new(&problem, linear.settings()),
             linear,
             initial_traction: initial_traction(body),
+            times: Times::new(body),
             problem,
         })
     }
@@ -115,8 +105,7 @@ impl<'a> Simulation<'a> {
 
     /// True at the last time.
     pub fn is_finished(&self, state: &State) -> bool {
-        let end = self.problem.body().time.map_or(0.0, |time| time.end);
-        state.loaded >= 1.0 && state.time >= end
+        self.times.is_finished(state)
     }
 
     /// The next step: the equilibrium at time 0 first, then time by time. A failed attempt is repeated from all-stick, then
@@ -129,12 +118,9 @@ impl<'a> Simulation<'a> {
         state: &State,
         observer: &mut dyn Observer,
     ) -> Result<Accepted, Box<StepFailure>> {
-        // a run that comes closer and closer to a time without equilibrium ends there
-        let halvings = self.problem.body().solver.max_cuts.min(MAX_HALVINGS) as i32;
-        let shortest = match state.loaded < 1.0 {
-            true => 0.5f64.powi(halvings),
-            false => self.table().1 * 0.5f64.powi(halvings),
-        };
+        let shortest = self
+            .times
+            .shortest(state, self.problem.body().solver.max_cuts);
         let (mut log, mut attempts, mut cuts) = (Log::default(), 0, 0);
         let mut increment = state.next;
         match &mut self.springs {
@@ -142,17 +128,15 @@ impl<'a> Simulation<'a> {
             None => self.linear.begin_step(state),
         }
         loop {
-            let target = self.target(state, increment);
+            let target = self.times.target(state, increment);
             let outcome = self.attempt_twice(state, target, &mut attempts, &mut log, observer);
             match outcome {
                 Ok((settled, load)) => {
-                    let next = self.next(state, target, increment, cuts);
+                    let next = self.times.next(state, target, increment, cuts);
                     return Ok(self.accept(state, target, settled, &load, log, cuts, next));
                 }
-                Err(reason)
-                    if reason.may_be_cut() && 0.5 * self.length(state, target) >= shortest =>
-                {
-                    increment = 0.5 * self.length(state, target);
+                Err(reason) if reason.may_be_cut() && 0.5 * length(state, target) >= shortest => {
+                    increment = 0.5 * length(state, target);
                     cuts += 1;
                     log.events.push(Event::Cut {
                         reason: reason.to_string(),
@@ -163,7 +147,7 @@ impl<'a> Simulation<'a> {
                     return Err(Box::new(StepFailure {
                         step: state.step,
                         time: state.time,
-                        increment: self.length(state, target),
+                        increment: length(state, target),
                         unit: match state.loaded < 1.0 {
                             true => "of the loads of time 0",
                             false => "s",
@@ -270,64 +254,6 @@ impl<'a> Simulation<'a> {
             .fold(norm2(&pushed), f64::max)
     }
 
-    /// The state after `increment`, not beyond the next time of the table.
-    fn target(&self, state: &State, increment: f64) -> Target {
-        if state.loaded < 1.0 {
-            return Target {
-                time: 0.0,
-                loaded: (state.loaded + increment).min(1.0),
-            };
-        }
-        let (end, nominal) = self.table();
-        let done = (state.time / nominal + SAME_TIME).floor();
-        let steps = self
-            .problem
-            .body()
-            .time
-            .map_or(1.0, |time| f64::from(time.steps));
-        // end · n/steps, the last one exactly the end
-        let next = end * ((done + 1.0) / steps).min(1.0);
-        let time = state.time + increment;
-        Target {
-            time: if time >= next - SAME_TIME * nominal {
-                next
-            } else {
-                time
-            },
-            loaded: 1.0,
-        }
-    }
-
-    /// Last time and length of a nominal step [s].
-    fn table(&self) -> (f64, f64) {
-        self.problem.body().time.map_or((0.0, 1.0), |time| {
-            (time.end, time.end / f64::from(time.steps))
-        })
-    }
-
-    /// Increment from a state to a target.
-    fn length(&self, state: &State, target: Target) -> f64 {
-        match state.loaded < 1.0 {
-            true => target.loaded - state.loaded,
-            false => target.time - state.time,
-        }
-    }
-
-    /// The increment that the step after tries: twice this one unless it was cut.
-    fn next(&self, state: &State, target: Target, increment: f64, cuts: usize) -> f64 {
-        let nominal = self.table().1;
-        if state.loaded < 1.0 && target.loaded >= 1.0 {
-            return nominal;
-        }
-        let longest = if state.loaded < 1.0 { 1.0 } else { nominal };
-        let grown = if cuts == 0 {
-            2.0 * increment
-        } else {
-            increment
-        };
-        grown.min(longest)
-    }
-
     fn accept(
         &self,
         before: &State,
@@ -398,22 +324,42 @@ impl<'a> Simulation<'a> {
         }
     }
 
+    /// Tractions of the initial stress, three per face [Pa].
+    pub(super) fn initial_traction(&self) -> &[f64] {
+        &self.initial_traction
+    }
+
+    /// Where the number of the linear system to stop at is written; none with springs.
+    pub(super) fn wanted_system(&mut self) -> Option<&mut Option<usize>> {
+        self.springs.is_none().then_some(&mut self.linear.wanted)
+    }
+
+    /// The system that the last step stopped at.
+    pub(super) fn take_system(&mut self) -> Option<NewtonSystem> {
+        self.linear.wanted = None;
+        self.linear.found.take()
+    }
+
     /// What the fracture faces show in a state.
     pub fn face_fields(&self, state: &State) -> FaceFields {
-        let body = self.problem.body();
         let load = self.problem.loads().at(state.time, state.loaded);
-        let pressure = |f: &crate::mesh::FractureFace| {
-            let (p, history) = body.pressures[usize::from(f.fracture)];
-            state.loaded * p * body.histories[history].at(state.time)
-        };
-        let pressures = self.problem.faces().iter().map(pressure).collect();
         FaceFields::new(
             &self.problem,
             &state.states,
             [&state.u, &state.t],
             &load,
-            pressures,
+            self.pressures(state),
         )
+    }
+
+    /// Fluid pressure per face [Pa].
+    pub(super) fn pressures(&self, state: &State) -> Vec<f64> {
+        let body = self.problem.body();
+        let pressure = |f: &crate::mesh::FractureFace| {
+            let (p, history) = body.pressures[usize::from(f.fracture)];
+            state.loaded * p * body.histories[history].at(state.time)
+        };
+        self.problem.faces().iter().map(pressure).collect()
     }
 
     /// Displacements of all nodes in a state, `3·node + component` [m].

@@ -1,6 +1,16 @@
 //! Everything that a step starts from.
 
 use crate::contact::ContactState;
+use fracas_solvers::saddle::Block;
+
+/// What a preconditioner was built for; all that building it again needs beside the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prepared {
+    /// State per face.
+    pub states: Vec<ContactState>,
+    /// C per face, tractions in the balanced unit.
+    pub c: Vec<Block>,
+}
 
 /// A body between two steps; with the scene it is all that a restart needs.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,8 +29,8 @@ pub struct State {
     pub traction: f64,
     /// Krylov iterations per digit of the first linear system of the run, 0 before it; others are judged against it.
     pub krylov: f64,
-    /// States that the preconditioner beside the all-stick one was built for, if there is one to keep.
-    pub prepared: Option<Vec<ContactState>>,
+    /// What the preconditioner beside the all-stick one was built for, if there is one to keep.
+    pub prepared: Option<Prepared>,
     /// Free displacements [m].
     pub u: Vec<f64>,
     /// Tractions (t_N, t_1, t_2) per face [Pa].

@@ -3,7 +3,6 @@
 use super::face_rules::{FaceRule, Matrix3};
 use crate::contact::Coupling;
 use fracas_operators::{AdjointOperator, Layout, LinearOperator, Preconditioner};
-use std::sync::Arc;
 
 /// RACP around the kept directions of every face, the others solved for their own tractions:
 /// ```text
@@ -13,18 +12,18 @@ use std::sync::Arc;
 ///
 /// # Cost
 /// As RACP: one solve with S̃_u, two products with B.
-pub(super) struct StateInverse {
-    b: Arc<Coupling<f64>>,
+pub(super) struct StateInverse<'a> {
+    b: &'a Coupling<f64>,
     rules: Vec<FaceRule>,
-    s_u: Box<dyn Preconditioner<f64>>,
+    s_u: &'a dyn Preconditioner<f64>,
     layout: Layout<2>,
 }
 
-impl StateInverse {
+impl<'a> StateInverse<'a> {
     pub(super) fn new(
-        b: Arc<Coupling<f64>>,
+        b: &'a Coupling<f64>,
         rules: Vec<FaceRule>,
-        s_u: Box<dyn Preconditioner<f64>>,
+        s_u: &'a dyn Preconditioner<f64>,
     ) -> Self {
         let shape = b.shape();
         assert_eq!(shape.rows, s_u.size(), "rows of B and size of S_u");
@@ -48,7 +47,7 @@ fn three(v: &[f64]) -> [f64; 3] {
     [v[0], v[1], v[2]]
 }
 
-impl Preconditioner<f64> for StateInverse {
+impl Preconditioner<f64> for StateInverse<'_> {
     fn size(&self) -> usize {
         self.layout.len()
     }
@@ -85,9 +84,7 @@ impl Preconditioner<f64> for StateInverse {
     }
 
     fn flops(&self) -> u64 {
-        self.s_u.flops()
-            + 2 * LinearOperator::flops(self.b.as_ref())
-            + 108 * self.rules.len() as u64
+        self.s_u.flops() + 2 * LinearOperator::flops(self.b) + 108 * self.rules.len() as u64
     }
 
     fn is_linear(&self) -> bool {

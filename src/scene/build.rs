@@ -69,6 +69,7 @@ fn assemble(sections: &SceneSections, folder: &Path) -> Result<Body, Located> {
         None => mesh_of_grid(sections)?,
     };
 
+    require_used(sections)?;
     let mut histories = Histories::new();
     let (time, of_time) = time_table(sections, &mut histories)?;
     let (prescribed, tractions) = hold(&sections.boundary, &built, |i, boundary| {
@@ -182,6 +183,49 @@ fn mesh_of_grid(sections: &SceneSections) -> Result<(BuiltMesh, Vec<usize>), Loc
         .build()
         .map_err(|e| locate(e, &grid, &section_of, sections))?;
     Ok((built, section_of))
+}
+
+/// Refuses keys that change nothing where they stand.
+fn require_used(sections: &SceneSections) -> Result<(), Located> {
+    let idle = |path: [&str; 2], key: &'static str, what: String, without: &'static str| {
+        at(
+            &[path[0], path[1], key],
+            Problem::Idle { key, what, without },
+        )
+    };
+    for (i, m) in sections.material.iter().enumerate() {
+        let given = [
+            ("biot", m.biot.is_some()),
+            ("pressure_history", m.pressure_history.is_some()),
+        ];
+        let stray = given
+            .into_iter()
+            .find(|(_, given)| *given && m.pressure_change.is_none());
+        if let Some((key, _)) = stray {
+            let what = format!("material \"{}\"", m.name);
+            return Err(idle(
+                ["material", &i.to_string()],
+                key,
+                what,
+                "pressure_change",
+            ));
+        }
+    }
+    for (i, f) in sections.fracture.iter().enumerate() {
+        if f.pressure_history.is_some() && f.pressure.is_none() {
+            let what = format!("fracture \"{}\"", f.name);
+            let path = ["fracture", &i.to_string()];
+            return Err(idle(path, "pressure_history", what, "pressure"));
+        }
+    }
+    for (i, b) in sections.boundary.iter().enumerate() {
+        if b.hold.is_some() && b.history.is_some() {
+            let side = b.place();
+            let path = ["boundary", &i.to_string(), "history"];
+            return Err(at(&path, Problem::HeldHistory { side }));
+        }
+    }
+    Ok(())
 }
 
 /// All names of a list differ.

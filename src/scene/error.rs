@@ -160,6 +160,24 @@ pub enum Problem {
         /// Its name.
         name: String,
     },
+    /// A key that changes nothing without another one.
+    #[error("`{key}` of {what} has no effect without `{without}`; give both or neither")]
+    Idle {
+        /// The key.
+        key: &'static str,
+        /// Which section.
+        what: String,
+        /// What it would act on.
+        without: &'static str,
+    },
+    /// A history of what is zero at all times.
+    #[error(
+        "`history` of {side} has no effect beside `hold`, which is zero at all times; leave it out, or prescribe a `displacement`"
+    )]
+    HeldHistory {
+        /// The side.
+        side: String,
+    },
     /// A last time of zero.
     #[error("`end` must be later than time 0")]
     NoTime,

@@ -4,6 +4,9 @@ use super::Problem;
 use super::located::{Located, at};
 use crate::units::{Duration, Measure};
 
+/// Relative difference of slopes that counts as rounding. Unit: 1.
+const STRAIGHT: f64 = 1e-9;
+
 /// A factor of a load against time, linear between its points and constant outside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct History {
@@ -26,6 +29,22 @@ impl History {
         (!points.is_empty() && increasing && finite).then_some(Self { points })
     }
 
+    /// Times at which the factor bends or jumps in slope [s], increasing.
+    pub fn corners(&self) -> impl Iterator<Item = f64> + '_ {
+        let slope = |k: usize| match (k.checked_sub(1).map(|k| self.points[k]), self.points.get(k))
+        {
+            (Some((t0, f0)), Some((t1, f1))) => (f1 - f0) / (t1 - t0),
+            _ => 0.0,
+        };
+        let bends = move |k: &usize| {
+            let (before, after) = (slope(*k), slope(k + 1));
+            (before - after).abs() > STRAIGHT * before.abs().max(after.abs())
+        };
+        (0..self.points.len())
+            .filter(bends)
+            .map(|k| self.points[k].0)
+    }
+
     /// The factor at a time [s].
     pub fn at(&self, time: f64) -> f64 {
         let after = self.points.partition_point(|(t, _)| *t <= time);
@@ -41,7 +60,8 @@ impl History {
     }
 }
 
-/// Times at which a scene is solved: `end · n/steps` for n = 1, …, steps, after the equilibrium at time 0.
+/// Times at which a scene is solved: `end · n/steps` for n = 1, …, steps and the corners of its histories between them, after
+/// the equilibrium at time 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeTable {
     /// Last time [s].
@@ -98,6 +118,24 @@ mod tests {
             assert_eq!(h.at(t), f, "at {t}");
         }
         assert_eq!(History::constant().at(7.0), 1.0);
+    }
+
+    #[test]
+    fn corners_are_where_the_slope_changes() {
+        let corners = |points: &[(f64, f64)]| -> Vec<f64> {
+            History::through(points.to_vec())
+                .unwrap()
+                .corners()
+                .collect()
+        };
+        assert_eq!(
+            corners(&[(1.0, 0.0), (3.0, 4.0), (5.0, -1.0)]),
+            [1.0, 3.0, 5.0]
+        );
+        // 2 lies on the line from 1 to 4
+        assert_eq!(corners(&[(1.0, 1.0), (2.0, 2.0), (4.0, 4.0)]), [1.0, 4.0]);
+        assert_eq!(corners(&[(0.0, 2.0), (7.0, 2.0), (8.0, 0.0)]), [7.0, 8.0]);
+        assert!(History::constant().corners().next().is_none());
     }
 
     #[test]

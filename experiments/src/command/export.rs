@@ -1,12 +1,16 @@
-//! `fracas export`: a system folder.
+//! `fracas export`: a system folder, of a scene with every face in stick or of a Newton step of its run.
 
+use super::memory;
 use super::progress::Progress;
-use super::source::Assembly;
+use super::source::{Assembly, System};
 use super::{Status, output};
+use anyhow::Context;
 use clap::Args;
 use fracas::io::face_table;
+use fracas::nonlinear::{NewtonSystemError, Simulation, StepFailure};
 use fracas_operators::matrix_market::write_dense;
 use fracas_solvers::saddle::folder::write_folder;
+use serde_json::{Value, json};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -20,18 +24,96 @@ pub(super) struct Export {
     /// Folder to write.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    /// Runs the scene to step N, 0 being the equilibrium at time 0, and writes one of its linear systems.
+    #[arg(long, value_name = "N")]
+    step: Option<usize>,
+    /// Which of them: row K of the step in solver.csv, from 0.
+    #[arg(long, value_name = "K", requires = "step", default_value = "0")]
+    newton: usize,
+}
+
+/// A step that is not in the run.
+#[derive(Debug, thiserror::Error)]
+#[error("the run of {scene} has steps 0 to {last}, and no step {step}")]
+struct NoSuchStep {
+    scene: String,
+    step: usize,
+    last: usize,
 }
 
 impl Export {
     pub(super) fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
         output::folder(&self.out)?;
         let mut progress = Progress::new();
-        let system = self.assembly.assemble(&self.scene, &mut progress)?;
+        let system = match self.step {
+            None => self.assembly.assemble(&self.scene, &mut progress)?,
+            Some(step) => match self.of_run(step, &mut progress)? {
+                Ok(system) => system,
+                Err(failure) => {
+                    progress.say(&failure.to_string());
+                    return Ok(Status::NotConverged);
+                }
+            },
+        };
         write_folder(&self.out, &system.blocks, &system.manifest)?;
         if let Some(body) = &system.body {
             write_dense(&self.out.join("faces.mtx"), &face_table(&body.fractures))?;
         }
         writeln!(out, "{}", self.out.display())?;
         Ok(Status::Done)
+    }
+
+    /// The system of a Newton step, or the step of the run that failed before it.
+    fn of_run(
+        &self,
+        step: usize,
+        progress: &mut Progress,
+    ) -> anyhow::Result<Result<System, Box<StepFailure>>> {
+        self.assembly.require_run_stabilization()?;
+        let body = self.assembly.mesh(&self.scene, memory::BLOCKS, progress)?;
+        let (states, blocks, other) = {
+            let mut simulation =
+                Simulation::new(&body).with_context(|| format!("{} cannot be run", self.scene))?;
+            let mut state = simulation.initial_state();
+            loop {
+                if state.step > 0 && simulation.is_finished(&state) {
+                    return Err(NoSuchStep {
+                        scene: self.scene.clone(),
+                        step,
+                        last: state.step - 1,
+                    }
+                    .into());
+                }
+                if state.step == step {
+                    break;
+                }
+                progress.say(&format!("step {}", state.step));
+                match simulation.advance(&state, progress) {
+                    Ok(accepted) => state = accepted.state,
+                    Err(failure) => return Ok(Err(failure)),
+                }
+            }
+            let time = state.time;
+            match simulation.newton_system(&state, self.newton, progress) {
+                Ok(system) => {
+                    let other = json!({
+                        "from_time_s": time,
+                        "attempt": system.attempt,
+                        "round": system.round,
+                        "newton_of_round": system.newton,
+                    });
+                    (system.states, system.blocks, other)
+                }
+                Err(NewtonSystemError::Step(failure)) => return Ok(Err(failure)),
+                Err(error) => return Err(error.into()),
+            }
+        };
+        let mut manifest = self
+            .assembly
+            .manifest(&self.scene, step, self.newton, &states);
+        if let Value::Object(other) = other {
+            manifest.other.extend(other);
+        }
+        Ok(Ok(System::of_body(body, blocks, manifest)))
     }
 }

@@ -1,9 +1,13 @@
-//! Scenes whose saddle point is singular whatever the stabilization.
+//! Tractions that neither displacements nor H see: refused where they leave the answer open, told where they do not.
+//!
+//! A slab of one element between rollers is the usual 2-D problem in a 3-D code: the shear across it pushes on prescribed
+//! displacements alone. Its row is `0 = 0`, no iterate changes it, displacements and all other tractions are unique. A
+//! traction pattern over several patches that pushes on nothing is another matter: which faces open depends on it.
 
 use fracas::mesh::{CouplingKernel, coupling_kernel};
 use fracas::scene::Body;
 
-/// Tractions that neither displacements nor H see.
+/// Tractions that nothing determines and contact depends on.
 #[derive(Debug, thiserror::Error)]
 #[error(
     "{scene}: {modes} traction mode(s) stay free even with stabilization, so the saddle point is singular{place}; \
@@ -15,30 +19,36 @@ struct SingularScene {
     place: String,
 }
 
-/// Refuses a scene whose tractions are not unique even with jump stabilization (a slab of one element between rollers,
-/// a fracture of one face between tips, …).
-pub(super) fn require_regular(scene: &str, body: &Body) -> anyhow::Result<()> {
-    judge(
-        scene,
-        body,
-        &coupling_kernel(&body.mesh, &body.fractures, &body.prescribed()),
-    )
-}
-
-/// What a run says of such tractions: loads do not reach them, and they stay at those of the initial stress.
-pub(super) fn undetermined(scene: &str, body: &Body) -> Option<String> {
-    let error = require_regular(scene, body).err()?;
-    Some(format!(
-        "{error}; such tractions stay at those of the initial stress"
-    ))
+/// Refuses a scene whose tractions are not unique even with jump stabilization; what is to be said of those that push on
+/// prescribed displacements or tips only.
+pub(super) fn undetermined(scene: &str, body: &Body) -> anyhow::Result<Option<String>> {
+    let kernel = coupling_kernel(&body.mesh, &body.fractures, &body.prescribed());
+    judge(scene, body, &kernel)?;
+    Ok((kernel.idle_dimension > 0).then(|| {
+        format!(
+            "{} traction mode(s) push on prescribed displacements or tips only{}; such tractions stay at those of the initial stress",
+            kernel.idle_dimension,
+            first(body, &kernel)
+        )
+    }))
 }
 
 /// The same for a kernel that is known already.
 pub(super) fn judge(scene: &str, body: &Body, kernel: &CouplingKernel) -> anyhow::Result<()> {
-    if kernel.stabilized_dimension == 0 {
+    if kernel.stabilized_dimension <= kernel.idle_dimension {
         return Ok(());
     }
-    let place = kernel.findings.first().map_or_else(String::new, |finding| {
+    Err(SingularScene {
+        scene: scene.into(),
+        modes: kernel.stabilized_dimension - kernel.idle_dimension,
+        place: first(body, kernel),
+    }
+    .into())
+}
+
+/// The first finding and its place.
+fn first(body: &Body, kernel: &CouplingKernel) -> String {
+    kernel.findings.first().map_or_else(String::new, |finding| {
         let [x, y, z] = finding.center;
         format!(
             ": fracture \"{}\", face {} at ({x:.6}, {y:.6}, {z:.6}) m: {}",
@@ -46,11 +56,5 @@ pub(super) fn judge(scene: &str, body: &Body, kernel: &CouplingKernel) -> anyhow
             finding.face,
             finding.reason
         )
-    });
-    Err(SingularScene {
-        scene: scene.into(),
-        modes: kernel.stabilized_dimension,
-        place,
-    }
-    .into())
+    })
 }

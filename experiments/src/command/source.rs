@@ -6,7 +6,7 @@ use super::rank;
 use super::scene::{self, Overrides};
 use anyhow::Context;
 use clap::Args;
-use fracas::contact::JumpStabilization;
+use fracas::contact::{ContactState, JumpStabilization};
 use fracas::scene::Body;
 use fracas_solvers::saddle::SaddleBlocks;
 use fracas_solvers::saddle::folder::{Manifest, read_folder};
@@ -61,6 +61,20 @@ pub(super) struct System {
     pub(super) has_rhs: bool,
     /// True when fracas assembled the system, now or before an export: then we choose the units that it is solved in.
     pub(super) is_ours: bool,
+}
+
+impl System {
+    /// The system of a body that fracas assembled.
+    pub(super) fn of_body(body: Body, blocks: SaddleBlocks, manifest: Manifest) -> Self {
+        Self {
+            has_rhs: blocks.rhs().iter().any(|b| *b != 0.0),
+            blocks,
+            manifest,
+            body: Some(body),
+            findings: Vec::new(),
+            is_ours: true,
+        }
+    }
 }
 
 impl Source {
@@ -130,7 +144,7 @@ impl Assembly {
         })
     }
 
-    /// Meshes a scene that fits into memory at `bytes` and whose tractions are unique.
+    /// Meshes a scene that fits into memory at `bytes` and whose answer is unique.
     pub(super) fn mesh(
         &self,
         name: &str,
@@ -141,7 +155,9 @@ impl Assembly {
         memory::room_for(name, &scene, bytes)?;
         progress.say(&format!("{}: meshing", scene.title()));
         let body = scene.build()?;
-        rank::require_regular(name, &body)?;
+        if let Some(sentence) = rank::undetermined(name, &body)? {
+            progress.say(&format!("warning: {sentence}"));
+        }
         Ok(body)
     }
 
@@ -152,25 +168,40 @@ impl Assembly {
         let blocks = body
             .saddle_blocks(self.stabilization())
             .with_context(|| format!("{name} cannot be assembled"))?;
+        let states = vec![ContactState::Stick; body.fractures.faces.len()];
+        let manifest = self.manifest(name, 0, 0, &states);
+        Ok(System::of_body(body, blocks, manifest))
+    }
+
+    /// What a folder of this scene says of itself.
+    pub(super) fn manifest(
+        &self,
+        name: &str,
+        step: usize,
+        newton: usize,
+        states: &[ContactState],
+    ) -> Manifest {
         let mut manifest = Manifest {
             scene: Some(name.into()),
-            step: Some(0),
-            newton: Some(0),
-            states: Some(vec![0; body.fractures.faces.len()]),
+            step: Some(step),
+            newton: Some(newton),
+            states: Some(states.iter().map(|state| state.code()).collect()),
             units: Some("SI".into()),
             ..Manifest::default()
         };
         manifest
             .other
             .insert("stabilization".into(), self.stabilization.into());
-        let has_rhs = blocks.rhs().iter().any(|b| *b != 0.0);
-        Ok(System {
-            blocks,
-            manifest,
-            body: Some(body),
-            findings: Vec::new(),
-            has_rhs,
-            is_ours: true,
-        })
+        manifest
+    }
+
+    /// Refuses a factor of the stabilization that a run does not know.
+    pub(super) fn require_run_stabilization(&self) -> anyhow::Result<()> {
+        anyhow::ensure!(
+            self.stabilization == 1.0,
+            "--stabilization {} and --step exclude each other: a run stabilizes with factor 1",
+            self.stabilization
+        );
+        Ok(())
     }
 }

@@ -78,36 +78,73 @@ fn fractures_outside_are_bad_input() {
 }
 
 #[test]
-fn a_slab_of_one_element_between_rollers_is_singular() {
+fn a_slab_of_one_element_between_rollers_is_told_and_goes_on() {
     let holds = [("x-", "fixed"), ("y-", "roller"), ("y+", "roller")];
     let file = scene(
         "slab",
         &holds,
-        &[(
-            "to = \"3 m\", cells = 3 }\nz",
-            "to = \"1 m\", cells = 1 }\nz",
-        )],
+        &[
+            (
+                "to = \"3 m\", cells = 3 }\nz",
+                "to = \"1 m\", cells = 1 }\nz",
+            ),
+            (
+                "at = \"1 m\"",
+                "at = \"1 m\"\n[[boundary]]\nside = \"x+\"\ntraction = { x = \"-1 MPa\" }",
+            ),
+        ],
     );
     said(
         &file,
-        2,
+        0,
         &[
             "rank        dim ker B = 3\n",
-            "1 traction mode stays free even with stabilization: the system is singular",
+            "1 traction mode pushes on prescribed displacements or tips only and keeps the initial stress",
             "\"joint\" on 3 faces, first face 0 at (1.000000, 0.500000, 0.500000) m: t_1 acts on prescribed displacements only",
             "a uniform traction along y on this patch does no work",
         ],
     );
+    let file = file.as_str();
+    let solved = fracas(&["solve", file]);
+    assert_eq!(solved.status, 0, "{}", solved.stderr);
+    let said = "warning: 1 traction mode(s) push on";
+    assert!(solved.stderr.contains(said), "{}", solved.stderr);
+    // what has to factorize the Schur complement cannot, and says where
+    let refused = fracas(&["solve", file, "--method", "mcp"]);
+    assert_eq!(refused.status, 2, "{}", refused.stderr);
+    assert!(
+        refused.stderr.contains("(row 8, counted from 1)"),
+        "{}",
+        refused.stderr
+    );
+    let out = scratch("slab-run");
+    let out = out.join("out");
+    let ran = fracas(&[
+        "run",
+        file,
+        "--set",
+        "fracture.0.friction_angle=30 deg",
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    assert_eq!(ran.status, 0, "{}", ran.stderr);
+    assert!(
+        ran.stderr.contains("warning: 1 traction mode(s) push on"),
+        "{}",
+        ran.stderr
+    );
+    let log = std::fs::read_to_string(out.join("log.jsonl")).unwrap();
+    assert!(log.contains("\"event\":\"warning\""), "{log}");
 }
 
 #[test]
-fn a_fracture_of_one_face_is_singular() {
+fn a_fracture_of_one_face_is_told() {
     let spans = "at = \"1 m\"\ny = [\"1 m\", \"2 m\"]\nz = [\"1 m\", \"2 m\"]";
     said(
         &scene("face", &[("x-", "fixed")], &[("at = \"1 m\"", spans)]),
-        2,
+        0,
         &[
-            "3 traction modes stay free even with stabilization: the system is singular",
+            "3 traction modes push on prescribed displacements or tips only",
             "\"joint\" on 1 face, first face 0 at (1.000000, 1.500000, 1.500000) m: all four corners are tips",
         ],
     );
@@ -171,4 +208,50 @@ fn exported_frames_are_those_of_the_coupling() {
     }
     let audit = fracas(&["check", "--system", out.to_str().unwrap()]);
     assert!(!audit.stdout.contains("faces.mtx"), "{}", audit.stdout);
+}
+
+#[test]
+fn a_newton_step_of_a_run_is_exported_and_solves() {
+    let out = scratch("export-newton");
+    let out = out.to_str().unwrap();
+    let small = [
+        "--set",
+        "mesh.x.cells=4",
+        "--set",
+        "mesh.y.cells=2",
+        "--set",
+        "mesh.z.cells=2",
+    ];
+    let export = |step: &str, newton: &str| {
+        let mut arguments = vec![
+            "export", "cycle", "--out", out, "--step", step, "--newton", newton,
+        ];
+        arguments.extend(small);
+        fracas(&arguments)
+    };
+    let ran = export("8", "1");
+    assert_eq!(ran.status, 0, "{}", ran.stderr);
+    let manifest = std::fs::read_to_string(format!("{out}/manifest.json")).unwrap();
+    let manifest: serde_json::Value = serde_json::from_str(&manifest).unwrap();
+    assert_eq!(
+        (&manifest["step"], &manifest["newton"]),
+        (&8.into(), &1.into())
+    );
+    let states = manifest["states"].as_array().unwrap();
+    assert_eq!(states.len(), 4, "{manifest}");
+    assert!(
+        states.iter().any(|s| *s != 0),
+        "all faces stick: {manifest}"
+    );
+    assert!(std::path::Path::new(&format!("{out}/B2.mtx")).is_file());
+    let solved = fracas(&["solve", "--system", out]);
+    assert_eq!(solved.status, 0, "{}", solved.stderr);
+    let late = export("99", "0");
+    assert_eq!(late.status, 2);
+    assert!(late.stderr.contains("steps 0 to 40"), "{}", late.stderr);
+    let many = export("8", "500");
+    assert_eq!(many.status, 2);
+    assert!(many.stderr.contains("no number 500"), "{}", many.stderr);
+    let alone = fracas(&["export", "cycle", "--out", out, "--newton", "1"]);
+    assert_eq!(alone.status, 2);
 }

@@ -46,8 +46,14 @@ steps = 10
 history = [["0 s", 0.0], ["7 h", 1.0], ["12 h", -0.6]]
 "#;
 
-/// Rows of the history: time 0 and ten steps.
-const ROWS: usize = 11;
+/// Rows of the history: time 0, ten steps and the corner of the load at 7 h between two of them.
+const ROWS: usize = 12;
+
+/// The time of a row [s].
+fn time(row: usize) -> f64 {
+    let hours = [0.0, 1.2, 2.4, 3.6, 4.8, 6.0, 7.0, 7.2, 8.4, 9.6, 10.8, 12.0];
+    3600.0 * hours[row]
+}
 
 const HEADER: &str = "step,time_s,dt_s,active_it,newton_it,lin_it,lin_res,stick,newslip,slip,open,changed_area,max_pen,max_tau_viol,slip_max_m,cuts,wall_s";
 
@@ -88,7 +94,7 @@ fn names(folder: &Path, begin: &str, end: &str) -> Vec<String> {
 /// Everything of a finished run that must not depend on how it got there.
 fn content(out: &Path) -> Vec<(String, Vec<u8>)> {
     let mut files = names(out, "", ".vtu");
-    files.extend(["history.csv", "scene.pvd", "resolved.toml"].map(String::from));
+    files.extend(["history.csv", "energy.csv", "scene.pvd", "resolved.toml"].map(String::from));
     let figures = names(&out.join("figures"), "", "");
     files.extend(figures.iter().map(|f| format!("figures/{f}")));
     let last = names(&out.join("checkpoint"), "", "").pop();
@@ -135,7 +141,7 @@ fn a_run_leaves_its_tree() {
             row[1..16].iter().all(|f| f.parse::<f64>().is_ok()),
             "{row:?}"
         );
-        assert!((row[1].parse::<f64>().unwrap() - 4320.0 * k as f64).abs() < 1e-6);
+        assert!((row[1].parse::<f64>().unwrap() - time(k)).abs() < 1e-6);
     }
     // the scene is one in which something happens
     let column = |k: usize| rows.iter().map(move |r| r[k].parse::<f64>().unwrap());
@@ -148,6 +154,14 @@ fn a_run_leaves_its_tree() {
     assert!(solver.starts_with("step,attempt,active,newton,krylov,iterations,tolerance,"));
     let solves = column(4).sum::<f64>() as usize;
     assert_eq!(solver.lines().count(), 1 + solves);
+    let energy = read(out.join("energy.csv"));
+    assert_eq!(energy.lines().count(), 1 + ROWS);
+    for row in energy.lines().skip(1) {
+        let row: Vec<f64> = row.split(',').map(|v| v.parse().unwrap()).collect();
+        let [external, elastic, dissipation, error] = [row[2], row[4], row[7], row[8]];
+        assert!(dissipation >= 0.0, "{row:?}");
+        assert!(error.abs() <= 1e-6 * external.abs().max(elastic), "{row:?}");
+    }
 
     let log: Vec<Value> = read(out.join("log.jsonl"))
         .lines()
@@ -255,7 +269,7 @@ fn a_restart_from_the_checkpoint_before_takes_a_step_back() {
     same(&out, &whole, "restart from step 5 of 6");
     // elsewhere, the history begins with the step of the checkpoint
     let other = folder.join("other");
-    let last = out.join("checkpoint/step_000010.checkpoint");
+    let last = out.join("checkpoint/step_000011.checkpoint");
     done(&run(&scene, &other, &["--restart", last.to_str().unwrap()]));
     let history = read(other.join("history.csv"));
     assert_eq!(
@@ -263,6 +277,45 @@ fn a_restart_from_the_checkpoint_before_takes_a_step_back() {
         read(whole.join("history.csv")).lines().last()
     );
     assert_eq!(history.lines().count(), 2);
+}
+
+#[test]
+fn a_folder_has_one_process_and_a_checkpoint_an_end_after_it() {
+    let (folder, scene) = scene("owner");
+    let out = folder.join("out");
+    done(&run(&scene, &out, &["--steps", "6"]));
+    assert!(
+        names(&out, "run", ".lock").is_empty(),
+        "the lock goes with its process"
+    );
+    let from = out.display().to_string();
+    // 6 h are done
+    let early = run(&scene, &out, &["--restart", &from, "--set", "time.end=5 h"]);
+    assert_eq!(early.status, 2);
+    let said = "the checkpoint stands at 21600 s, after the end of the scene at 18000 s";
+    assert!(early.stderr.contains(said), "{}", early.stderr);
+    // another process at work: this one
+    let lock = fs::File::create(out.join("run.lock")).unwrap();
+    lock.lock().unwrap();
+    write(&out.join("run.lock"), "12345");
+    let busy = run(&scene, &out, &["--restart", &from]);
+    assert_eq!(busy.status, 2);
+    assert!(
+        busy.stderr.contains("process 12345 is running in"),
+        "{}",
+        busy.stderr
+    );
+    drop(lock);
+    // it is gone and left its lock
+    let taken = run(&scene, &out, &["--restart", &from]);
+    done(&taken);
+    assert!(
+        taken
+            .stderr
+            .contains("taking over from process 12345, which is gone"),
+        "{}",
+        taken.stderr
+    );
 }
 
 /// Kills runs after shares of the time that one takes, and goes on until the end.

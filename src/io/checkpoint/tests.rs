@@ -11,7 +11,12 @@ fn state(step: usize) -> State {
         force: 2.0 / 3.0,
         traction: 1e300,
         krylov: 2.5,
-        prepared: Some(vec![ContactState::Open, ContactState::Stick]),
+        prepared: Some(Prepared {
+            states: vec![ContactState::Open, ContactState::Stick],
+            c: [1.0, -3.5]
+                .map(|v| [[v, 0.1, f64::MIN_POSITIVE], [0.1, 2.0, v], [1e300, v, 3.0]])
+                .to_vec(),
+        }),
         u: vec![-0.0, 1.0 / 3.0, f64::NAN, f64::INFINITY, 1e-310],
         t: vec![-1e7, 2.0, 3.0, 0.0, -0.0, 1e-30],
         states: vec![ContactState::Open, ContactState::NewSlip],

@@ -62,23 +62,14 @@ impl SpringLaw {
             return spring;
         }
         spring.state = ContactState::Slip;
-        let m = [w1 / size, w2 / size];
-        spring.direction = m;
-        spring.across = kappa * limit / size;
-        let by_normal = self.friction.by_normal(normal, slip);
-        let by_slip = self.friction.by_slip(normal, slip);
+        let law = self.friction.slip_traction(normal, [w1, w2], g, false);
+        spring.direction = law.direction;
+        spring.across = kappa * law.turning;
         for i in 0..2 {
-            // t_T = τ_L m,  ∂m/∂w = (I − m mᵀ)/‖w‖
-            spring.traction[1 + i] = limit * m[i];
-            spring.tangent[1 + i][0] = kappa * by_normal * m[i];
+            spring.traction[1 + i] = limit * law.direction[i];
+            spring.tangent[1 + i][0] = kappa * law.by_normal[i];
             for j in 0..2 {
-                let one = f64::from(u8::from(i == j));
-                let along = if slip > 0.0 {
-                    by_slip * g[j] / slip
-                } else {
-                    0.0
-                };
-                spring.tangent[1 + i][1 + j] = spring.across * (one - m[i] * m[j]) + m[i] * along;
+                spring.tangent[1 + i][1 + j] = kappa * law.by_trial[i][j] + law.by_slip[i][j];
             }
         }
         spring
@@ -86,8 +77,8 @@ impl SpringLaw {
 }
 
 impl Spring {
-    /// A face held in stick or open, without a traction: what a preconditioner is made of.
-    pub(super) fn held(state: ContactState) -> Self {
+    /// A face in this state, without a traction.
+    fn held(state: ContactState) -> Self {
         Self {
             state,
             traction: [0.0; 3],

@@ -15,7 +15,7 @@ mod operator;
 
 use super::active_set::{Log, Settled, or_closing};
 use super::newton::{Attempt, Iterate};
-use super::{ContactProblem, Failure, RunPreconditioner};
+use super::{ContactProblem, Failure, Prepared, RunPreconditioner};
 use crate::contact::ContactState;
 use crate::scene::{AugmentedLagrangian, Method};
 use fracas_solvers::{Observer, Step};
@@ -55,13 +55,13 @@ impl SpringMethod {
         })
     }
 
-    /// A step begins from a body that a preconditioner for these states was kept for.
-    pub(super) fn begin_step(&mut self, prepared: Option<&Vec<ContactState>>) {
+    /// A step begins, with the preconditioner that was kept for it.
+    pub(super) fn begin_step(&mut self, prepared: Option<&Prepared>) {
         self.linear.begin_step(prepared);
     }
 
-    /// The states of the preconditioner that the next step finds.
-    pub(super) fn carried(&self) -> Option<Vec<ContactState>> {
+    /// What the preconditioner that the next step finds was made for.
+    pub(super) fn carried(&self) -> Option<Prepared> {
         self.linear.carried()
     }
 

@@ -4,6 +4,7 @@ use super::law::{Spring, SpringLaw};
 use super::linear::SpringLinear;
 use crate::contact::ContactState;
 use crate::nonlinear::newton::{Attempt, BACKTRACKS, DECREASE, relative};
+use crate::nonlinear::record::count;
 use crate::nonlinear::{Failure, LinearRecord};
 use fracas_operators::LinearOperator;
 use fracas_operators::vector::{axpy, norm2};
@@ -151,6 +152,7 @@ pub(super) fn newton(
         if solved.stopped {
             return Err(Failure::Stopped);
         }
+        let solved_for = count(&at.states());
         let (from, old_springs, mut length) = (u.to_vec(), std::mem::take(&mut at.springs), 1.0);
         let changed = |at: &Evaluation| {
             let mut pairs = at.springs.iter().zip(&old_springs);
@@ -177,6 +179,7 @@ pub(super) fn newton(
             attempt: attempt.attempt,
             active: update,
             newton: iteration,
+            faces: solved_for,
             krylov: solved.krylov,
             iterations: solved.iterations,
             tolerance: forcing,

@@ -1,6 +1,7 @@
 //! A run on its way: step by step, each on the disk before the next begins.
 
 use super::Run;
+use super::lock::Lock;
 use super::manifest::{Manifest, Outcome};
 use super::page;
 use super::tree::Tree;
@@ -23,6 +24,10 @@ pub(super) struct Going<'a> {
     pub(super) tree: Tree,
     pub(super) progress: Progress,
     pub(super) folder: PathBuf,
+    /// What is to be said of tractions that nothing determines.
+    pub(super) undetermined: Option<String>,
+    /// Keeps other processes out of the folder.
+    pub(super) _lock: Lock,
 }
 
 impl Going<'_> {
@@ -37,6 +42,12 @@ impl Going<'_> {
             event,
             json!({ "time_s": state.time, "checkpoint": from }),
         )?;
+        let remarks = self.simulation.remarks().into_iter().map(|r| r.to_string());
+        for remark in self.undetermined.take().into_iter().chain(remarks) {
+            self.progress.say(&format!("warning: {remark}"));
+            self.tree
+                .log(state.step, "warning", json!({ "text": remark }))?;
+        }
         self.tree.save(state)
     }
 
@@ -61,7 +72,8 @@ impl Going<'_> {
                         self.fields(&accepted.state)?;
                     }
                     let wall_s = self.command.clock.then_some(wall_s);
-                    self.tree.accept(&accepted, wall_s)?;
+                    let energy = self.simulation.energy(&state, &accepted.state);
+                    self.tree.accept(&accepted, &energy, wall_s)?;
                     self.progress.tell(&line(record));
                     state = accepted.state;
                 }

@@ -1,12 +1,15 @@
-//! Rows of `history.csv` and `solver.csv`.
+//! Rows of `history.csv`, `solver.csv` and `energy.csv`.
 
-use fracas::nonlinear::{LinearRecord, StepRecord};
+use fracas::nonlinear::{EnergyRecord, LinearRecord, StepRecord};
 
 /// First line of `history.csv`.
 pub(super) const HISTORY: &str = "step,time_s,dt_s,active_it,newton_it,lin_it,lin_res,stick,newslip,slip,open,changed_area,max_pen,max_tau_viol,slip_max_m,cuts,wall_s\n";
 
 /// First line of `solver.csv`.
-pub(super) const SOLVER: &str = "step,attempt,active,newton,krylov,iterations,tolerance,relative_residual,residual,step_length,setup\n";
+pub(super) const SOLVER: &str = "step,attempt,active,newton,krylov,iterations,tolerance,relative_residual,residual,step_length,setup,stick,newslip,slip,open\n";
+
+/// First line of `energy.csv`.
+pub(super) const ENERGY: &str = "step,time_s,external_work_J,pressure_work_J,elastic_energy_J,elastic_change_J,contact_work_J,dissipation_J,balance_error_J\n";
 
 /// Columns of a history row before `wall_s`.
 pub(super) const NUMBERS: usize = 16;
@@ -35,8 +38,9 @@ pub(super) fn row(record: &StepRecord, wall_s: Option<f64>) -> String {
 
 /// A row of `solver.csv`.
 pub(super) fn solver_row(r: &LinearRecord) -> String {
+    let [stick, newslip, slip, open] = r.faces;
     format!(
-        "{},{},{},{},{},{},{:?},{:?},{:?},{:?},{}\n",
+        "{},{},{},{},{},{},{:?},{:?},{:?},{:?},{},{stick},{newslip},{slip},{open}\n",
         r.step,
         r.attempt,
         r.active,
@@ -48,6 +52,22 @@ pub(super) fn solver_row(r: &LinearRecord) -> String {
         r.residual,
         r.step_length,
         u8::from(r.setup)
+    )
+}
+
+/// A row of `energy.csv`.
+pub(super) fn energy_row(record: &StepRecord, e: &EnergyRecord) -> String {
+    format!(
+        "{},{:?},{:?},{:?},{:?},{:?},{:?},{:?},{:?}\n",
+        record.step,
+        record.time,
+        e.external_work,
+        e.pressure_work,
+        e.elastic_energy,
+        e.elastic_change,
+        e.contact_work,
+        e.dissipation,
+        e.error
     )
 }
 
@@ -96,6 +116,12 @@ mod tests {
             setups: 4,
             reuses: 1,
         }
+    }
+
+    #[test]
+    fn energies_have_a_number_per_column() {
+        let text = energy_row(&record(), &EnergyRecord::default());
+        assert_eq!(text.matches(',').count(), ENERGY.matches(',').count());
     }
 
     #[test]

@@ -5,6 +5,7 @@ mod events;
 mod going;
 mod history;
 mod lines;
+mod lock;
 mod manifest;
 mod page;
 mod tree;
@@ -18,6 +19,7 @@ use fracas::io::{Fingerprint, read_checkpoint};
 use fracas::nonlinear::Simulation;
 use fracas::scene::Scene;
 use going::Going;
+use lock::Lock;
 use manifest::{Manifest, Outcome};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -25,6 +27,16 @@ use tree::Tree;
 
 /// Folder of results where none is given.
 const OUT: &str = "out";
+
+/// A checkpoint behind the end of the scene.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "the checkpoint stands at {time} s, after the end of the scene at {end} s: give a later time.end, or an earlier checkpoint"
+)]
+struct Beyond {
+    time: f64,
+    end: f64,
+}
 
 #[derive(Args, Debug)]
 pub(super) struct Run {
@@ -58,21 +70,37 @@ impl Run {
         let folder = self.folder(checkpoint.as_deref());
         if checkpoint.is_none() {
             tree::require_free(&folder)?;
-            // a wrong path is said before the work and not after it
-            output::folder(&folder)?;
+        }
+        // a wrong path is said before the work and not after it
+        output::folder(&folder)?;
+        let (lock, stale) = Lock::take(&folder)?;
+        if checkpoint.is_none() {
+            // between the look and the lock another run may have come and gone
+            tree::require_free(&folder)?;
         }
         let mut progress = Progress::new();
+        if let Some(pid) = stale {
+            progress.say(&format!(
+                "{}: taking over from process {pid}, which is gone",
+                folder.display()
+            ));
+        }
         progress.say(&format!("{}: meshing", scene.title()));
         let body = scene.build()?;
-        if let Some(sentence) = rank::undetermined(&self.scene, &body) {
-            progress.say(&sentence);
-        }
+        let undetermined = rank::undetermined(&self.scene, &body)?;
         let fingerprint = Fingerprint::new(&body, &physics(&scene)?);
         // before anything is assembled
         let started = match &checkpoint {
             Some(path) => Some(read_checkpoint(path, fingerprint)?),
             None => None,
         };
+        if let Some(state) = &started {
+            let end = body.time.map_or(0.0, |time| time.end);
+            if state.time > end {
+                let time = state.time;
+                return Err(Beyond { time, end }.into());
+            }
+        }
         progress.say("assembling");
         let simulation =
             Simulation::new(&body).with_context(|| format!("{} cannot be run", self.scene))?;
@@ -98,6 +126,8 @@ impl Run {
             tree,
             progress,
             folder,
+            undetermined,
+            _lock: lock,
         };
         going.begin(&state, checkpoint.as_deref())?;
         let outcome = going.steps(state)?;

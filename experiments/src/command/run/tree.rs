@@ -6,13 +6,14 @@
 use super::super::output;
 use super::collection::Collection;
 use super::events;
-use super::history::{self, HISTORY, SOLVER};
+use super::history::{self, ENERGY, HISTORY, SOLVER};
 use super::lines::{Cut, Lines, first_column, json_step};
+use super::lock;
 use anyhow::Context;
 use fracas::io::{
     CheckpointError, Checkpoints, Fingerprint, newest_checkpoint, read_checkpoint, write_atomically,
 };
-use fracas::nonlinear::{Accepted, Event, LinearRecord, State, StepFailure};
+use fracas::nonlinear::{Accepted, EnergyRecord, Event, LinearRecord, State, StepFailure};
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -48,6 +49,7 @@ pub(super) struct Tree {
     out: PathBuf,
     history: Lines,
     solver: Lines,
+    energy: Lines,
     log: Lines,
     checkpoints: Checkpoints,
     pub(super) collection: Collection,
@@ -55,10 +57,13 @@ pub(super) struct Tree {
     pub(super) rows: Vec<[f64; history::NUMBERS]>,
 }
 
-/// True for a folder that does not exist or holds nothing.
+/// True for a folder that does not exist or holds nothing but a lock.
 pub(super) fn is_free(out: &Path) -> anyhow::Result<bool> {
     match std::fs::read_dir(out) {
-        Ok(mut entries) => Ok(entries.next().is_none()),
+        // the lock of a run that died before it wrote anything
+        Ok(mut entries) => {
+            Ok(entries.all(|entry| entry.is_ok_and(|e| e.file_name() == lock::NAME)))
+        }
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(true),
         Err(error) => Err(error).with_context(|| format!("cannot use {}", out.display())),
     }
@@ -101,6 +106,7 @@ impl Tree {
         Ok(Self {
             history: Lines::create(out.join("history.csv"), HISTORY)?,
             solver: Lines::create(out.join("solver.csv"), SOLVER)?,
+            energy: Lines::create(out.join("energy.csv"), ENERGY)?,
             log: Lines::create(out.join("log.jsonl"), "")?,
             checkpoints: Checkpoints::new(folder, fingerprint),
             collection: Collection::create(out)?,
@@ -117,16 +123,14 @@ impl Tree {
     ) -> anyhow::Result<Self> {
         let folder = out.join(CHECKPOINT);
         let step = state.step;
-        let (history, solver, log) = (
-            out.join("history.csv"),
-            out.join("solver.csv"),
-            out.join("log.jsonl"),
-        );
+        let [history, solver, energy, log] =
+            ["history.csv", "solver.csv", "energy.csv", "log.jsonl"].map(|name| out.join(name));
         // nothing is changed before everything is known to fit
         let rows = Cut::read(&history, HISTORY, step, first_column)?;
         belongs(&history, &rows, state)?;
         same_run(&folder, fingerprint)?;
         let solved = Cut::read(&solver, SOLVER, step, first_column)?;
+        let works = Cut::read(&energy, ENERGY, step, first_column)?;
         let logged = Cut::read(&log, "", step, json_step)?;
         let checkpoints = Checkpoints::new(folder, fingerprint);
         // later checkpoints first: none may outlive the rows that led to it
@@ -141,6 +145,7 @@ impl Tree {
                 .collect(),
             history: Lines::cut(history, &rows)?,
             solver: Lines::cut(solver, &solved)?,
+            energy: Lines::cut(energy, &works)?,
             log: Lines::cut(log, &logged)?,
             collection: Collection::cut(out, step)?,
             checkpoints,
@@ -164,6 +169,7 @@ impl Tree {
     pub(super) fn accept(
         &mut self,
         accepted: &Accepted,
+        energy: &EnergyRecord,
         wall_s: Option<f64>,
     ) -> anyhow::Result<()> {
         let record = &accepted.record;
@@ -172,6 +178,7 @@ impl Tree {
         let lines = event_lines(step, &accepted.events) + &log_line(step, "accepted", done);
         self.log.append(&lines)?;
         self.solver(&accepted.linear)?;
+        self.energy.append(&history::energy_row(record, energy))?;
         let row = history::row(record, wall_s);
         self.history.append(&row)?;
         self.rows.extend(history::numbers(&row));

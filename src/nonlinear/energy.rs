@@ -1,0 +1,158 @@
+//! Work and energy of a step.
+
+use super::{Simulation, State};
+use crate::contact::ContactState;
+use fracas_operators::LinearOperator;
+use fracas_operators::vector::dot;
+
+/// Where the work of a step went [J]:
+/// ```text
+/// W_e + W_p = ΔE + W_c + error        W_c − D → 0 as steps and faces are made smaller
+/// ```
+/// W by the trapezoidal rule, exact for what is linear over the step. E counts from the unloaded body; initial stress and pore
+/// pressure are loads.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EnergyRecord {
+    /// W_e: of all loads and of what moves prescribed displacements, without the fluid in fractures.
+    pub external_work: f64,
+    /// W_p: of the fluid pressure in fractures, `Σ A_f p Δg_N`.
+    pub pressure_work: f64,
+    /// E at the end: `½ uᵀA u`.
+    pub elastic_energy: f64,
+    /// ΔE.
+    pub elastic_change: f64,
+    /// W_c: that the faces take, `Σ A_f t·Δg`, the jumps that the stabilization leaves to sticking faces included.
+    pub contact_work: f64,
+    /// D: dissipated by friction, `Σ A_f t_T·Δg_T` of slipping faces with t_T at the end of the step.
+    pub dissipation: f64,
+    /// What the equations were left with: `W_e + W_p − ΔE − W_c`.
+    pub error: f64,
+}
+
+/// What of a state its energy depends on.
+struct At {
+    /// All displacements [m].
+    u: Vec<f64>,
+    /// A u [N].
+    internal: Vec<f64>,
+    /// Forces on the free displacements, less A_fc u_c [N].
+    force: Vec<f64>,
+    /// Jumps of prescribed displacements, weighted by area [m³].
+    prescribed: Vec<f64>,
+    /// Jumps [m].
+    jump: Vec<f64>,
+    /// Fluid pressure per face [Pa].
+    pressure: Vec<f64>,
+}
+
+impl Simulation<'_> {
+    /// Work and energy of the step from `before` to `after`.
+    ///
+    /// # Cost
+    /// Three products with A.
+    pub fn energy(&self, before: &State, after: &State) -> EnergyRecord {
+        let problem = self.problem();
+        let (body, a) = (problem.body(), problem.saddle().stiffness().full());
+        let mut work = vec![0.0; a.work_len()];
+        let mut product = |x: &[f64]| {
+            let mut y = vec![0.0; x.len()];
+            a.apply_add(1.0, x, &mut y, &mut work);
+            y
+        };
+        let mut at = |state: &State| {
+            let u = self.displacement(state);
+            let load = problem.loads().at(state.time, state.loaded);
+            At {
+                internal: product(&u),
+                jump: problem.jumps(&state.u, &load),
+                pressure: self.pressures(state),
+                force: load.force,
+                prescribed: load.jump,
+                u,
+            }
+        };
+        let (x, y) = (at(before), at(after));
+        let moved: Vec<f64> = y.u.iter().zip(&x.u).map(|(y, x)| y - x).collect();
+        let trapezoid = |x: &[f64], y: &[f64], by: &[f64]| 0.5 * (dot(x, by) + dot(y, by));
+
+        // W on the free displacements: ½ (f + f') Δu_f, where f = force + A_fc u_c
+        let mut held = vec![0.0; moved.len()];
+        let mut held_moved = vec![0.0; moved.len()];
+        for (dof, _) in body.constraints.prescribed() {
+            let i = *dof as usize;
+            held[i] = x.u[i] + y.u[i];
+            held_moved[i] = moved[i];
+        }
+        let free = |v: &[f64]| -> Vec<f64> {
+            body.constraints
+                .free()
+                .iter()
+                .map(|i| v[*i as usize])
+                .collect()
+        };
+        let moved_free = free(&moved);
+        let on_free = trapezoid(&x.force, &y.force, &moved_free)
+            + 0.5 * dot(&free(&product(&held)), &moved_free);
+        // W on the prescribed ones: ½ (A u + B t)_c Δu_c, twice
+        let jumped: Vec<f64> = y
+            .prescribed
+            .iter()
+            .zip(&x.prescribed)
+            .map(|(y, x)| y - x)
+            .collect();
+        let on_held = trapezoid(&x.internal, &y.internal, &held_moved)
+            + trapezoid(&before.t, &after.t, &jumped);
+
+        let faces = problem.faces();
+        let (mut pressure_work, mut contact_work) = (0.0, 0.0);
+        for (f, face) in faces.iter().enumerate() {
+            let slipped = |k: usize| y.jump[3 * f + k] - x.jump[3 * f + k];
+            pressure_work += 0.5 * face.area * (x.pressure[f] + y.pressure[f]) * slipped(0);
+            let taken = (0..3).map(|k| (before.t[3 * f + k] + after.t[3 * f + k]) * slipped(k));
+            contact_work += 0.5 * face.area * taken.sum::<f64>();
+        }
+        let (energy, old) = (0.5 * dot(&y.u, &y.internal), 0.5 * dot(&x.u, &x.internal));
+        let total = on_free + on_held;
+        EnergyRecord {
+            external_work: total - pressure_work,
+            pressure_work,
+            elastic_energy: energy,
+            elastic_change: energy - old,
+            contact_work,
+            dissipation: slip_work(self, after, &x.jump, &y.jump).sum(),
+            error: total - (energy - old) - contact_work,
+        }
+    }
+
+    /// Energy that friction dissipated per face in the step from `before` to `after` [J]: never negative, as slip follows the
+    /// traction.
+    pub fn dissipation(&self, before: &State, after: &State) -> Vec<f64> {
+        let jump = |state: &State| {
+            let load = self.problem().loads().at(state.time, state.loaded);
+            self.problem().jumps(&state.u, &load)
+        };
+        slip_work(self, after, &jump(before), &jump(after)).collect()
+    }
+}
+
+/// `A_f t_T·Δg_T` of slipping faces, 0 of others [J].
+fn slip_work<'s>(
+    simulation: &'s Simulation<'_>,
+    after: &'s State,
+    from: &'s [f64],
+    to: &'s [f64],
+) -> impl Iterator<Item = f64> + 's {
+    let faces = simulation
+        .problem()
+        .faces()
+        .iter()
+        .zip(&after.states)
+        .enumerate();
+    faces.map(move |(f, (face, state))| match state {
+        ContactState::NewSlip | ContactState::Slip => {
+            let along = |k: usize| after.t[3 * f + k] * (to[3 * f + k] - from[3 * f + k]);
+            face.area * (along(1) + along(2))
+        }
+        ContactState::Stick | ContactState::Open => 0.0,
+    })
+}

@@ -1,0 +1,200 @@
+//! One linear system: a short recurrence where one applies, GMRES where that ends early or does not apply.
+
+use super::LinearFailure;
+use fracas_solvers::Observer;
+use fracas_solvers::krylov::{Breakdown, Criteria, KrylovChoice, Outcome, System};
+
+/// Relative residual up to which a system that rounding keeps from its tolerance is taken: Newton corrects it. Unit: 1.
+const USEFUL: f64 = 1e-2;
+
+/// How a system is to be solved.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Asked {
+    /// What takes the place of GMRES where the operator is symmetric; a preconditioner that is not linear to double
+    /// precision forbids it.
+    pub(super) short: Option<KrylovChoice>,
+    pub(super) tolerance: f64,
+    pub(super) max_iterations: usize,
+    /// Iterations after which a preconditioner that was made for something else is given up; a breakdown with it is no
+    /// failure either.
+    pub(super) patience: Option<usize>,
+}
+
+/// A solved system.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Solved {
+    pub(super) krylov: &'static str,
+    /// Those of a method or with a preconditioner that was then dropped included.
+    pub(super) iterations: usize,
+    /// True, recomputed.
+    pub(super) relative_residual: f64,
+    /// The observer wants to stop.
+    pub(super) stopped: bool,
+    /// A preconditioner was built for it.
+    pub(super) setup: bool,
+}
+
+/// How it ended.
+#[derive(Debug)]
+pub(super) enum Ended {
+    Solved(Solved),
+    /// The preconditioner is given up.
+    Dropped {
+        iterations: usize,
+    },
+}
+
+/// `x ← A⁻¹ b` from the x at hand with the short recurrence, from zero with GMRES; `work` grows to what they need.
+///
+/// Where a short recurrence ends early GMRES takes its place, and the name in the answer says so.
+///
+/// # Errors
+/// [`LinearFailure`] of a preconditioner that may not be dropped.
+pub(super) fn solve(
+    system: &System<'_, f64>,
+    asked: Asked,
+    x: &mut [f64],
+    observer: &mut dyn Observer,
+    work: &mut Vec<f64>,
+) -> Result<Ended, LinearFailure> {
+    let m = system.preconditioner;
+    let short = asked.short.filter(|_| m.is_linear() && !m.is_single());
+    let general = KrylovChoice::default().flexible_for(m);
+    let criteria = Criteria {
+        relative_tolerance: asked.tolerance,
+        max_iterations: asked
+            .patience
+            .unwrap_or(usize::MAX)
+            .min(asked.max_iterations),
+    };
+    let mut run = |choice: KrylovChoice, x: &mut [f64]| {
+        let method = choice.method::<f64>();
+        let needed = method.work_len(system, &criteria);
+        if work.len() < needed {
+            work.resize(needed, 0.0);
+        }
+        let solved = method.solve_in(system, &criteria, x, observer, &mut work[..needed]);
+        (choice.name(), solved)
+    };
+    let mut spent = 0;
+    if short.is_none() {
+        x.fill(0.0);
+    }
+    let (krylov, solved) = match run(short.unwrap_or(general), x) {
+        (_, Err(breakdown)) if short.is_some() && asked.patience.is_none() => {
+            spent = breakdown.iteration();
+            x.fill(0.0);
+            run(general, x)
+        }
+        tried => tried,
+    };
+    let (iterations, relative_residual, outcome) = match solved {
+        Ok(report) => (report.iterations, report.relative_residual, report.outcome),
+        Err(breakdown) if asked.patience.is_some() => {
+            let iterations = breakdown.iteration();
+            return Ok(Ended::Dropped { iterations });
+        }
+        Err(Breakdown::Stagnation {
+            iteration,
+            relative_residual,
+            ..
+        }) if relative_residual <= USEFUL => (iteration, relative_residual, Outcome::Converged),
+        Err(breakdown) => return Err(breakdown.into()),
+    };
+    let iterations = spent + iterations;
+    match (outcome, asked.patience) {
+        (Outcome::IterationLimit, Some(_)) => Ok(Ended::Dropped { iterations }),
+        (Outcome::IterationLimit, None) => Err(LinearFailure::IterationLimit {
+            krylov,
+            iterations,
+            residual: relative_residual,
+            tolerance: asked.tolerance,
+        }),
+        _ => Ok(Ended::Solved(Solved {
+            krylov,
+            iterations,
+            relative_residual,
+            stopped: outcome == Outcome::Stopped,
+            setup: false,
+        })),
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use fracas_operators::{Dense, Identity, Shape};
+    use fracas_solvers::Silent;
+    use fracas_solvers::krylov::{Cg, Sqmr};
+
+    /// `[0 1; 1 0]`, on which SQMR from e_1 breaks down at once.
+    fn swap() -> Dense<f64> {
+        Dense::from_fn(Shape::square(2), |i, j| f64::from(u8::from(i != j)))
+    }
+
+    fn asked(short: Option<KrylovChoice>, patience: Option<usize>) -> Asked {
+        Asked {
+            short,
+            tolerance: 1e-10,
+            max_iterations: 50,
+            patience,
+        }
+    }
+
+    fn ended(operator: &Dense<f64>, asked: Asked, x: &mut [f64]) -> Result<Ended, LinearFailure> {
+        let rhs: Vec<f64> = (0..x.len()).map(|i| f64::from(u8::from(i == 0))).collect();
+        let system = System {
+            operator,
+            preconditioner: &Identity { n: rhs.len() },
+            rhs: &rhs,
+        };
+        solve(&system, asked, x, &mut Silent, &mut Vec::new())
+    }
+
+    #[test]
+    fn gmres_takes_over_and_its_name_and_all_iterations_are_told() {
+        let mut x = [7.0, 7.0];
+        x.fill(0.0);
+        let sqmr = Some(KrylovChoice::Sqmr(Sqmr {}));
+        let Ended::Solved(solved) = ended(&swap(), asked(sqmr, None), &mut x).unwrap() else {
+            panic!("nothing to drop");
+        };
+        assert_eq!(solved.krylov, "gmres");
+        assert!(
+            solved.iterations > 2,
+            "the breakdown counts: {}",
+            solved.iterations
+        );
+        assert!(x[0].abs() < 1e-12 && (x[1] - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn with_patience_a_breakdown_and_a_limit_drop_the_preconditioner() {
+        let sqmr = Some(KrylovChoice::Sqmr(Sqmr {}));
+        let dropped = ended(&swap(), asked(sqmr, Some(9)), &mut [0.0; 2]);
+        assert!(matches!(dropped, Ok(Ended::Dropped { iterations: 1 })));
+        let n = 40;
+        let spread = Dense::from_fn(Shape::square(n), |i, j| match i.abs_diff(j) {
+            0 => 2.0,
+            1 => -1.0,
+            _ => 0.0,
+        });
+        let cg = Some(KrylovChoice::Cg(Cg {}));
+        let dropped = ended(&spread, asked(cg, Some(9)), &mut vec![0.0; n]);
+        assert!(matches!(dropped, Ok(Ended::Dropped { iterations: 9 })));
+        let limit = Asked {
+            max_iterations: 9,
+            ..asked(cg, None)
+        };
+        let failed = ended(&spread, limit, &mut vec![0.0; n]);
+        assert!(matches!(
+            failed,
+            Err(LinearFailure::IterationLimit {
+                iterations: 9,
+                krylov: "cg",
+                ..
+            })
+        ));
+    }
+}

@@ -1,0 +1,141 @@
+//! What a run is better told before it begins.
+
+use super::Simulation;
+use crate::analytic::{LinearWeakening, Rock};
+
+/// Share of the nucleation length that a face may have. Unit: 1.
+const RESOLVED: f64 = 0.2;
+
+/// Something that runs, but perhaps not as meant.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Remark {
+    /// A dynamic angle above the static one.
+    #[error(
+        "fracture \"{fracture}\" strengthens with slip: its dynamic_friction_angle of {dynamic_deg:.6} deg is above its friction_angle of {static_deg:.6} deg"
+    )]
+    Strengthens {
+        /// Its name.
+        fracture: String,
+        /// Friction angle [deg].
+        static_deg: f64,
+        /// Dynamic friction angle [deg].
+        dynamic_deg: f64,
+    },
+    /// Faces too large for the length at which weakening runs away.
+    #[error(
+        "fracture \"{fracture}\" weakens: slip runs away beyond a half-length of {length:.3} m under the initial stress (Uenishi and Rice 2003), which faces of {size:.3} m do not resolve; results depend on the mesh unless they are below {:.3} m",
+        RESOLVED * length
+    )]
+    Coarse {
+        /// Its name.
+        fracture: String,
+        /// Largest edge length √A of a face that is too large [m].
+        size: f64,
+        /// Nucleation half-length there [m].
+        length: f64,
+    },
+}
+
+impl Simulation<'_> {
+    /// Remarks on friction, fracture by fracture.
+    pub fn remarks(&self) -> Vec<Remark> {
+        let body = self.problem().body();
+        let mut remarks = Vec::new();
+        for (fracture, friction) in body.friction.iter().enumerate() {
+            let Some((friction, weakening)) = friction.and_then(|f| Some((f, f.weakening?))) else {
+                continue;
+            };
+            let name = || {
+                body.fractures
+                    .names
+                    .get(fracture)
+                    .cloned()
+                    .unwrap_or_default()
+            };
+            if weakening.angle > friction.angle {
+                remarks.push(Remark::Strengthens {
+                    fracture: name(),
+                    static_deg: friction.angle.to_degrees(),
+                    dynamic_deg: weakening.angle.to_degrees(),
+                });
+                continue;
+            }
+            // the face that is largest beside its nucleation length, softer side
+            let mut worst: Option<(f64, f64)> = None;
+            let faces = body
+                .fractures
+                .faces
+                .iter()
+                .zip(self.initial_traction().chunks_exact(3));
+            for (face, t) in faces.filter(|(f, _)| usize::from(f.fracture) == fracture) {
+                let law = LinearWeakening {
+                    static_friction: friction.angle.tan(),
+                    dynamic_friction: weakening.angle.tan(),
+                    critical_slip: weakening.distance,
+                    normal_traction: t[0].min(0.0),
+                };
+                let rock = |element: u32| {
+                    let region = usize::from(body.mesh.regions[element as usize]);
+                    let material = &body.materials[region];
+                    Rock {
+                        young: material.young,
+                        poisson: material.poisson,
+                    }
+                };
+                let sides = [face.minus.element, face.plus.element];
+                let length = sides
+                    .map(|e| law.nucleation_half_length(rock(e)))
+                    .into_iter()
+                    .fold(f64::INFINITY, f64::min);
+                let size = face.area.sqrt();
+                if worst.is_none_or(|(s, l)| size * l > s * length) {
+                    worst = Some((size, length));
+                }
+            }
+            if let Some((size, length)) = worst.filter(|(size, length)| *size > RESOLVED * length) {
+                remarks.push(Remark::Coarse {
+                    fracture: name(),
+                    size,
+                    length,
+                });
+            }
+        }
+        remarks
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::scene::named;
+
+    fn remarks(overrides: &[&str]) -> Vec<Remark> {
+        let scene = named("cycle").unwrap().small_scene().unwrap();
+        let given = [
+            "fracture.0.weakening_distance=5 mm",
+            "initial_stress.constant.xx=-10 MPa",
+        ];
+        let all: Vec<&str> = given.iter().chain(overrides).copied().collect();
+        let body = scene.with_overrides(&all).unwrap().build().unwrap();
+        Simulation::new(&body).unwrap().remarks()
+    }
+
+    #[test]
+    fn strengthening_and_coarse_faces_are_told() {
+        let found = remarks(&["fracture.0.dynamic_friction_angle=35 deg"]);
+        assert!(
+            matches!(found[..], [Remark::Strengthens { .. }]),
+            "{found:?}"
+        );
+        let found = remarks(&["fracture.0.dynamic_friction_angle=10 deg"]);
+        let [Remark::Coarse { size, length, .. }] = found[..] else {
+            panic!("{found:?}");
+        };
+        // G = 2 GPa, ν = 0.25, W = (tan 30° − tan 10°) 10 MPa / 5 mm
+        let w = (30f64.to_radians().tan() - 10f64.to_radians().tan()) * 1e7 / 5e-3;
+        assert!((length - 0.578_887 * 2e9 / (0.75 * w)).abs() < 1e-9 * length);
+        assert!(size > 0.2 * length);
+        assert!(remarks(&["fracture.0.dynamic_friction_angle=29.9 deg"]).is_empty());
+    }
+}

@@ -1,0 +1,107 @@
+//! The times of a run: a table, the corners of histories, and halves of their steps.
+
+use super::State;
+use crate::scene::{Body, TimeTable};
+
+/// Relative distance of two times that counts as none.
+const SAME_TIME: f64 = 1e-9;
+
+/// Halvings beyond which a step has no length left.
+const MAX_HALVINGS: usize = 60;
+
+/// Where a step goes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Target {
+    pub(super) time: f64,
+    pub(super) loaded: f64,
+}
+
+/// Times that steps land on.
+pub(super) struct Times {
+    table: Option<TimeTable>,
+    /// Times at which a history bends, increasing [s].
+    corners: Vec<f64>,
+}
+
+impl Times {
+    pub(super) fn new(body: &Body) -> Self {
+        let mut corners: Vec<f64> = body.histories.iter().flat_map(|h| h.corners()).collect();
+        corners.sort_by(f64::total_cmp);
+        Self {
+            table: body.time,
+            corners,
+        }
+    }
+
+    /// True at the last time.
+    pub(super) fn is_finished(&self, state: &State) -> bool {
+        let end = self.table.map_or(0.0, |time| time.end);
+        state.loaded >= 1.0 && state.time >= end
+    }
+
+    /// Last time and length of a nominal step [s].
+    fn table(&self) -> (f64, f64) {
+        self.table.map_or((0.0, 1.0), |time| {
+            (time.end, time.end / f64::from(time.steps))
+        })
+    }
+
+    /// The shortest step after `cuts` halvings: time [s] or share of the loads of time 0. A run that comes closer and closer
+    /// to a time without equilibrium ends there.
+    pub(super) fn shortest(&self, state: &State, cuts: usize) -> f64 {
+        let share = 0.5f64.powi(cuts.min(MAX_HALVINGS) as i32);
+        match state.loaded < 1.0 {
+            true => share,
+            false => self.table().1 * share,
+        }
+    }
+
+    /// The state after `increment`, not beyond the next time of the table or corner of a history.
+    pub(super) fn target(&self, state: &State, increment: f64) -> Target {
+        if state.loaded < 1.0 {
+            return Target {
+                time: 0.0,
+                loaded: (state.loaded + increment).min(1.0),
+            };
+        }
+        let (end, nominal) = self.table();
+        let apart = SAME_TIME * nominal;
+        let done = (state.time / nominal + SAME_TIME).floor();
+        let steps = self.table.map_or(1.0, |time| f64::from(time.steps));
+        // end · n/steps, the last one exactly the end, or a corner before it
+        let next = end * ((done + 1.0) / steps).min(1.0);
+        let corner = self.corners.iter().find(|c| **c > state.time + apart);
+        let next = corner
+            .copied()
+            .filter(|c| *c < next - apart)
+            .unwrap_or(next);
+        let time = state.time + increment;
+        Target {
+            time: if time >= next - apart { next } else { time },
+            loaded: 1.0,
+        }
+    }
+
+    /// The increment that the step after tries: twice this one unless it was cut.
+    pub(super) fn next(&self, state: &State, target: Target, increment: f64, cuts: usize) -> f64 {
+        let nominal = self.table().1;
+        if state.loaded < 1.0 && target.loaded >= 1.0 {
+            return nominal;
+        }
+        let longest = if state.loaded < 1.0 { 1.0 } else { nominal };
+        let grown = if cuts == 0 {
+            2.0 * increment
+        } else {
+            increment
+        };
+        grown.min(longest)
+    }
+}
+
+/// Increment from a state to a target: time [s] or share of the loads of time 0.
+pub(super) fn length(state: &State, target: Target) -> f64 {
+    match state.loaded < 1.0 {
+        true => target.loaded - state.loaded,
+        false => target.time - state.time,
+    }
+}
