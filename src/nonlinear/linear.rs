@@ -260,6 +260,7 @@ impl Linear {
         let blocks_of = |rules: &[FaceRule]| {
             AugmentationMatrix::from_face_blocks(rules.iter().map(|rule| rule.c).collect())
         };
+        let mut stage = "preconditioner";
         let (rules, s_u): (Vec<FaceRule>, Box<dyn Preconditioner<f64>>) = match self.settings {
             RunPreconditioner::Assembled(racp) => {
                 let direct = match racp.inner {
@@ -289,11 +290,14 @@ impl Linear {
                     .inner
                     .build(&system, &in_pascal)
                     .map_err(MatrixFreeError::from)?;
+                if s_u.lost().is_some() {
+                    stage = "preconditioner, in f64 because f32 would lose it";
+                }
                 (rules, Box::new(s_u))
             }
         };
         let step = Step::Progress {
-            stage: "preconditioner",
+            stage,
             done: 1,
             total: 1,
         };
