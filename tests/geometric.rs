@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use fracas::contact::JumpStabilization;
-use fracas::multigrid::{Geometric, GeometricError, GeometricInverse};
+use fracas::multigrid::{Geometric, GeometricError, GeometricInverse, Lost};
 use fracas::scene::{Body, named};
 use fracas_operators::laws::{check_preconditioner, probe};
 use fracas_operators::vector::dot;
@@ -26,7 +26,13 @@ struct Sample {
 
 fn sample(scene: &str, overrides: &[&str], augmentation: AugmentationChoice) -> Sample {
     let scene = named(scene).unwrap().small_scene().unwrap();
-    let body = scene.with_overrides(overrides).unwrap().build().unwrap();
+    of_body(
+        scene.with_overrides(overrides).unwrap().build().unwrap(),
+        augmentation,
+    )
+}
+
+fn of_body(body: Body, augmentation: AugmentationChoice) -> Sample {
     let stabilization = Some(JumpStabilization::default());
     let blocks = body.saddle_blocks(stabilization).unwrap();
     let unit = blocks.traction_unit();
@@ -63,7 +69,7 @@ impl Sample {
         };
         let criteria = Criteria {
             relative_tolerance: 1e-8,
-            max_iterations: 100,
+            max_iterations: 200,
         };
         let choice = KrylovChoice::default().flexible_for(&m);
         let method = choice.method();
@@ -74,6 +80,82 @@ impl Sample {
         assert_eq!(report.outcome, Outcome::Converged);
         report.iterations
     }
+}
+
+fn in_precision(precision: Precision) -> Geometric {
+    Geometric {
+        precision,
+        ..Geometric::default()
+    }
+}
+
+#[test]
+fn the_unit_of_the_moduli_means_nothing_to_f32() {
+    for scene in ["crossing", "layered_crossing"] {
+        for exponent in [-30, -17, 0, 12, 30] {
+            let scene = named(scene).unwrap().small_scene().unwrap();
+            let mut body = scene.build().unwrap();
+            for material in &mut body.materials {
+                material.young *= 10_f64.powi(exponent) / 1e9;
+            }
+            let sample = of_body(body, AugmentationChoice::LocalH);
+            let single = in_precision(Precision::F32);
+            assert_eq!(sample.build(single).lost(), None);
+            assert!(sample.build(single).is_single());
+            let n = sample.iterations(single);
+            let double = sample.iterations(in_precision(Precision::F64));
+            assert!(n <= double + 2, "1e{exponent}: {n} against {double}");
+        }
+    }
+}
+
+#[test]
+fn f32_costs_no_iterations_or_gives_way_to_f64_and_says_so() {
+    let cells = ["x", "y", "z"].map(|axis| format!("mesh.{axis}.cells=16"));
+    for (soft, gives_way) in [
+        ("4", false),
+        ("0.4", false),
+        ("0.004", true),
+        ("0.0004", true),
+    ] {
+        let mut overrides = cells.to_vec();
+        overrides.push(format!("material.soft.young='{soft} GPa'"));
+        let overrides: Vec<&str> = overrides.iter().map(String::as_str).collect();
+        let sample = sample("layered_crossing", &overrides, AugmentationChoice::LocalH);
+        let single = in_precision(Precision::F32);
+        let built = sample.build(single);
+        let lost = built.lost();
+        assert_eq!(
+            matches!(lost, Some(Lost::Digits { .. })),
+            gives_way,
+            "{soft}: {lost:?}"
+        );
+        assert_eq!(built.is_single(), !gives_way);
+        let n = sample.iterations(single);
+        let double = sample.iterations(in_precision(Precision::F64));
+        assert!(n <= double + 2, "{soft}: {n} against {double}");
+    }
+}
+
+#[test]
+fn what_overflows_in_f32_is_built_in_f64() {
+    // a cover on rock 10⁴⁵ times as stiff: regular, because nothing rests on it
+    let cover = ["material.soft.layers=[['3 m', '4 m']]"];
+    let scene = named("layered_crossing").unwrap().small_scene().unwrap();
+    let mut body = scene.with_overrides(&cover).unwrap().build().unwrap();
+    let softest = body
+        .materials
+        .iter_mut()
+        .min_by(|a, b| a.young.total_cmp(&b.young));
+    softest.unwrap().young = 1e-35;
+    let sample = of_body(body, AugmentationChoice::LocalH);
+    let m = sample.build(in_precision(Precision::F32));
+    assert_eq!(m.lost(), Some(Lost::Range { level: 0 }));
+    assert!(!m.is_single());
+    let r = probe::<f64>(m.size(), 1);
+    let mut z = vec![f64::NAN; r.len()];
+    m.solve(&r, &mut z, &mut vec![f64::NAN; m.work_len()]);
+    assert!(z.iter().all(|z| z.is_finite()));
 }
 
 /// Small enough a bottom that every scene has several levels.

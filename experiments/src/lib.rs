@@ -12,6 +12,7 @@ pub mod e05_mesh_independence;
 pub mod e06_c_laboratory;
 pub mod e07_contact_state;
 pub mod e08_size;
+pub mod e09_work_precision;
 pub mod e10_inclined_crack;
 pub mod e11_pressurised_cracks;
 pub mod e12_orders;

@@ -13,6 +13,7 @@ pub static EXPERIMENTS: &[&dyn Experiment] = &[
     &crate::e06_c_laboratory::CLaboratory,
     &crate::e07_contact_state::ContactStates,
     &crate::e08_size::Size,
+    &crate::e09_work_precision::WorkPrecision,
     &crate::e10_inclined_crack::Inclined,
     &crate::e11_pressurised_cracks::PressurisedCracks,
     &crate::e12_orders::ObservedOrders,

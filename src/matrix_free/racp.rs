@@ -3,9 +3,9 @@
 use super::{MatrixFreeSaddle, PiecesError};
 use crate::contact::Coupling;
 use crate::elasticity::ElasticityError;
-use crate::multigrid::{Geometric, GeometricError, GeometricInverse};
+use crate::multigrid::{Geometric, GeometricError, GeometricInverse, Lost};
 use crate::system::StickSystem;
-use fracas_solvers::amg::Summary;
+use fracas_solvers::amg::{Precision, Summary};
 use fracas_solvers::saddle::{AugmentationChoice, PartCost, RacpInverse};
 use fracas_solvers::{Observer, Step};
 use schemars::JsonSchema;
@@ -48,9 +48,24 @@ pub struct RacpParts {
     pub hierarchy: Summary,
     /// What C and S̃_u cost.
     pub cost: PartCost,
+    /// Why the hierarchy is in f64 although f32 was asked for.
+    pub lost: Option<Lost>,
 }
 
 impl MatrixFreeRacp {
+    /// The same with the hierarchy in f64.
+    #[must_use]
+    pub fn in_double(self) -> Self {
+        let precision = Precision::F64;
+        Self {
+            inner: Geometric {
+                precision,
+                ..self.inner
+            },
+            ..self
+        }
+    }
+
     /// Everything that depends on the body but not on a right-hand side; `saddle` is that of `system`, which is not needed
     /// afterwards.
     ///
@@ -82,6 +97,7 @@ impl MatrixFreeRacp {
         let in_pascal = c.clone().scaled(1.0 / (saddle.unit() * saddle.unit()));
         let inner = self.inner.build(system, &in_pascal)?;
         let hierarchy = inner.summary();
+        let lost = inner.lost();
         let cost = PartCost {
             c_s,
             inner_s: start.elapsed().as_secs_f64(),
@@ -91,6 +107,7 @@ impl MatrixFreeRacp {
             inverse: RacpInverse::with_operator(saddle.coupling().clone(), c, inner),
             hierarchy,
             cost,
+            lost,
         })
     }
 }

@@ -4,18 +4,17 @@ use super::grid::Grid;
 use super::hierarchy::position;
 use super::{Geometric, GeometricError};
 use crate::mesh::HexMesh;
-use fracas_operators::Real;
 use fracas_operators::sparse::{Block3, SparseMatrix};
 use fracas_solvers::DofCoordinate;
-use fracas_solvers::amg::{Amg, Summary};
+use fracas_solvers::amg::{Amg, Precision, Summary};
 use fracas_solvers::multigrid::Bottom;
 
 /// The solver of the coarsest level with its summary.
-pub(super) fn bottom<R: Real>(
+pub(super) fn bottom(
     settings: &Geometric,
     mesh: &HexMesh,
     grid: &Grid<'_>,
-    matrix: &Block3<R>,
+    matrix: &Block3<f64>,
     fixed: &[u8],
 ) -> Result<(Bottom, Summary), GeometricError> {
     let n = 3 * grid.nodes;
@@ -33,7 +32,7 @@ pub(super) fn bottom<R: Real>(
     for i in &free {
         let i = *i as usize;
         for (j, value) in matrix.row(i) {
-            let value = 0.5 * (value.to_f64_exact() + entry(matrix, j, i));
+            let value = 0.5 * (value + entry(matrix, j, i));
             if index[j] != u32::MAX && value != 0.0 {
                 columns.push(index[j]);
                 values.push(value);
@@ -50,13 +49,19 @@ pub(super) fn bottom<R: Real>(
         })
         .collect();
     let algebraic = Amg::default();
+    let is_direct = free.len() <= settings.coarsest;
     let amg = Amg {
-        coarsest: if free.len() <= settings.coarsest {
+        coarsest: if is_direct {
             free.len()
         } else {
             algebraic.coarsest
         },
-        precision: settings.precision,
+        // an inverse rounded to f32 is indefinite from a condition of 10⁷ on, and one in f64 costs nothing here
+        precision: if is_direct {
+            Precision::F64
+        } else {
+            settings.precision
+        },
         over_correction: 1.0,
         ..algebraic
     };
@@ -68,10 +73,10 @@ pub(super) fn bottom<R: Real>(
 }
 
 /// Entry (i, j).
-fn entry<R: Real>(matrix: &Block3<R>, i: usize, j: usize) -> f64 {
+fn entry(matrix: &Block3<f64>, i: usize, j: usize) -> f64 {
     let range = matrix.offsets()[i / 3]..matrix.offsets()[i / 3 + 1];
     match matrix.columns()[range.clone()].binary_search(&((j / 3) as u32)) {
-        Ok(at) => matrix.blocks()[range.start + at][3 * (i % 3) + j % 3].to_f64_exact(),
+        Ok(at) => matrix.blocks()[range.start + at][3 * (i % 3) + j % 3],
         Err(_) => 0.0,
     }
 }

@@ -4,7 +4,6 @@ use super::grid::Grid;
 use crate::elasticity::element::Geometry;
 use crate::elasticity::{Colours, Elastic, ElasticityError};
 use crate::mesh::HexMesh;
-use fracas_operators::Real;
 use fracas_solvers::multigrid::Symmetric;
 use std::borrow::Cow;
 
@@ -165,10 +164,10 @@ impl Elements<'_> {
     ///
     /// # Errors
     /// [`ElasticityError::Inverted`].
-    pub(super) fn add_diagonals<R: Real>(
+    pub(super) fn add_diagonals(
         &self,
         grid: &Grid<'_>,
-        diagonal: &mut [Symmetric<R>],
+        diagonal: &mut [Symmetric<f64>],
     ) -> Result<(), ElasticityError> {
         let layers = |from: usize| (from..grid.cells[2]).step_by(2).collect::<Vec<_>>();
         // SAFETY: every second layer of cells has nodes of its own.
@@ -185,7 +184,7 @@ impl Elements<'_> {
                         // SAFETY: a node of this layer.
                         let to = unsafe { diagonal.part(grid.elements[e][a] as usize, 1) };
                         for (to, k) in to[0].iter_mut().zip([0, 1, 2, 4, 5, 8]) {
-                            *to += R::of(block[k]);
+                            *to += block[k];
                         }
                     });
                     if let Err(error) = done {

@@ -3,6 +3,23 @@
 use crate::elasticity::ElasticityError;
 use fracas_solvers::SetupError;
 
+/// Why a hierarchy is in f64 although f32 was asked for.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Lost {
+    /// Numbers beyond its range.
+    #[error("level {level} of the hierarchy leaves the range of f32")]
+    Range {
+        /// Level, 0 the finest.
+        level: usize,
+    },
+    /// Digits below its roundoff.
+    #[error("rounding to f32 would leave {rounding:.0e} of a uniform force as a residual")]
+    Digits {
+        /// [`Hierarchy::rounding`](fracas_solvers::multigrid::Hierarchy::rounding).
+        rounding: f64,
+    },
+}
+
 /// A body or a C that geometric multigrid cannot take.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum GeometricError {
@@ -21,7 +38,7 @@ pub enum GeometricError {
         found: usize,
     },
     /// Numbers beyond the range of the hierarchy's precision.
-    #[error("level {level} of the hierarchy overflows in {precision}; take precision f64")]
+    #[error("level {level} of the hierarchy leaves the range of {precision}")]
     Overflow {
         /// Level, 0 the finest.
         level: usize,
@@ -31,8 +48,7 @@ pub enum GeometricError {
     /// A diagonal block that is not positive definite.
     #[error(
         "level {level} of the hierarchy is not positive definite near ({:.6e}, {:.6e}, {:.6e}) m: a block of rock is held \
-         neither by boundary conditions nor by a fracture, or its stiffness is lost in the digits of the hierarchy (then \
-         take precision f64)", place[0], place[1], place[2]
+         neither by boundary conditions nor by a fracture, or is so much softer than the rest that f64 cannot tell", place[0], place[1], place[2]
     )]
     Indefinite {
         /// Level, 0 the finest.

@@ -89,10 +89,10 @@ fn in_global_axes(face: &FractureFace, c_inverse: &Block) -> [f64; 9] {
 }
 
 /// Adds the diagonal blocks of `B C⁻¹Bᵀ`.
-pub(super) fn add_diagonals<R: Real>(
+pub(super) fn add_diagonals(
     fractures: &FractureMesh,
     c_inverse: &[Block],
-    diagonal: &mut [Symmetric<R>],
+    diagonal: &mut [Symmetric<f64>],
 ) {
     for (face, c_inverse) in fractures.faces.iter().zip(c_inverse) {
         let m = in_global_axes(face, c_inverse);
@@ -105,7 +105,7 @@ pub(super) fn add_diagonals<R: Real>(
             for node in [minus, plus] {
                 let to = diagonal[node as usize].iter_mut();
                 to.zip([0, 1, 2, 4, 5, 8])
-                    .for_each(|(to, k)| *to += R::of(square * m[k]));
+                    .for_each(|(to, k)| *to += square * m[k]);
             }
         }
     }
@@ -132,8 +132,8 @@ pub(super) fn unique(pairs: impl Iterator<Item = [u32; 2]>, parent: &[u32]) -> V
 }
 
 /// Adds `Pᵀ b_f C_f⁻¹ b_fᵀ P`, face by face.
-pub(super) fn add_faces<R: Real>(
-    rows: &mut Rows<R>,
+pub(super) fn add_faces(
+    rows: &mut Rows,
     step: Step<'_>,
     fractures: &FractureMesh,
     c_inverse: &[Block],

@@ -18,15 +18,14 @@ use fracas_operators::simd::Level as Instructions;
 use fracas_operators::sparse::Block3;
 use fracas_operators::{AdjointOperator, LinearOperator, Real};
 use fracas_solvers::amg::Summary;
-use fracas_solvers::multigrid::{Hierarchy, Level, Symmetric};
+use fracas_solvers::multigrid::{Hierarchy, Level, NoInverse, Symmetric};
 use std::borrow::Cow;
-use std::sync::Arc;
 
 /// Levels beyond which a grid cannot have been halved.
 const MOST_LEVELS: usize = 32;
 
 /// The level that is being worked on.
-struct Current<'a, R> {
+struct Current<'a> {
     grid: Grid<'a>,
     elements: Elements<'a>,
     /// Fixed components per node.
@@ -34,7 +33,7 @@ struct Current<'a, R> {
     /// Elements on the two sides of a fracture.
     links: Vec<[u32; 2]>,
     /// What of its matrix is not bricks; `None` on the finest level.
-    remainder: Option<Arc<Block3<R>>>,
+    remainder: Option<Block3<f64>>,
 }
 
 /// All levels of `S_u / scale`, and a summary of what is below them. `materials` and `c_inverse` are divided by the scale.
@@ -44,7 +43,7 @@ pub(super) fn hierarchy<R: Real>(
     materials: &[Elastic],
     c_inverse: &[[[f64; 3]; 3]],
 ) -> Result<(Hierarchy<R>, Summary), GeometricError> {
-    let mut current = Current::<R> {
+    let mut current = Current {
         grid: Grid::of_mesh(system.mesh).ok_or(GeometricError::NoGrid)?,
         elements: Elements::of_mesh(system.mesh, materials),
         fixed: fixed::prescribed(system.constraints),
@@ -90,7 +89,7 @@ pub(super) fn hierarchy<R: Real>(
             None => faces::add_faces(&mut rows, step, system.fractures, c_inverse),
             Some(above) => rows.add_product(step, above),
         }
-        let remainder = Arc::new(rows.finish(&fixed_coarse));
+        let remainder = rows.finish(&fixed_coarse);
         let transfer = Interpolation::new(&owners, coarse);
         drop(owners);
         levels.push(current.level(system, materials, c_inverse, levels.len(), transfer)?);
@@ -112,9 +111,9 @@ pub(super) fn hierarchy<R: Real>(
     }
 }
 
-impl<R: Real> Current<'_, R> {
+impl Current<'_> {
     /// The level as one that smooths.
-    fn level(
+    fn level<R: Real>(
         &mut self,
         system: &StickSystem<'_>,
         materials: &[Elastic],
@@ -122,26 +121,23 @@ impl<R: Real> Current<'_, R> {
         depth: usize,
         transfer: Interpolation<R>,
     ) -> Result<Level<R>, GeometricError> {
-        let mut diagonal: Vec<Symmetric<R>> = vec![[R::zero(); 6]; self.grid.nodes];
+        let mut diagonal: Vec<Symmetric<f64>> = vec![[0.0; 6]; self.grid.nodes];
         self.elements.add_diagonals(&self.grid, &mut diagonal)?;
         match &self.remainder {
             None => faces::add_diagonals(system.fractures, c_inverse, &mut diagonal),
             Some(remainder) => add_diagonal_blocks(remainder, &mut diagonal),
         }
-        if !diagonal.as_flattened().iter().all(|v| v.is_finite()) {
-            return Err(overflow::<R>(depth));
-        }
         // a coarse component that no free fine one sees is no unknown
         for (bits, block) in self.fixed.iter_mut().zip(&diagonal) {
             for (i, k) in [0, 3, 5].into_iter().enumerate() {
-                if depth > 0 && block[k] == R::zero() {
+                if depth > 0 && block[k] == 0.0 {
                     *bits |= 1 << i;
                 }
             }
         }
         let (operator, bytes) = self.operator(system, materials, c_inverse)?;
         let fixed = fixed::list(&self.fixed);
-        let couplings = self.remainder.as_deref();
+        let couplings = self.remainder.as_ref();
         let level = Level::new(
             operator,
             bytes,
@@ -150,9 +146,12 @@ impl<R: Real> Current<'_, R> {
             fixed,
             Box::new(transfer),
         );
-        let level = level.map_err(|error| GeometricError::Indefinite {
-            level: depth,
-            place: self.position(system, error.node),
+        let level = level.map_err(|error| match error {
+            NoInverse::Indefinite { node } => GeometricError::Indefinite {
+                level: depth,
+                place: self.position(system, node),
+            },
+            NoInverse::Overflow { .. } => overflow::<R>(depth),
         })?;
         if level.lambda_max().is_finite() && level.lambda_max() > 0.0 {
             Ok(level)
@@ -162,7 +161,7 @@ impl<R: Real> Current<'_, R> {
     }
 
     /// The operator and its bytes.
-    fn operator(
+    fn operator<R: Real>(
         &self,
         system: &StickSystem<'_>,
         materials: &[Elastic],
@@ -196,12 +195,12 @@ impl<R: Real> Current<'_, R> {
         let stored = remainder.block_count() * (size_of::<[R; 9]>() + size_of::<u32>())
             + size_of_val(remainder.offsets());
         let bytes = stored + bricks.as_ref().map_or(0, Bricks::bytes);
-        let remainder = Arc::clone(remainder);
+        let remainder = remainder.cast();
         Ok((Box::new(Coarse { bricks, remainder }), bytes))
     }
 
     /// The bricks of a coarse level, if it has any.
-    fn bricks(&self, materials: &[Elastic]) -> Option<Bricks<R>> {
+    fn bricks<R: Real>(&self, materials: &[Elastic]) -> Option<Bricks<R>> {
         let grid = &self.grid;
         let kind = |e: usize| self.elements.brick_kind(e);
         if (0..grid.elements.len()).all(|e| kind(e) == Elements::NONE) {
@@ -250,7 +249,7 @@ fn overflow<R: Real>(level: usize) -> GeometricError {
 }
 
 /// Adds the diagonal blocks of an assembled matrix.
-fn add_diagonal_blocks<R: Real>(matrix: &Block3<R>, diagonal: &mut [Symmetric<R>]) {
+fn add_diagonal_blocks(matrix: &Block3<f64>, diagonal: &mut [Symmetric<f64>]) {
     for (i, to) in diagonal.iter_mut().enumerate() {
         let range = matrix.offsets()[i]..matrix.offsets()[i + 1];
         if let Ok(at) = matrix.columns()[range.clone()].binary_search(&(i as u32)) {

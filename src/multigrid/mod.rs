@@ -35,6 +35,6 @@ mod settings;
 #[cfg(test)]
 mod tests;
 
-pub use error::GeometricError;
+pub use error::{GeometricError, Lost};
 pub use inverse::GeometricInverse;
 pub use settings::Geometric;

@@ -35,12 +35,12 @@ impl<R: Real> LinearOperator<R> for Finest<R> {
 /// Bricks where a coarse cell is whole and of one material, an assembled matrix elsewhere.
 pub(super) struct Coarse<R> {
     pub(super) bricks: Option<Bricks<R>>,
-    pub(super) remainder: std::sync::Arc<Block3<R>>,
+    pub(super) remainder: Block3<R>,
 }
 
 impl<R: Real> LinearOperator<R> for Coarse<R> {
     fn shape(&self) -> Shape {
-        LinearOperator::<R>::shape(&*self.remainder)
+        LinearOperator::<R>::shape(&self.remainder)
     }
 
     fn apply_add(&self, alpha: R, x: &[R], y: &mut [R], work: &mut [R]) {

@@ -6,7 +6,6 @@ use super::grid::{Grid, STEPS};
 use super::interpolation::{Owners, weights};
 use super::pattern::Pattern;
 use crate::elasticity::{Colours, ElasticityError};
-use fracas_operators::Real;
 use fracas_operators::sparse::Block3;
 
 /// A level and the way to the next one.
@@ -22,15 +21,16 @@ pub(super) struct Step<'a> {
     pub(super) kinds: &'a [u16],
 }
 
-/// Block rows under assembly.
-pub(super) struct Rows<R> {
+/// Block rows under assembly, in f64 whatever the level is applied in: rounding every sum would cost a stiff body between
+/// soft ones its free motions, which carry `(h/L)²/contrast` of its stiffness.
+pub(super) struct Rows {
     pub(super) pattern: Pattern,
-    pub(super) blocks: Vec<[R; 9]>,
+    pub(super) blocks: Vec<[f64; 9]>,
 }
 
-impl<R: Real> Rows<R> {
+impl Rows {
     pub(super) fn new(pattern: Pattern) -> Self {
-        let blocks = vec![[R::zero(); 9]; pattern.columns.len()];
+        let blocks = vec![[0.0; 9]; pattern.columns.len()];
         Self { pattern, blocks }
     }
 
@@ -38,7 +38,7 @@ impl<R: Real> Rows<R> {
     pub(super) fn add(&mut self, row: usize, column: u32, block: &[f64; 9]) {
         let at = self.pattern.place(row, column);
         for (to, v) in self.blocks[at].iter_mut().zip(block) {
-            *to += R::of(*v);
+            *to += v;
         }
     }
 
@@ -74,7 +74,7 @@ impl<R: Real> Rows<R> {
                         for (block, column) in row.iter().zip(corners) {
                             let at = columns.partition_point(|c| c < column);
                             for (to, v) in to[at].iter_mut().zip(block) {
-                                *to += R::of(*v);
+                                *to += v;
                             }
                         }
                     }
@@ -85,7 +85,7 @@ impl<R: Real> Rows<R> {
     }
 
     /// Adds `Pᵀ R P`.
-    pub(super) fn add_product(&mut self, step: Step<'_>, above: &Block3<R>) {
+    pub(super) fn add_product(&mut self, step: Step<'_>, above: &Block3<f64>) {
         let coarse = &step.coarsening.coarse;
         let mut slot = vec![u32::MAX; coarse.nodes];
         let mut columns: Vec<u32> = Vec::new();
@@ -99,7 +99,7 @@ impl<R: Real> Rows<R> {
             let range = above.offsets()[i]..above.offsets()[i + 1];
             // (R P)_i
             for at in range {
-                let block = above.blocks()[at].map(|v| v.to_f64_exact());
+                let block = &above.blocks()[at];
                 for (column, weight) in parents(above.columns()[at] as usize) {
                     let slot = &mut slot[column as usize];
                     if *slot == u32::MAX {
@@ -128,7 +128,7 @@ impl<R: Real> Rows<R> {
     }
 
     /// The matrix without rows and columns of fixed components, and without blocks of zeros.
-    pub(super) fn finish(mut self, fixed: &[u8]) -> Block3<R> {
+    pub(super) fn finish(mut self, fixed: &[u8]) -> Block3<f64> {
         let rows = self.pattern.offsets.len() - 1;
         let mut kept = 0;
         let mut begin = 0;
@@ -141,11 +141,11 @@ impl<R: Real> Rows<R> {
                 if r | c != 0 {
                     for k in 0..9 {
                         if (r >> (k / 3) | c >> (k % 3)) & 1 == 1 {
-                            block[k] = R::zero();
+                            block[k] = 0.0;
                         }
                     }
                 }
-                if block.iter().any(|v| *v != R::zero()) {
+                if block.iter().any(|v| *v != 0.0) {
                     self.pattern.columns[kept] = column;
                     self.blocks[kept] = block;
                     kept += 1;

@@ -13,8 +13,7 @@ pub struct Geometric {
     pub degree: usize,
     /// How often a level visits the next one.
     pub cycle: Cycle,
-    /// Scalars of the hierarchy. f32 costs iterations where soft rock of contrast 1000 lies between stiff rock (31 instead of
-    /// 19 on a small layered body); take f64 there.
+    /// Scalars that the hierarchy is applied in; it is computed in f64.
     pub precision: Precision,
     /// Unknowns at which a direct solver takes over.
     pub coarsest: usize,

@@ -213,6 +213,7 @@ impl Linear {
         observer: &mut dyn Observer,
     ) -> Result<Ready, LinearFailure> {
         let unit = problem.saddle().unit();
+        let mut stage = "preconditioner";
         let (c, s_u): (_, Box<dyn Preconditioner<f64>>) = match self.settings {
             RunPreconditioner::Assembled(racp) => {
                 let direct = match racp.inner {
@@ -244,11 +245,14 @@ impl Linear {
                     .inner
                     .build(&system, &in_pascal)
                     .map_err(MatrixFreeError::from)?;
+                if s_u.lost().is_some() {
+                    stage = "preconditioner, in f64 because f32 would lose it";
+                }
                 (c, Box::new(s_u))
             }
         };
         let step = Step::Progress {
-            stage: "preconditioner",
+            stage,
             done: 1,
             total: 1,
         };

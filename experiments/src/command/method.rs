@@ -1,7 +1,9 @@
 //! Which method: `--method`, `--augmentation`, `--inner`.
 
 use clap::Args;
-use fracas_solvers::amg::Amg;
+use fracas::matrix_free::MatrixFreeRacp;
+use fracas::multigrid::Geometric;
+use fracas_solvers::amg::{Amg, Precision};
 use fracas_solvers::saddle::inner::UnknownInner;
 use fracas_solvers::saddle::{AugmentationChoice, InnerChoice, NoSuchPart, SaddleMethod};
 use std::str::FromStr;
@@ -16,7 +18,8 @@ pub(super) struct Method {
     #[arg(long, value_name = "C")]
     augmentation: Option<AugmentationChoice>,
     /// Solver of the displacement block, in methods that have one: exact, amg, amg:gauss_seidel, amg:fsai, amg:chebyshev,
-    /// fsai, fsai:static, jacobi, ssor; for `solve` of a scene on a grid also geometric, which assembles no A; auto takes
+    /// fsai, fsai:static, jacobi, ssor; for `solve` of a scene on a grid also geometric (in f32; geometric:f64), which
+    /// assembles no A; auto takes
     /// geometric for such a scene and amg for a mesh from a file or a system folder.
     #[arg(long, value_name = "M")]
     inner: Option<Inner>,
@@ -28,7 +31,7 @@ enum Inner {
     /// What fits the system.
     Auto,
     /// Geometric multigrid, without an assembled A.
-    Geometric,
+    Geometric(Precision),
     /// Made from assembled blocks.
     Assembled(InnerChoice),
 }
@@ -39,7 +42,8 @@ impl FromStr for Inner {
     fn from_str(name: &str) -> Result<Self, Self::Err> {
         match name {
             "auto" => Ok(Self::Auto),
-            "geometric" => Ok(Self::Geometric),
+            "geometric" => Ok(Self::Geometric(Precision::F32)),
+            "geometric:f64" => Ok(Self::Geometric(Precision::F64)),
             _ => name.parse().map(Self::Assembled).map_err(UnknownInnerName),
         }
     }
@@ -47,7 +51,7 @@ impl FromStr for Inner {
 
 /// A name that no inner solver has.
 #[derive(Debug, thiserror::Error)]
-#[error("{0}; or geometric, or auto")]
+#[error("{0}; or geometric, geometric:f64, or auto")]
 struct UnknownInnerName(UnknownInner);
 
 /// All names.
@@ -77,8 +81,8 @@ pub(super) enum Asked {
 pub(super) enum Route {
     /// From assembled blocks.
     Assembled(SaddleMethod),
-    /// RACP with this C around geometric multigrid, without an assembled A.
-    MatrixFree(AugmentationChoice),
+    /// RACP around geometric multigrid, without an assembled A.
+    MatrixFree(MatrixFreeRacp),
 }
 
 /// A route and, where `auto` chose, why.
@@ -107,6 +111,17 @@ enum NotGeometric {
     Entries(&'static str),
 }
 
+/// RACP with this C around geometric multigrid.
+fn racp(augmentation: AugmentationChoice, precision: Precision) -> MatrixFreeRacp {
+    MatrixFreeRacp {
+        augmentation,
+        inner: Geometric {
+            precision,
+            ..Geometric::default()
+        },
+    }
+}
+
 impl Method {
     /// The settings, from assembled blocks whatever the system is.
     pub(super) fn chosen(&self, asker: &'static str) -> anyhow::Result<SaddleMethod> {
@@ -122,7 +137,7 @@ impl Method {
         match self.inner {
             None => self.assembled(None, None),
             Some(Inner::Assembled(inner)) => self.assembled(Some(inner), None),
-            Some(Inner::Geometric) => match asked {
+            Some(Inner::Geometric(precision)) => match asked {
                 _ if !is_racp => Err(NotGeometric::Method(self.method.name()).into()),
                 Asked::Folder => Err(NotGeometric::Folder.into()),
                 Asked::SceneOfFile => Err(NotGeometric::NoGrid.into()),
@@ -131,7 +146,7 @@ impl Method {
                     let c = self.augmentation_of_racp()?;
                     c.require_local()?;
                     Ok(Chosen {
-                        route: Route::MatrixFree(c),
+                        route: Route::MatrixFree(racp(c, precision)),
                         reason: None,
                     })
                 }
@@ -154,7 +169,7 @@ impl Method {
                 let c = self.augmentation_of_racp()?;
                 if c.is_local() {
                     return Ok(Chosen {
-                        route: Route::MatrixFree(c),
+                        route: Route::MatrixFree(racp(c, Precision::F32)),
                         reason: Some("geometric, because the mesh of the scene is a grid".into()),
                     });
                 }

@@ -31,6 +31,62 @@ fn deviation(x: &[f64], y: &[f64]) -> f64 {
 }
 
 #[test]
+fn f32_that_does_not_serve_gives_way_to_f64_and_the_report_says_so() {
+    let report = |arguments: &[&str]| -> Value {
+        let ran = fracas(&[&["solve", "layered_crossing", "--json", "-"], arguments].concat());
+        serde_json::from_str(&ran.stdout).unwrap()
+    };
+    let said = |report: &Value| {
+        let findings = report["findings"].as_array().unwrap();
+        let is_said = |f: &&Value| f.as_str().unwrap().starts_with("precision: ");
+        findings.iter().filter(is_said).count()
+    };
+    let small = ["x", "y", "z"].map(|axis| format!("mesh.{axis}.cells=8"));
+    let soft = |young: &str| {
+        let mut sets = small.to_vec();
+        sets.push(format!("material.soft.young='{young} GPa'"));
+        sets.into_iter()
+            .flat_map(|s| ["--set".to_owned(), s])
+            .collect::<Vec<_>>()
+    };
+    let of = |young: &str, more: &[&str]| {
+        let sets = soft(young);
+        let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
+        report(&[&sets[..], more].concat())
+    };
+    // seen while setting up
+    let seen = of("4e-3", &["--inner", "geometric"]);
+    assert_eq!(
+        (seen["precision_fallbacks"].as_u64(), said(&seen)),
+        (Some(1), 1)
+    );
+    assert_eq!(seen["outcome"], "converged");
+    let none = of("4", &["--inner", "geometric"]);
+    assert_eq!(
+        (none["precision_fallbacks"].as_u64(), said(&none)),
+        (Some(0), 0)
+    );
+    let asked = of("4e-3", &["--inner", "geometric:f64"]);
+    assert_eq!(
+        (asked["precision_fallbacks"].as_u64(), said(&asked)),
+        (Some(0), 0)
+    );
+    // a set-up that fails in f32 alone
+    let failed = of("4e-7", &["--inner", "amg"]);
+    assert_eq!(
+        (failed["precision_fallbacks"].as_u64(), said(&failed)),
+        (Some(1), 1)
+    );
+    // an iteration that is merely too short: both precisions agree
+    let short = of("4", &["--inner", "amg", "--max-iterations", "3"]);
+    assert_eq!(
+        (short["precision_fallbacks"].as_u64(), said(&short)),
+        (Some(0), 1)
+    );
+    assert_eq!(short["outcome"], "iteration_limit");
+}
+
+#[test]
 fn the_solution_is_that_of_the_assembled_path() {
     let file = scratch("geometric").join("x.mtx");
     for scene in ["crossing", "layered_crossing", "inclined", "tee", "patch"] {

@@ -16,12 +16,23 @@ pub type Symmetric<R> = [R; 6];
 /// Where the upper part of a symmetric block keeps the entry (i, j).
 const PLACE: [[usize; 3]; 3] = [[0, 1, 2], [1, 3, 4], [2, 4, 5]];
 
-/// A diagonal block that is not positive definite on its free components.
+/// A diagonal block without an inverse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the diagonal block of node {node} is not positive definite")]
-pub struct NoInverse {
-    /// The node, from 0.
-    pub node: usize,
+pub enum NoInverse {
+    /// Not positive definite on its free components.
+    #[error("the diagonal block of node {node} is not positive definite")]
+    Indefinite {
+        /// The node, from 0.
+        node: usize,
+    },
+    /// The block or its inverse leaves the range of the level's scalar.
+    #[error("the diagonal block of node {node} or its inverse leaves the range of {scalar}")]
+    Overflow {
+        /// The node, from 0.
+        node: usize,
+        /// `f32` or `f64`.
+        scalar: &'static str,
+    },
 }
 
 /// D⁻¹, zero in the rows and columns of fixed components; D has a block per node, or per group of nodes that hardly differ.
@@ -33,21 +44,34 @@ pub struct BlockJacobi<R> {
 }
 
 impl<R: Real> BlockJacobi<R> {
-    /// Inverts `blocks` in place; `fixed` lists the components `3·node + i` that are no unknowns, ascending.
+    /// Inverts `blocks` in f64 and rounds; `fixed` lists the components `3·node + i` that are no unknowns, ascending.
     ///
     /// # Errors
-    /// [`NoInverse`] for the first block that is not positive definite.
-    pub fn new(mut blocks: Vec<Symmetric<R>>, fixed: &[u32]) -> Result<Self, NoInverse> {
+    /// [`NoInverse`] for the first block without an inverse.
+    pub fn new(blocks: &[Symmetric<f64>], fixed: &[u32]) -> Result<Self, NoInverse> {
         let mut fixed = fixed.iter().peekable();
-        for (node, block) in blocks.iter_mut().enumerate() {
+        let inverse_of = |(node, block): (usize, &Symmetric<f64>)| {
             let mut free = [true; 3];
             while let Some(dof) = fixed.next_if(|dof| **dof as usize / 3 == node) {
                 free[*dof as usize % 3] = false;
             }
-            *block = inverse(block, free).ok_or(NoInverse { node })?;
-        }
+            let is_finite = |v: &f64| R::of(*v).is_finite();
+            let overflow = NoInverse::Overflow {
+                node,
+                scalar: R::NAME,
+            };
+            if !block.iter().all(is_finite) {
+                return Err(overflow);
+            }
+            let inverse = inverse(block, free).ok_or(NoInverse::Indefinite { node })?;
+            match inverse.iter().all(is_finite) {
+                true => Ok(inverse.map(R::of)),
+                false => Err(overflow),
+            }
+        };
+        let inverse = blocks.iter().enumerate().map(inverse_of);
         Ok(Self {
-            inverse: blocks,
+            inverse: inverse.collect::<Result<_, _>>()?,
             groups: Groups::default(),
         })
     }
@@ -57,11 +81,11 @@ impl<R: Real> BlockJacobi<R> {
     /// # Errors
     /// As [`new`](Self::new).
     pub fn with_couplings(
-        blocks: Vec<Symmetric<R>>,
-        couplings: &Block3<R>,
+        blocks: &[Symmetric<f64>],
+        couplings: &Block3<f64>,
         fixed: &[u32],
     ) -> Result<Self, NoInverse> {
-        let groups = Groups::new(&blocks, couplings, fixed);
+        let groups = Groups::new(blocks, couplings, fixed);
         let mut jacobi = Self::new(blocks, fixed)?;
         for node in groups.nodes() {
             jacobi.inverse[*node as usize] = [R::zero(); 6];
@@ -170,8 +194,7 @@ fn pass<R: Real>(
 }
 
 /// The inverse on the free components, zero elsewhere; `None` if it is not positive definite there.
-fn inverse<R: Real>(block: &Symmetric<R>, free: [bool; 3]) -> Option<Symmetric<R>> {
-    let b = block.map(|v| v.to_f64_exact());
+fn inverse(b: &Symmetric<f64>, free: [bool; 3]) -> Option<Symmetric<f64>> {
     let components = [0, 1, 2].into_iter().filter(|i| free[*i]);
     let mut scale = [0.0; 3];
     for i in components {
@@ -201,11 +224,11 @@ fn inverse<R: Real>(block: &Symmetric<R>, free: [bool; 3]) -> Option<Symmetric<R
             w[i][j] = -(j..i).map(|k| l[i][k] * w[k][j]).sum::<f64>() / l[i][i];
         }
     }
-    let mut out = [R::zero(); 6];
+    let mut out = [0.0; 6];
     for i in 0..3 {
         for j in i..3 {
             let sum: f64 = (j..3).map(|k| w[k][i] * w[k][j]).sum();
-            out[PLACE[i][j]] = R::of(scale[i] * scale[j] * sum);
+            out[PLACE[i][j]] = scale[i] * scale[j] * sum;
         }
     }
     Some(out)
@@ -218,7 +241,7 @@ mod tests {
     #[test]
     fn a_fixed_component_is_left_out_and_the_others_are_inverted() {
         let block = [4.0, 1.0, 0.5, 3e3, -2.0, 9.0];
-        let m = BlockJacobi::new(vec![block, block], &[4]).unwrap();
+        let m = BlockJacobi::<f64>::new(&[block, block], &[4]).unwrap();
         let b = |i: usize, j: usize| block[PLACE[i][j]];
         let r = [1.0, -2.0, 3.0, 1.0, -2.0, 3.0];
         let mut z = [f64::NAN; 6];
@@ -232,15 +255,21 @@ mod tests {
             let product: f64 = [0, 2].iter().map(|j| b(i, *j) * z[3 + j]).sum();
             assert!((product - r[i]).abs() < 1e-12);
         }
-        let bad = BlockJacobi::new(vec![block, [1.0; 6]], &[]).unwrap_err();
-        assert_eq!(bad, NoInverse { node: 1 });
+        let bad = BlockJacobi::<f64>::new(&[block, [1.0; 6]], &[]).unwrap_err();
+        assert_eq!(bad, NoInverse::Indefinite { node: 1 });
+        // an inverse of 1e40 is a number in f64 alone
+        let soft = [1e-40, 0.0, 0.0, 1e-40, 0.0, 1e-40];
+        assert!(BlockJacobi::<f64>::new(&[block, soft], &[]).is_ok());
+        let lost = BlockJacobi::<f32>::new(&[block, soft], &[]).unwrap_err();
+        let scalar = "f32";
+        assert_eq!(lost, NoInverse::Overflow { node: 1, scalar });
     }
 
     #[test]
     fn the_fused_steps_are_their_formulas() {
         let n = NODES_PER_TASK + 37;
         let block = [2.0, 0.5, -0.25, 4.0, 0.125, 8.0];
-        let m = BlockJacobi::<f64>::new(vec![block; n], &[]).unwrap();
+        let m = BlockJacobi::<f64>::new(&vec![block; n], &[]).unwrap();
         let wave = |s: f64| (0..3 * n).map(|i| (i as f64 * s).sin()).collect::<Vec<_>>();
         let (r, d0, x0) = (wave(0.3), wave(0.7), wave(1.1));
         let mut z = vec![0.0; 3 * n];

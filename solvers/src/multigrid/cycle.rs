@@ -13,8 +13,10 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "snake_case")]
 pub enum Cycle {
     /// Once.
-    #[default]
     V,
+    /// Once the finest, every coarse level twice: the work of V and a few percent, for levels that shrink to an eighth.
+    #[default]
+    VThenW,
     /// Twice.
     W,
 }
@@ -53,14 +55,22 @@ impl<R: Real> Hierarchy<R> {
         self.levels.get(k).map_or(self.bottom.size(), Level::size)
     }
 
+    /// True if level k visits the next one twice; a direct solver below it needs no second visit.
+    fn twice(&self, k: usize) -> bool {
+        let asked = match self.cycle {
+            Cycle::V => false,
+            Cycle::VThenW => k > 0,
+            Cycle::W => true,
+        };
+        asked && k + 1 < self.levels.len()
+    }
+
     /// Scratch entries of a cycle.
     pub(super) fn work_len(&self) -> usize {
-        let visits = match self.cycle {
-            Cycle::V => 2,
-            Cycle::W => 3,
-        };
+        // what comes down and what goes up, once more where it does so twice
+        let below = |k: usize| (2 + usize::from(self.twice(k))) * self.size(k + 1);
         let vectors: usize = (0..self.levels.len())
-            .map(|k| self.size(k) + visits * self.size(k + 1))
+            .map(|k| self.size(k) + below(k))
             .sum();
         let products = self.levels.iter().map(|level| level.operator.work_len());
         let below = products.max().unwrap_or(0).max(self.bottom.work_len::<R>());
@@ -87,7 +97,7 @@ impl<R: Real> Hierarchy<R> {
         level.clear_fixed(r);
         // x_c ≈ A_c⁻¹ Pᵀ r
         level.transfer.restrict(r, r_c);
-        let twice = self.cycle == Cycle::W && k + 1 < self.levels.len();
+        let twice = self.twice(k);
         self.cycle(k + 1, r_c, x_c, work, twice);
         if twice {
             let (d_c, work) = work.split_at_mut(m);
@@ -110,11 +120,7 @@ impl<R: Real> Hierarchy<R> {
             return self.bottom.flops();
         };
         let below = self.flops(k + 1);
-        let visits = if self.cycle == Cycle::W && k + 1 < self.levels.len() {
-            2
-        } else {
-            1
-        };
+        let visits = if self.twice(k) { 2 } else { 1 };
         level.flops(self.degree) + visits * below
     }
 

@@ -40,7 +40,7 @@ impl<R: Real> Groups<R> {
     ///
     /// # Cost
     /// One pass over the couplings, `O(g³)` per group of g nodes.
-    pub(super) fn new(diagonal: &[Symmetric<R>], couplings: &Block3<R>, fixed: &[u32]) -> Self {
+    pub(super) fn new(diagonal: &[Symmetric<f64>], couplings: &Block3<f64>, fixed: &[u32]) -> Self {
         let mut groups = Self {
             first: vec![0],
             start: vec![0],
@@ -52,11 +52,15 @@ impl<R: Real> Groups<R> {
             .map(|nodes| inverse(matrix(nodes, diagonal, couplings, fixed)))
             .collect();
         for (nodes, inverse) in members.iter().zip(inverses) {
-            // rounding of R may have taken the definiteness of a group: its nodes stay alone
+            // nearly singular, or beyond the range of R: its nodes stay alone
             let Some(inverse) = inverse else { continue };
+            let inverse: Vec<R> = inverse.into_iter().map(R::of).collect();
+            if !inverse.iter().all(|v| v.is_finite()) {
+                continue;
+            }
             groups.nodes.extend(nodes);
             groups.first.push(groups.nodes.len());
-            groups.inverse.extend(inverse.into_iter().map(R::of));
+            groups.inverse.extend(inverse);
             groups.start.push(groups.inverse.len());
         }
         groups
@@ -128,7 +132,7 @@ unsafe fn plus<R: Real>(v: &Shared<'_, R>, node: usize, c: R, z: [R; 3]) {
 }
 
 /// The blocks beside the diagonal of row i.
-fn row<R: Real>(a: &Block3<R>, i: usize) -> impl Iterator<Item = (usize, &[R; 9])> {
+fn row(a: &Block3<f64>, i: usize) -> impl Iterator<Item = (usize, &[f64; 9])> {
     let range = a.offsets()[i]..a.offsets()[i + 1];
     let columns = a.columns()[range.clone()].iter().map(|j| *j as usize);
     columns
@@ -137,15 +141,15 @@ fn row<R: Real>(a: &Block3<R>, i: usize) -> impl Iterator<Item = (usize, &[R; 9]
 }
 
 /// Groups of two nodes and more, each ascending.
-fn together<R: Real>(diagonal: &[Symmetric<R>], couplings: &Block3<R>) -> Vec<Vec<u32>> {
-    let square = |v: &R| v.to_f64_exact().powi(2);
-    let size = |b: &Symmetric<R>| {
+fn together(diagonal: &[Symmetric<f64>], couplings: &Block3<f64>) -> Vec<Vec<u32>> {
+    let square = |v: &f64| v * v;
+    let size = |b: &Symmetric<f64>| {
         let [xx, xy, xz, yy, yz, zz] = b.each_ref().map(square);
         xx + yy + zz + 2.0 * (xy + xz + yz)
     };
     let sizes: Vec<f64> = diagonal.iter().map(size).collect();
     let strong = |i: usize| {
-        let of_pair = |(j, block): (usize, &[R; 9])| {
+        let of_pair = |(j, block): (usize, &[f64; 9])| {
             let s = block.iter().map(square).sum::<f64>();
             let strength = s * s / (sizes[i] * sizes[j]);
             (j > i && strength >= TOGETHER.powi(4)).then_some((strength, i, j))
@@ -185,16 +189,16 @@ fn together<R: Real>(diagonal: &[Symmetric<R>], couplings: &Block3<R>) -> Vec<Ve
 }
 
 /// The diagonal block of a group, by rows; unit rows and columns for fixed components, which the flag marks.
-fn matrix<R: Real>(
+fn matrix(
     nodes: &[u32],
-    diagonal: &[Symmetric<R>],
-    couplings: &Block3<R>,
+    diagonal: &[Symmetric<f64>],
+    couplings: &Block3<f64>,
     fixed: &[u32],
 ) -> (Vec<f64>, Vec<bool>) {
     let n = 3 * nodes.len();
     let mut m = vec![0.0; n * n];
     for (a, node) in nodes.iter().enumerate() {
-        let d = diagonal[*node as usize].map(|v| v.to_f64_exact());
+        let d = diagonal[*node as usize];
         for (k, v) in [d[0], d[1], d[2], d[1], d[3], d[4], d[2], d[4], d[5]]
             .into_iter()
             .enumerate()
@@ -204,7 +208,7 @@ fn matrix<R: Real>(
         for (j, block) in row(couplings, *node as usize) {
             if let Ok(b) = nodes.binary_search(&(j as u32)) {
                 for (k, v) in block.iter().enumerate() {
-                    m[(3 * a + k / 3) * n + 3 * b + k % 3] = v.to_f64_exact();
+                    m[(3 * a + k / 3) * n + 3 * b + k % 3] = *v;
                 }
             }
         }
@@ -313,9 +317,9 @@ mod tests {
     #[test]
     fn a_group_is_inverted_as_a_whole_and_the_others_stay_alone() {
         let (diagonal, a) = sample();
-        let groups = Groups::new(&diagonal, &a, &[]);
+        let groups = Groups::<f64>::new(&diagonal, &a, &[]);
         assert_eq!(groups.nodes(), [0, 1, 2]);
-        let m = BlockJacobi::with_couplings(diagonal, &a, &[]).unwrap();
+        let m = BlockJacobi::<f64>::with_couplings(&diagonal, &a, &[]).unwrap();
         let r: Vec<f64> = (0..12).map(|i| (i as f64 + 0.3).sin()).collect();
         let mut z = vec![f64::NAN; 12];
         m.solve(&r, &mut z);
@@ -332,7 +336,7 @@ mod tests {
     #[test]
     fn fixed_components_of_a_group_stay_zero_and_the_rest_is_inverted() {
         let (diagonal, a) = sample();
-        let m = BlockJacobi::with_couplings(diagonal, &a, &[4]).unwrap();
+        let m = BlockJacobi::<f64>::with_couplings(&diagonal, &a, &[4]).unwrap();
         let r = vec![1.0; 12];
         let mut z = vec![f64::NAN; 12];
         m.solve(&r, &mut z);
@@ -347,7 +351,7 @@ mod tests {
     #[test]
     fn fused_steps_with_groups_are_their_formulas() {
         let (diagonal, a) = sample();
-        let m = BlockJacobi::with_couplings(diagonal, &a, &[]).unwrap();
+        let m = BlockJacobi::<f64>::with_couplings(&diagonal, &a, &[]).unwrap();
         let wave = |s: f64| (0..12).map(|i| (i as f64 * s).sin()).collect::<Vec<_>>();
         let (r, d0, x0) = (wave(0.3), wave(0.7), wave(1.1));
         let mut z = vec![0.0; 12];
@@ -373,7 +377,7 @@ mod tests {
             .collect();
         let columns = (0..n * n).map(|k| (k % n) as u32).collect();
         let a = Block3::from_raw((0..=n).map(|i| i * n).collect(), columns, blocks, n);
-        let groups = Groups::new(&vec![[1.0, 0.0, 0.0, 1.0, 0.0, 1.0]; n], &a, &[]);
+        let groups = Groups::<f64>::new(&vec![[1.0, 0.0, 0.0, 1.0, 0.0, 1.0]; n], &a, &[]);
         assert!(groups.first.windows(2).all(|w| w[1] - w[0] <= LARGEST));
         let mut nodes = groups.nodes().to_vec();
         nodes.sort_unstable();

@@ -42,25 +42,26 @@ pub struct Level<R> {
 impl<R: Real> Level<R> {
     /// A level from its operator (whose memory is `bytes`), the diagonal blocks of it, those beside the diagonal that may tie
     /// nodes together where the operator has them, and the components `fixed`,
-    /// ascending, that are no unknowns: the operator may read and write them, what it writes there is not used.
+    /// ascending, that are no unknowns; blocks come in f64 and are inverted so, whatever R is: the operator may read and write them, what it writes there is not used.
     ///
     /// # Cost
     /// Ten products for λ_max.
     ///
     /// # Errors
-    /// [`NoInverse`] for a diagonal block that is not positive definite.
+    /// [`NoInverse`] for a diagonal block without an inverse.
     pub fn new(
         operator: Box<dyn LinearOperator<R>>,
         bytes: usize,
-        diagonal: Vec<Symmetric<R>>,
-        couplings: Option<&Block3<R>>,
+        diagonal: Vec<Symmetric<f64>>,
+        couplings: Option<&Block3<f64>>,
         fixed: Vec<u32>,
         transfer: Box<dyn Transfer<R>>,
     ) -> Result<Self, NoInverse> {
         let jacobi = match couplings {
-            Some(couplings) => BlockJacobi::with_couplings(diagonal, couplings, &fixed)?,
-            None => BlockJacobi::new(diagonal, &fixed)?,
+            Some(couplings) => BlockJacobi::with_couplings(&diagonal, couplings, &fixed)?,
+            None => BlockJacobi::new(&diagonal, &fixed)?,
         };
+        drop(diagonal);
         let n = 3 * jacobi.nodes();
         assert_eq!(operator.shape().rows, n, "diagonal blocks of another level");
         let mut work = vec![R::zero(); operator.work_len()];

@@ -9,6 +9,7 @@
 //! | one block for nodes that hardly differ | `groups` |
 //! | a level, λ_max, smoothing | `level` |
 //! | V and W | `cycle` |
+//! | digits that a cycle in f32 loses | `noise` |
 //! | f64 outside, f32 or f64 inside, free unknowns outside, all of them inside | `inverse` |
 
 mod block_jacobi;
@@ -17,6 +18,7 @@ mod cycle;
 mod groups;
 mod inverse;
 mod level;
+mod noise;
 
 pub use block_jacobi::{BlockJacobi, NoInverse, Symmetric};
 pub use bottom::Bottom;

@@ -3,7 +3,7 @@
 use super::brick::Brick;
 use super::colours::Colours;
 use super::modes::LEXICOGRAPHIC;
-use super::sweep::{Product, TASK};
+use super::sweep::{Product, Rest, TASK};
 use crate::elasticity::{Elastic, ElasticityError, check};
 use crate::mesh::HexMesh;
 use fracas_operators::operator::assert_product;
@@ -13,7 +13,8 @@ use fracas_operators::{AdjointOperator, LinearOperator, Real, Shape};
 /// The stiffness `A` of a body of axis-aligned bricks, in full numbering.
 ///
 /// Every element is worth its modes (sums and differences of corner values); along a line of elements
-/// the registers hold consecutive elements, so no index is read. Elements at split nodes take an indexed path.
+/// the registers hold consecutive elements, so no index is read; the last register of a line may overlap the one before.
+/// Elements at split nodes, and the last few of a line, take an indexed path.
 ///
 /// # Cost
 /// Per element and f64: 230 flops; 24 bytes of vectors per unknown and 16 bytes of material.
@@ -31,14 +32,14 @@ pub struct Bricks<R> {
     tasks: Colours<Task<R>>,
 }
 
-/// A block of element lines and the elements in it that touch split nodes.
+/// A block of element lines and the elements in it that take the indexed path.
 #[derive(Clone, Debug)]
 pub(super) struct Task<R> {
     pub(super) lines: [std::ops::Range<usize>; 2],
     pub(super) split: Vec<SplitElement<R>>,
 }
 
-/// An element that touches split nodes.
+/// An element that touches split nodes, or one of a few at the end of a line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SplitElement<R> {
     /// Nodes in lexicographic order.
@@ -136,6 +137,12 @@ impl<R: Real> Bricks<R> {
                 });
             }
         }
+        // elements of a line that registers along it take
+        let width = level.width::<R>();
+        let lined = match Rest::of(nx, width) {
+            Rest::Indexed => nx - nx % width,
+            _ => nx,
+        };
         let blocks_y = ny.div_ceil(TASK[0]);
         for (cell, nodes, material) in elements {
             let at = place(cells, cell);
@@ -145,7 +152,7 @@ impl<R: Real> Bricks<R> {
                 R::of(material.lambda() * scale),
                 R::of(material.shear() * scale),
             );
-            if nodes == grid_nodes(cells, at) {
+            if at[0] < lined && nodes == grid_nodes(cells, at) {
                 let place = at[0] + stride * (at[1] + ny * at[2]);
                 (lambda[place], shear[place]) = moduli;
             } else {
@@ -184,7 +191,8 @@ impl<R: Real> Bricks<R> {
         2 * size_of_val(&*self.lambda) + split
     }
 
-    /// Elements that take the indexed path because they touch split nodes.
+    /// Elements that take the indexed path: those at split nodes, and at the ends of lines what fills a quarter of a register
+    /// at most.
     pub fn indexed_elements(&self) -> usize {
         self.tasks.iter().map(|task| task.split.len()).sum()
     }

@@ -18,35 +18,72 @@ pub(super) enum Nodes {
 /// The elements of a group, at most as many as a register has lanes, and their nodes.
 pub(super) struct Group {
     pub(super) elements: Vec<usize>,
+    /// How many of them, at the beginning, belong to the group before and count nothing here.
+    pub(super) repeated: usize,
     pub(super) lines: Option<[[u32; 2]; 2]>,
 }
 
 /// Groups of `width` elements with nodes in lexicographic order: neighbours on node lines where they follow each other in
-/// the mesh, the others as they come.
+/// the mesh, the others as they come. What is left of a line of neighbours, if it fills more than a quarter of a group, makes one
+/// with the last of the group before.
 pub(super) fn groups(elements: &[[u32; 8]], width: usize) -> Vec<Group> {
     let (mut groups, mut others, mut e) = (Vec::new(), Vec::new(), 0);
+    // one behind the last element of the last whole group on node lines
+    let mut lined = 0;
     while e < elements.len() {
         let lines = lines(&elements[e..elements.len().min(e + width)], width);
         if lines.is_some() {
             let elements = (e..e + width).collect();
-            groups.push(Group { elements, lines });
+            groups.push(Group {
+                elements,
+                repeated: 0,
+                lines,
+            });
             e += width;
+            lined = e;
+            continue;
+        }
+        if lined == e
+            && e > 0
+            && let Some((rest, lines)) = overlapping(elements, e, width)
+        {
+            groups.push(Group {
+                elements: (e + rest - width..e + rest).collect(),
+                repeated: width - rest,
+                lines: Some(lines),
+            });
+            e += rest;
             continue;
         }
         others.push(e);
         e += 1;
         if others.len() == width {
             let elements = std::mem::take(&mut others);
-            groups.push(Group { elements, lines });
+            groups.push(Group {
+                elements,
+                repeated: 0,
+                lines,
+            });
         }
     }
     if !others.is_empty() {
         groups.push(Group {
             elements: others,
+            repeated: 0,
             lines: None,
         });
     }
     groups
+}
+
+/// How many elements from e on continue the node lines of those before, if they are more than a quarter of `width`, and the
+/// lines of the last `width`.
+fn overlapping(elements: &[[u32; 8]], e: usize, width: usize) -> Option<(usize, [[u32; 2]; 2])> {
+    let most = width.min(elements.len() - e + 1);
+    (width / 4 + 1..most).rev().find_map(|rest| {
+        let lines = lines(&elements[e + rest - width..e + rest], width)?;
+        Some((rest, lines))
+    })
 }
 
 /// The four node lines of `width` elements if each is the neighbour along x of the one before and no lines overlap.

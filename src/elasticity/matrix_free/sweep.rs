@@ -12,6 +12,50 @@ use fracas_operators::simd::{Kernel, Lanes, MAX_WIDTH, prefetch};
 /// and a small mesh has a task for every thread.
 pub(super) const TASK: [usize; 2] = [16, 4];
 
+/// A sweep over whole registers.
+const WHOLE: u8 = 0;
+
+/// A sweep over fewer elements than a register has lanes, through padded copies of their lines.
+const PADDED: u8 = 1;
+
+/// A sweep over the last `WIDTH` elements of lines, of which those that other registers have count nothing.
+const OVERLAPPED: u8 = 2;
+
+/// What becomes of the elements of a line that do not fill a register.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Rest {
+    /// There are none.
+    None,
+    /// Few: they take the indexed path, which fills registers across lines.
+    Indexed,
+    /// A register that overlaps the one before.
+    Overlapped,
+    /// The line is shorter than a register.
+    Padded,
+}
+
+impl Rest {
+    /// Registers of `width` on lines of `nx` elements; an element costs about four times as much on the indexed path.
+    pub(super) fn of(nx: usize, width: usize) -> Self {
+        match nx % width {
+            0 => Self::None,
+            _ if nx < width => Self::Padded,
+            rest if 4 * rest <= width => Self::Indexed,
+            _ => Self::Overlapped,
+        }
+    }
+}
+
+/// Moduli of elements, 0 for those that another register has.
+#[inline(always)]
+fn once<R: Real, L: Lanes<R>, const PART: u8>(moduli: L, counts: L) -> L {
+    if PART == OVERLAPPED {
+        moduli * counts
+    } else {
+        moduli
+    }
+}
+
 /// One task of one product.
 pub(super) struct Product<'a, R> {
     pub(super) bricks: &'a Bricks<R>,
@@ -29,15 +73,21 @@ impl<R: Real> Kernel<R> for Product<'_, R> {
     fn run<L: Lanes<R>>(self) {
         let nx = self.bricks.cells[0];
         let whole = nx - nx % L::WIDTH;
+        let rest = Rest::of(nx, L::WIDTH);
         for k in self.task.lines[1].clone() {
             let mut carried = [[[L::splat(R::zero()); 2]; 3]; TASK[0] + 1];
             for first in (0..whole).step_by(L::WIDTH) {
-                self.sweep::<L, true>(k, first, &mut carried);
+                self.sweep::<L, WHOLE>(k, first, &mut carried);
             }
-            if whole < nx {
-                self.sweep::<L, false>(k, whole, &mut carried);
-            } else {
-                self.last_nodes(k, &carried);
+            match rest {
+                Rest::Padded => self.sweep::<L, PADDED>(k, whole, &mut carried),
+                Rest::None | Rest::Indexed => self.nodes_behind(whole, k, &carried),
+                Rest::Overlapped => {
+                    self.nodes_behind(whole, k, &carried);
+                    carried = [[[L::splat(R::zero()); 2]; 3]; TASK[0] + 1];
+                    self.sweep::<L, OVERLAPPED>(k, nx - L::WIDTH, &mut carried);
+                    self.nodes_behind(nx, k, &carried);
+                }
             }
         }
         for chunk in self.task.split.chunks(L::WIDTH) {
@@ -54,10 +104,11 @@ impl<R: Real> Product<'_, R> {
         3 * (i + (nx + 1) * (j + (ny + 1) * k))
     }
 
-    /// Elements `first..first + WIDTH` of all lines of the layer k, or fewer at the end of the lines if not `WHOLE`: then
-    /// also the last node. A face of elements is read once and its forces are added to y once.
+    /// Elements `first..first + WIDTH` of all lines of the layer k: those of a `WHOLE` register, the fewer ones at the end of
+    /// the lines with their last node if `PADDED`, those that no register had before if `OVERLAPPED`. A face of elements is
+    /// read once and its forces are added to y once.
     #[inline(always)]
-    fn sweep<L: Lanes<R>, const WHOLE: bool>(
+    fn sweep<L: Lanes<R>, const PART: u8>(
         &self,
         k: usize,
         first: usize,
@@ -69,6 +120,11 @@ impl<R: Real> Product<'_, R> {
             L::load(&bricks.inverse[0][first..]),
             L::splat(bricks.inverse[2][k]),
         );
+        let mut counts = [R::zero(); MAX_WIDTH];
+        if PART == OVERLAPPED {
+            counts[L::WIDTH - bricks.cells[0] % L::WIDTH..].fill(R::one());
+        }
+        let counts = L::load(&counts);
         // What the next sweep needs on its upper lines, which are too far apart for the machine to guess.
         let next = if first + L::WIDTH < bricks.cells[0] {
             (first + L::WIDTH, k)
@@ -81,7 +137,7 @@ impl<R: Real> Product<'_, R> {
         let nothing = [[[L::splat(R::zero()); 2]; 2]; 3];
         let row = self.place(0, 1, 0);
         let mut at = [k, k + 1].map(|k| self.place(first, lines.start, k));
-        let mut faces = [self.read::<L, WHOLE>(first, at), nothing];
+        let mut faces = [self.read::<L, PART>(first, at), nothing];
         let mut materials = first + bricks.stride * (lines.start + bricks.cells[1] * k);
         let mut waiting = [nothing; 2];
         let mut now = 0;
@@ -89,7 +145,7 @@ impl<R: Real> Product<'_, R> {
         for (s, carried) in inverse_y.iter().zip(&mut *carried) {
             let next = 1 - now;
             let behind = [at[0] + row, at[1] + row];
-            let high = self.read::<L, WHOLE>(first, behind);
+            let high = self.read::<L, PART>(first, behind);
             faces[next] = high;
             let elements = materials..materials + L::WIDTH;
             // SAFETY: every line of elements is padded to whole registers.
@@ -101,10 +157,10 @@ impl<R: Real> Product<'_, R> {
             };
             let brick = Brick {
                 inverse: [r, L::splat(*s), t],
-                lambda: L::load(lambda),
-                shear: L::load(shear),
+                lambda: once::<R, L, PART>(L::load(lambda), counts),
+                shear: once::<R, L, PART>(L::load(shear), counts),
             };
-            if WHOLE {
+            if PART != PADDED {
                 self.ask(ahead, materials_ahead);
                 (ahead, materials_ahead) = (ahead + row, materials_ahead + bricks.stride);
             }
@@ -115,12 +171,12 @@ impl<R: Real> Product<'_, R> {
                 put(&mut near, group, f);
                 put(&mut waiting[next], group, g);
             }
-            self.add::<L, WHOLE>(&near, carried, first, at);
+            self.add::<L, PART>(&near, carried, first, at);
             (now, at) = (next, behind);
             materials += bricks.stride;
         }
         let carried = &mut carried[lines.len()];
-        self.add::<L, WHOLE>(&waiting[now], carried, first, at);
+        self.add::<L, PART>(&waiting[now], carried, first, at);
     }
 
     /// Asks for the nodes of a register on one line of both vectors, and for the materials of its elements.
@@ -137,12 +193,8 @@ impl<R: Real> Product<'_, R> {
 
     /// Modes along x and z of the elements from `first` on the node lines whose first of these nodes are at `at`.
     #[inline(always)]
-    fn read<L: Lanes<R>, const WHOLE: bool>(
-        &self,
-        first: usize,
-        [low, high]: [usize; 2],
-    ) -> Face<L> {
-        if WHOLE {
+    fn read<L: Lanes<R>, const PART: u8>(&self, first: usize, [low, high]: [usize; 2]) -> Face<L> {
+        if PART != PADDED {
             let len = 3 * L::WIDTH + 3;
             // SAFETY: both are nodes of the grid, and x has all of them.
             let (low, high) = unsafe {
@@ -162,19 +214,19 @@ impl<R: Real> Product<'_, R> {
 
     /// `y += α F` on the same nodes.
     #[inline(always)]
-    fn add<L: Lanes<R>, const WHOLE: bool>(
+    fn add<L: Lanes<R>, const PART: u8>(
         &self,
         face: &Face<L>,
         carried: &mut Carried<L>,
         first: usize,
         [low, high]: [usize; 2],
     ) {
-        let len = if WHOLE {
+        let len = if PART != PADDED {
             3 * L::WIDTH
         } else {
             3 * (self.bricks.cells[0] + 1 - first)
         };
-        if WHOLE {
+        if PART != PADDED {
             // SAFETY: both lines are nodes of the grid that belong to this task, and they are different.
             let (low, high) = unsafe {
                 (
@@ -195,13 +247,12 @@ impl<R: Real> Product<'_, R> {
         high.copy_from_slice(&padded[1][..len]);
     }
 
-    /// `y += α F` at the last nodes of lines of whole registers.
+    /// `y += α F` at the nodes i of all lines, behind the last lanes of registers.
     #[inline(always)]
-    fn last_nodes<L: Lanes<R>>(&self, k: usize, carried: &[Carried<L>]) {
+    fn nodes_behind<L: Lanes<R>>(&self, i: usize, k: usize, carried: &[Carried<L>]) {
         let lines = self.task.lines[0].clone();
         for (j, carried) in (lines.start..=lines.end).zip(carried) {
-            let nx = self.bricks.cells[0];
-            let (low, high) = (self.place(nx, j, k), self.place(nx, j, k + 1));
+            let (low, high) = (self.place(i, j, k), self.place(i, j, k + 1));
             // SAFETY: both nodes belong to this task and are different.
             let (low, high) = unsafe { (self.y.part(low, 3), self.y.part(high, 3)) };
             for c in 0..3 {

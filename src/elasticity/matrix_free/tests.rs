@@ -29,6 +29,9 @@ fn meshes(distortion: f64) -> impl Iterator<Item = HexMesh> {
         [65, 2, 5],
         [140, 1, 1],
         [16, 9, 1],
+        // an overlapping register, and an indexed end, in either precision
+        [47, 18, 5],
+        [33, 17, 9],
     ];
     sizes.into_iter().flat_map(move |cells| {
         [false, true].map(|split| {
@@ -81,6 +84,35 @@ fn bricks_agree_with_the_assembled_matrix_on_every_instruction_set() {
             |level| Bricks::with_level(&mesh, &ROCKS, level).unwrap(),
             |level| Bricks::with_level(&mesh, &ROCKS, level).unwrap(),
         );
+    }
+}
+
+#[test]
+fn lines_of_any_length_agree_with_the_assembled_matrix() {
+    // shorter than a register of any width, one to three of them, and every remainder
+    for nx in 2..=50 {
+        for (distortion, split) in [(0.0, false), (0.0, true), (0.15, false), (0.15, true)] {
+            let mesh = sample::mesh(Sample {
+                cells: [nx, 2, 2],
+                grading: 0.02,
+                distortion,
+                regions: 2,
+                split,
+            });
+            if distortion == 0.0 {
+                agrees(
+                    &mesh,
+                    |level| Bricks::with_level(&mesh, &ROCKS, level).unwrap(),
+                    |level| Bricks::with_level(&mesh, &ROCKS, level).unwrap(),
+                );
+            } else {
+                agrees(
+                    &mesh,
+                    |level| Hexes::with_level(&mesh, &ROCKS, level).unwrap(),
+                    |level| Hexes::with_level(&mesh, &ROCKS, level).unwrap(),
+                );
+            }
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! One iteration around what is set up, and its report.
 
 use super::equations::Equations;
+use super::precision::{self, Again, InDouble, iterations_of};
 use super::report::SolveReport;
 use super::residual::Residual;
 use super::{RightHandSide, Solve, Status, memory, output};
@@ -38,6 +39,10 @@ pub(super) struct Built<'a> {
     pub(super) setup_s: f64,
     pub(super) findings: Vec<String>,
     pub(super) explain: Option<Explain<'a>>,
+    /// Times that f32 gave way to f64 while setting up.
+    pub(super) fallbacks: usize,
+    /// The preconditioner in f64, where f32 is inside.
+    pub(super) in_double: Option<InDouble<'a>>,
 }
 
 impl Solve {
@@ -80,12 +85,28 @@ impl Solve {
             max_iterations: self.max_iterations,
         };
         let mut x = vec![0.0; built.b.len()];
-        let result = krylov.method().solve(
-            &system,
-            &criteria,
-            &mut x,
-            &mut progress as &mut dyn Observer,
-        );
+        let method = krylov.method();
+        let observer = &mut progress as &mut dyn Observer;
+        let mut result = method.solve(&system, &criteria, &mut x, observer);
+        let mut fallbacks = built.fallbacks;
+        let again = precision::again(built, &result, &mut x, &mut progress)?;
+        if let Some(Again { double, finding }) = again {
+            progress.say(&finding);
+            findings.push(finding);
+            if let Some(double) = double {
+                fallbacks += 1;
+                let system = System {
+                    preconditioner: &*double,
+                    ..system
+                };
+                let observer = &mut progress as &mut dyn Observer;
+                let before = iterations_of(&result);
+                result = method.solve(&system, &criteria, &mut x, observer);
+                if let Ok(report) = &mut result {
+                    report.iterations += before;
+                }
+            }
+        }
         let solve_s = start.elapsed().as_secs_f64();
         let explanation = match built.explain {
             Some(explain) => {
@@ -125,6 +146,7 @@ impl Solve {
             amg: built.hierarchy.clone(),
             reason: None,
             findings,
+            precision_fallbacks: fallbacks,
             explain: explanation,
         };
         report.record(&result, |iterations| cost.c_s(iterations, &krylov));

@@ -6,7 +6,8 @@ use super::{Solve, Status, memory};
 use crate::command::progress::Progress;
 use anyhow::Context;
 use fracas::matrix_free::{MatrixFreeRacp, MatrixFreeSaddle, RacpParts};
-use fracas_solvers::saddle::AugmentationChoice;
+use fracas_operators::Preconditioner;
+use fracas_solvers::amg::Precision;
 use std::io::Write;
 use std::time::Instant;
 
@@ -15,7 +16,7 @@ impl Solve {
     pub(super) fn matrix_free(
         &self,
         scene: &str,
-        choice: AugmentationChoice,
+        racp: MatrixFreeRacp,
         note: Option<String>,
         mut progress: Progress,
         out: &mut dyn Write,
@@ -38,18 +39,33 @@ impl Solve {
 
         let start = Instant::now();
         progress.say("setting up");
-        let racp = MatrixFreeRacp {
-            augmentation: choice,
-            ..MatrixFreeRacp::default()
-        };
         let RacpParts {
-            inverse, hierarchy, ..
+            inverse,
+            hierarchy,
+            lost,
+            ..
         } = racp.ready(&saddle, &system, &mut progress)?;
+        let fallbacks = usize::from(lost.is_some());
+        let mut findings: Vec<String> = note.into_iter().collect();
+        if let Some(lost) = lost {
+            let found = format!("precision: {lost}; the hierarchy is in f64");
+            progress.say(&found);
+            findings.push(found);
+        }
         // the operators carry what they need: the mesh has done its work
         drop(body);
         let equations = MatrixFree {
             saddle,
             stiffest: magnitude.stiffest,
+        };
+        let in_double = |progress: &mut Progress| -> anyhow::Result<Box<dyn Preconditioner<f64>>> {
+            // the body was given back: it is made again
+            let body = assembly.mesh(scene, memory::MATRIX_FREE, progress)?;
+            let system = body.stick_system(assembly.stabilization());
+            let ready = racp
+                .in_double()
+                .ready(&equations.saddle, &system, progress)?;
+            Ok(Box::new(ready.inverse))
         };
         let setup_s = start.elapsed().as_secs_f64();
         self.iterate(
@@ -59,15 +75,20 @@ impl Solve {
                 hierarchy: Some(hierarchy),
                 names: Names {
                     method: "racp".into(),
-                    augmentation: Some(choice.to_string()),
-                    inner: Some("geometric".into()),
+                    augmentation: Some(racp.augmentation.to_string()),
+                    inner: Some(match racp.inner.precision {
+                        Precision::F32 => "geometric".into(),
+                        Precision::F64 => "geometric:f64".into(),
+                    }),
                 },
                 rhs,
                 b: &b,
                 unit,
                 setup_s,
-                findings: note.into_iter().collect(),
+                findings,
                 explain: None,
+                fallbacks,
+                in_double: Some(Box::new(in_double)),
             },
             progress,
             out,

@@ -3,6 +3,7 @@
 mod equations;
 mod iteration;
 mod matrix_free;
+mod precision;
 mod report;
 mod residual;
 
@@ -16,6 +17,7 @@ use fracas_solvers::krylov::KrylovChoice;
 use fracas_solvers::saddle::{Ready, SaddleMethod, SaddleOperator};
 use fracas_solvers::spectrum::{Explanation, Solved};
 use iteration::{Built, Names};
+use precision::InDouble;
 use serde::Serialize;
 use std::io::Write;
 use std::path::PathBuf;
@@ -99,7 +101,9 @@ impl Solve {
         }
         let note = chosen.reason.map(|reason| format!("inner: {reason}"));
         match (chosen.route, self.source.scene()) {
-            (Route::MatrixFree(c), Some(scene)) => self.matrix_free(scene, c, note, progress, out),
+            (Route::MatrixFree(racp), Some(scene)) => {
+                self.matrix_free(scene, racp, note, progress, out)
+            }
             (Route::Assembled(method), _) => self.assembled(&method, note, progress, out),
             (Route::MatrixFree(_), None) => anyhow::bail!("geometric multigrid needs a scene"),
         }
@@ -133,11 +137,19 @@ impl Solve {
 
         let start = Instant::now();
         progress.say("setting up");
-        let Ready {
-            inverse: preconditioner,
-            hierarchy,
-            parts,
-        } = method.ready(blocks)?;
+        let (
+            Ready {
+                inverse: preconditioner,
+                hierarchy,
+                parts,
+            },
+            lost,
+        ) = precision::ready(method, blocks)?;
+        let fallbacks = usize::from(lost.is_some());
+        if let Some(lost) = lost {
+            progress.say(&lost);
+            findings.push(lost);
+        }
         let equations = Assembled {
             blocks,
             operator: SaddleOperator::new(blocks),
@@ -171,6 +183,10 @@ impl Solve {
                 setup_s,
                 findings,
                 explain: self.explain.then_some(&explain),
+                fallbacks,
+                in_double: precision::in_double(method).map(|double| -> InDouble<'_> {
+                    Box::new(move |_| Ok(double.ready(blocks)?.inverse))
+                }),
             },
             progress,
             out,

@@ -39,6 +39,8 @@ pub(super) struct SolveReport {
     pub(super) amg: Option<Summary>,
     pub(super) reason: Option<String>,
     pub(super) findings: Vec<String>,
+    /// Times that a preconditioner in f32 gave way to one in f64; why is among the findings.
+    pub(super) precision_fallbacks: usize,
     /// Null unless asked for.
     pub(super) explain: Option<Explanation>,
 }

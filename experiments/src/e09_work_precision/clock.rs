@@ -1,0 +1,34 @@
+//! Time that this thread was on a processor.
+
+use std::time::Instant;
+
+/// Since a moment.
+pub(super) struct Clock {
+    wall: Instant,
+    /// [s], where the system tells.
+    processor: Option<f64>,
+}
+
+/// Seconds that the calling thread has been on a processor, by the scheduler's count of nanoseconds (Linux).
+fn on_processor() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    let nanoseconds: f64 = text.split_whitespace().next()?.parse().ok()?;
+    Some(1e-9 * nanoseconds)
+}
+
+impl Clock {
+    pub(super) fn start() -> Self {
+        Self {
+            wall: Instant::now(),
+            processor: on_processor(),
+        }
+    }
+
+    /// Of this thread since the start; of the wall where the system does not tell.
+    pub(super) fn seconds(&self) -> f64 {
+        match (self.processor, on_processor()) {
+            (Some(start), Some(now)) => now - start,
+            _ => self.wall.elapsed().as_secs_f64(),
+        }
+    }
+}

@@ -1,0 +1,39 @@
+//! A preconditioner of f64 for an iteration in f32.
+
+use fracas_operators::Preconditioner;
+
+/// `z ← fl(M⁻¹ r)`.
+pub(super) struct Narrow<M>(M);
+
+impl<M: Preconditioner<f64>> Narrow<M> {
+    pub(super) fn new(inverse: M) -> Self {
+        Self(inverse)
+    }
+}
+
+impl<M: Preconditioner<f64>> Preconditioner<f32> for Narrow<M> {
+    fn size(&self) -> usize {
+        self.0.size()
+    }
+
+    fn solve(&self, r: &[f32], z: &mut [f32], _work: &mut [f32]) {
+        // scratch of f32 need not lie where f64 may: here alone a solve allocates
+        let r: Vec<f64> = r.iter().map(|r| f64::from(*r)).collect();
+        let mut wide = vec![0.0; r.len()];
+        self.0
+            .solve(&r, &mut wide, &mut vec![0.0; self.0.work_len()]);
+        z.iter_mut().zip(wide).for_each(|(z, w)| *z = w as f32);
+    }
+
+    fn flops(&self) -> u64 {
+        self.0.flops()
+    }
+
+    fn is_linear(&self) -> bool {
+        self.0.is_linear()
+    }
+
+    fn is_single(&self) -> bool {
+        self.0.is_single()
+    }
+}
