@@ -128,7 +128,7 @@ fn checks(curves: &[Curve]) -> Vec<Check> {
             .fold(0.0_f64, |most, (a, b)| most.max(count(a) - count(b)))
     };
     let geometric = Method::Geometric(Precision::F32);
-    let finest = |method: Method| of(method).last().and_then(|c| c.rows.last());
+    let finest = |method: Method| of(method).next_back().and_then(|c| c.rows.last());
     let at = |curve: &Curve, tolerance: f64| {
         let row = curve.rows.iter().find(|r| r.tolerance == tolerance);
         row.map_or(f64::NAN, |r| r.total)
