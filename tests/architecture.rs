@@ -144,3 +144,31 @@ fn files_are_small_and_finished() {
     let median = lengths[lengths.len() / 2];
     assert!(median <= 180, "the median file has {median} lines");
 }
+
+/// What a library may not do: read the environment, write to the terminal.
+#[test]
+fn every_file_is_compiled_and_libraries_are_silent() {
+    for folder in ["operators/src", "solvers/src", "src", "experiments/src"] {
+        let files = sources(folder);
+        let all: String = files.iter().map(|(_, text)| code(text)).collect();
+        for (path, text) in &files {
+            let stem = path.file_stem().unwrap().to_str().unwrap();
+            let folder_name = path.parent().unwrap().file_name().unwrap();
+            let module = match stem {
+                "lib" | "main" => continue,
+                "mod" => folder_name.to_str().unwrap(),
+                stem => stem,
+            };
+            assert!(
+                all.contains(&format!("mod {module};")),
+                "{}: no module declares it, so nothing compiles it",
+                path.display()
+            );
+            if folder != "experiments/src" {
+                for word in ["env::var", "eprintln!(", "println!("] {
+                    assert!(!code(text).contains(word), "{}: {word}", path.display());
+                }
+            }
+        }
+    }
+}
