@@ -8,7 +8,6 @@ use fracas::scene::{Body, named};
 use fracas_operators::laws::{check_preconditioner, probe};
 use fracas_operators::vector::dot;
 use fracas_operators::{LinearOperator, Preconditioner, sparse::Csr};
-use fracas_solvers::Silent;
 use fracas_solvers::amg::Precision;
 use fracas_solvers::direct::DirectChoice;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
@@ -16,6 +15,7 @@ use fracas_solvers::multigrid::Cycle;
 use fracas_solvers::saddle::{
     AugmentationChoice, AugmentationMatrix, RacpInverse, SaddleBlocks, SaddleOperator, schur,
 };
+use fracas_solvers::{SetupError, Silent};
 
 struct Sample {
     body: Body,
@@ -324,13 +324,25 @@ fn what_it_cannot_take_is_named() {
     let dense = faer::Mat::from_fn(n_t, n_t, |i, j| if i == j { 2.0 } else { 0.0 });
     let dense = AugmentationMatrix::from_dense(dense).unwrap();
     assert_eq!(error(&dense), GeometricError::DenseC);
-    // C⁻¹ beyond the largest f32
+    // C⁻¹ beyond the largest f32: f64 holds it, but not the rock beside it, and says what is singular
     let tiny = AugmentationMatrix::from_diagonal(vec![1e-60; n_t]).unwrap();
+    let singular = error(&tiny);
+    assert!(
+        matches!(
+            singular,
+            GeometricError::Bottom(SetupError::Singular { .. })
+        ),
+        "{singular:?}"
+    );
+    let double = in_precision(Precision::F64);
+    assert_eq!(double.build(&system, &tiny).err(), Some(singular));
+    // beyond the largest f64
+    let least = AugmentationMatrix::from_diagonal(vec![1e-320; n_t]).unwrap();
     let overflow = GeometricError::Overflow {
         level: 0,
-        precision: "f32",
+        precision: "f64",
     };
-    assert_eq!(error(&tiny), overflow);
+    assert_eq!(error(&least), overflow);
     let mut body = given.body.clone();
     body.mesh.grid = None;
     let system = body.stick_system(None);

@@ -1,6 +1,7 @@
 //! The linear systems of Newton: one preconditioner for as long as it serves.
 
 use super::face_rules::FaceRule;
+use super::fallback::Fallbacks;
 use super::jacobian::FaceTangent;
 use super::krylov::{self, Asked, Ended, Solved};
 use super::state_inverse::StateInverse;
@@ -60,6 +61,7 @@ pub(super) struct Linear {
     /// A preconditioner for its states has been built in this step.
     built: bool,
     work: Vec<f64>,
+    pub(super) fallbacks: Fallbacks,
     /// Number of the system of a step to stop at, and that system.
     pub(super) wanted: Option<usize>,
     pub(super) found: Option<NewtonSystem>,
@@ -78,6 +80,7 @@ impl Linear {
             owed: None,
             built: false,
             work: Vec::new(),
+            fallbacks: Fallbacks::default(),
             wanted: None,
             found: None,
         }
@@ -241,12 +244,13 @@ impl Linear {
                 let c = c(&self.c);
                 let matrix = AugmentationMatrix::from_face_blocks(c.clone())?;
                 let in_pascal = matrix.scaled(1.0 / (unit * unit));
-                let s_u = racp
-                    .inner
-                    .build(&system, &in_pascal)
-                    .map_err(MatrixFreeError::from)?;
-                if s_u.lost().is_some() {
+                let (s_u, gave_way) = self.fallbacks.build(problem, racp, &in_pascal)?;
+                if gave_way {
                     stage = "preconditioner, in f64 because f32 would lose it";
+                }
+                if gave_way && self.stick.is_none() {
+                    // a restart builds the all-stick one first, too: it decides the same
+                    self.settings = RunPreconditioner::MatrixFree(racp.in_double());
                 }
                 (c, Box::new(s_u))
             }

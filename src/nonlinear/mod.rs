@@ -15,6 +15,7 @@ mod cycling;
 mod energy;
 mod face_rules;
 mod failure;
+mod fallback;
 mod fields;
 mod jacobian;
 mod krylov;

@@ -93,6 +93,11 @@ pub enum Event {
         /// New increment: time [s] or share of the loads of time 0.
         next: f64,
     },
+    /// A preconditioner is in f64 although f32 was asked for.
+    Precision {
+        /// What f32 would lose.
+        reason: String,
+    },
     /// A preconditioner was built.
     Setup {
         /// States that it was built for: stick, new-slip, slip, open.

@@ -1,6 +1,7 @@
 //! Steps: from the unloaded body to the last time of its scene.
 
 use super::active_set::{Log, Settled, active_set};
+use super::fallback::Fallbacks;
 use super::linear::Linear;
 use super::loads::initial_traction;
 use super::newton::{Attempt, Iterate};
@@ -74,9 +75,21 @@ impl<'a> Simulation<'a> {
         &self.problem
     }
 
-    /// The preconditioner in use.
+    /// The preconditioner in use, in f64 where f32 gave way to it.
     pub fn preconditioner(&self) -> RunPreconditioner {
-        self.linear.settings()
+        self.fallbacks().effective(self.linear.settings())
+    }
+
+    /// Times that a preconditioner in f32 gave way to one in f64; [`Event::Precision`] says why.
+    pub fn precision_fallbacks(&self) -> usize {
+        self.fallbacks().count
+    }
+
+    fn fallbacks(&self) -> &Fallbacks {
+        match &self.springs {
+            Some(springs) => springs.fallbacks(),
+            None => &self.linear.fallbacks,
+        }
     }
 
     /// The unloaded body: closed faces in stick, those with a gap open.
@@ -231,8 +244,16 @@ impl<'a> Simulation<'a> {
             t,
         };
         let settled = match &mut self.springs {
-            Some(springs) => springs.attempt(&attempt, states, x, log, observer)?,
-            None => active_set(&attempt, states, x, &mut self.linear, log, observer)?,
+            Some(springs) => {
+                let settled = springs.attempt(&attempt, states, x, log, observer);
+                log.events.append(&mut springs.take_events());
+                settled?
+            }
+            None => {
+                let settled = active_set(&attempt, states, x, &mut self.linear, log, observer);
+                log.events.append(&mut self.linear.fallbacks.events);
+                settled?
+            }
         };
         Ok((settled, load))
     }

@@ -2,6 +2,7 @@
 
 use fracas::scene::{Body, Scene};
 use fracas_operators::{LinearOperator, Preconditioner};
+use fracas_solvers::amg::Summary;
 use fracas_solvers::krylov::{Fitted, KrylovChoice};
 
 /// What a grid node takes [bytes].
@@ -102,6 +103,28 @@ pub(crate) fn room_without_a(name: &str, body: &Body) -> anyhow::Result<()> {
             needed: needed * 1e-9,
             available: (available + held) as f64 * 1e-9,
             remedy: MATRIX_FREE.remedy,
+        }
+        .into()),
+        _ => Ok(()),
+    }
+}
+
+/// A second hierarchy that does not fit.
+#[derive(Debug, thiserror::Error)]
+#[error("it takes about {needed:.1} GB and {available:.1} GB are free")]
+struct NoRoomInDouble {
+    needed: f64,
+    available: f64,
+}
+
+/// Refuses the hierarchy in f64 beside the one in f32 where its numbers alone, twice as long, do not fit.
+pub(crate) fn room_in_double(single: Option<&Summary>) -> anyhow::Result<()> {
+    let levels = single.iter().flat_map(|summary| &summary.levels);
+    let needed = 2.0 * levels.map(|level| level.bytes).sum::<usize>() as f64;
+    match available_bytes() {
+        Some(available) if needed > SHARE * available as f64 => Err(NoRoomInDouble {
+            needed: needed * 1e-9,
+            available: available as f64 * 1e-9,
         }
         .into()),
         _ => Ok(()),

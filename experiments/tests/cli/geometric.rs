@@ -61,11 +61,13 @@ fn f32_that_does_not_serve_gives_way_to_f64_and_the_report_says_so() {
         (Some(1), 1)
     );
     assert_eq!(seen["outcome"], "converged");
+    assert_eq!(seen["inner"], "geometric:f64");
     let none = of("4", &["--inner", "geometric"]);
     assert_eq!(
         (none["precision_fallbacks"].as_u64(), said(&none)),
         (Some(0), 0)
     );
+    assert_eq!(none["inner"], "geometric");
     let asked = of("4e-3", &["--inner", "geometric:f64"]);
     assert_eq!(
         (asked["precision_fallbacks"].as_u64(), said(&asked)),
@@ -77,13 +79,62 @@ fn f32_that_does_not_serve_gives_way_to_f64_and_the_report_says_so() {
         (failed["precision_fallbacks"].as_u64(), said(&failed)),
         (Some(1), 1)
     );
-    // an iteration that is merely too short: both precisions agree
+    assert_eq!(failed["inner"], "amg (f64)");
+    // an iteration that is merely too short says nothing of its precision, and f64 is not tried
     let short = of("4", &["--inner", "amg", "--max-iterations", "3"]);
     assert_eq!(
         (short["precision_fallbacks"].as_u64(), said(&short)),
-        (Some(0), 1)
+        (Some(0), 0)
     );
-    assert_eq!(short["outcome"], "iteration_limit");
+    assert_eq!(
+        (&short["outcome"], &short["iterations"]),
+        (&"iteration_limit".into(), &3.into())
+    );
+    assert_eq!(short["inner"], "amg");
+    // one that stands still: f64 gets the iterations that are left
+    let flat = of("4e-6", &["--inner", "amg", "--max-iterations", "120"]);
+    assert_eq!(
+        (flat["precision_fallbacks"].as_u64(), said(&flat)),
+        (Some(1), 1)
+    );
+    assert_eq!(flat["iterations"], 120);
+    assert_eq!(flat["inner"], "amg (f64)");
+}
+
+#[test]
+fn a_run_says_that_f32_gave_way_to_f64() {
+    for (young, fallbacks, precision) in [("0.004", 1, "f64"), ("4", 0, "f32")] {
+        let out = scratch("geometric-run").join(young);
+        let young = format!("material.soft.young='{young} GPa'");
+        let mut arguments = vec!["run", "layered_crossing", "--out", out.to_str().unwrap()];
+        for set in [
+            "mesh.x.cells=8",
+            "mesh.y.cells=8",
+            "mesh.z.cells=8",
+            "solver.inner='geometric'",
+            &young,
+        ] {
+            arguments.extend(["--set", set]);
+        }
+        let ran = fracas(&arguments);
+        assert_eq!(ran.status, 0, "{}", ran.stderr);
+        let read = |name: &str| std::fs::read_to_string(out.join(name)).unwrap();
+        let state: Value = serde_json::from_str(&read("run.json")).unwrap();
+        assert_eq!(state["precision_fallbacks"], fallbacks);
+        let inner = &state["preconditioner"]["matrix_free"]["inner"];
+        assert_eq!(inner["precision"], precision, "{state}");
+        let events: Vec<Value> = read("log.jsonl")
+            .lines()
+            .map(|line| serde_json::from_str(line).unwrap())
+            .filter(|event: &Value| event["event"] == "precision")
+            .collect();
+        assert_eq!(events.len(), fallbacks);
+        for event in &events {
+            let reason = event["reason"].as_str().unwrap();
+            assert!(reason.contains("f32"), "{reason}");
+            assert!(ran.stderr.contains(reason), "{}", ran.stderr);
+        }
+    }
 }
 
 #[test]

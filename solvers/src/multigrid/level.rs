@@ -40,9 +40,9 @@ pub struct Level<R> {
 }
 
 impl<R: Real> Level<R> {
-    /// A level from its operator (whose memory is `bytes`), the diagonal blocks of it, those beside the diagonal that may tie
-    /// nodes together where the operator has them, and the components `fixed`,
-    /// ascending, that are no unknowns; blocks come in f64 and are inverted so, whatever R is: the operator may read and write them, what it writes there is not used.
+    /// A level from its operator (whose memory is `bytes`), the operator's diagonal blocks, those beside the diagonal that may
+    /// tie nodes together, where it has any, and the components `fixed`, ascending, that are no unknowns: the operator may read
+    /// and write these, and what it writes there is not used. Blocks come in f64 and are inverted in f64, whatever R is.
     ///
     /// # Cost
     /// Ten products for λ_max.

@@ -14,6 +14,10 @@ impl<R: Real> Hierarchy<R> {
     /// A uniform force excites what is softest: stiff rock that rides on soft rock, or a large body held at one side, moves far for
     /// its strains, and digits of z are lost in the differences. Infinite where a number overflows.
     ///
+    /// Whether an iteration minds is another question: in a long body held at one end the number is large and no iteration
+    /// is lost. With `n = ε A (s∘z)` in place of its norm `√(nᵀM⁻¹n / bᵀM⁻¹b)` does not tell either: M ≈ A makes it the square
+    /// root of ε times the number above.
+    ///
     /// # Cost
     /// One cycle and one product.
     pub fn rounding(&self) -> f64 {

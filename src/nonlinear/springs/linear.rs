@@ -3,8 +3,8 @@
 use super::law::Spring;
 use super::operator::SpringJacobian;
 use crate::contact::ContactState;
-use crate::matrix_free::MatrixFreeError;
 use crate::mesh::FractureFace;
+use crate::nonlinear::fallback::Fallbacks;
 use crate::nonlinear::krylov::{self, Asked, Ended, Solved};
 use crate::nonlinear::{ContactProblem, LinearFailure, Prepared, RunPreconditioner};
 use fracas_operators::Preconditioner;
@@ -32,6 +32,7 @@ pub(super) struct SpringLinear {
     /// What a restart has to make again.
     owed: Option<Prepared>,
     work: Vec<f64>,
+    pub(super) fallbacks: Fallbacks,
 }
 
 impl SpringLinear {
@@ -43,6 +44,7 @@ impl SpringLinear {
             ready: None,
             owed: None,
             work: Vec::new(),
+            fallbacks: Fallbacks::default(),
         }
     }
 
@@ -128,8 +130,8 @@ impl SpringLinear {
                 racp.inner.prepare(blocks, &c)?.inverse
             }
             RunPreconditioner::MatrixFree(racp) => {
-                let built = racp.inner.build(&problem.stick_system(), &c);
-                Box::new(built.map_err(MatrixFreeError::from)?)
+                let (built, _) = self.fallbacks.build(problem, racp, &c)?;
+                Box::new(built)
             }
         };
         Ok(Ready { of, inverse })

@@ -14,8 +14,9 @@ mod newton;
 mod operator;
 
 use super::active_set::{Log, Settled, or_closing};
+use super::fallback::Fallbacks;
 use super::newton::{Attempt, Iterate};
-use super::{ContactProblem, Failure, Prepared, RunPreconditioner};
+use super::{ContactProblem, Event, Failure, Prepared, RunPreconditioner};
 use crate::contact::ContactState;
 use crate::scene::{AugmentedLagrangian, Method};
 use fracas_solvers::{Observer, Step};
@@ -63,6 +64,16 @@ impl SpringMethod {
     /// What the preconditioner that the next step finds was made for.
     pub(super) fn carried(&self) -> Option<Prepared> {
         self.linear.carried()
+    }
+
+    /// What f32 could not hold.
+    pub(super) fn fallbacks(&self) -> &Fallbacks {
+        &self.linear.fallbacks
+    }
+
+    /// What f32 could not hold since it was last asked.
+    pub(super) fn take_events(&mut self) -> Vec<Event> {
+        std::mem::take(&mut self.linear.fallbacks.events)
     }
 
     /// One attempt at a step from these states, displacements and tractions.

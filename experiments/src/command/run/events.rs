@@ -17,6 +17,7 @@ pub(super) fn event(event: &Event) -> (&'static str, Value) {
         ),
         Event::Retry { reason } => ("retry", json!({ "reason": reason })),
         Event::Cut { reason, next } => ("cut", json!({ "reason": reason, "next": next })),
+        Event::Precision { reason } => ("precision", json!({ "reason": reason, "now": "f64" })),
         Event::Setup { faces } => ("setup", json!({ "faces": faces })),
     }
 }

@@ -8,7 +8,7 @@ use super::tree::Tree;
 use crate::command::progress::Progress;
 use crate::report::format_real;
 use fracas::io::Fields;
-use fracas::nonlinear::{Simulation, State, StepRecord};
+use fracas::nonlinear::{Event, Simulation, State, StepRecord};
 use fracas::scene::{Body, Scene};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -74,14 +74,26 @@ impl Going<'_> {
                     let wall_s = self.command.clock.then_some(wall_s);
                     let energy = self.simulation.energy(&state, &accepted.state);
                     self.tree.accept(&accepted, &energy, wall_s)?;
+                    self.warn(&accepted.events);
                     self.progress.tell(&line(record));
                     state = accepted.state;
                 }
                 Err(failure) => {
                     self.tree.give_up(state.step, &failure)?;
+                    self.warn(&failure.events);
                     let reason = failure.to_string();
                     return self.end(&state, Outcome::NotConverged, Some(reason));
                 }
+            }
+        }
+    }
+
+    /// Says that f32 gave way to f64.
+    fn warn(&self, events: &[Event]) {
+        for event in events {
+            if let Event::Precision { reason } = event {
+                let warning = format!("warning: {reason}; the hierarchy is in f64");
+                self.progress.tell(&warning);
             }
         }
     }
@@ -139,7 +151,9 @@ impl Going<'_> {
         outcome: Outcome,
         reason: Option<String>,
     ) -> anyhow::Result<()> {
-        let text = self.manifest.text(state, outcome, reason)?;
+        let text = self
+            .manifest
+            .text(&self.simulation, state, outcome, reason)?;
         self.tree.file("run.json", &text)
     }
 }

@@ -37,6 +37,8 @@ pub(super) struct Manifest<'a> {
     solver: SolverSection,
     /// In use, also where the scene leaves the choice.
     preconditioner: RunPreconditioner,
+    /// Times that this process took f64 because f32 would have lost too much; why is in `log.jsonl`.
+    precision_fallbacks: usize,
     tolerances: [Tolerance; 3],
     fields_every: usize,
 }
@@ -89,6 +91,7 @@ impl<'a> Manifest<'a> {
             time: sections.time.as_ref(),
             solver,
             preconditioner: simulation.preconditioner(),
+            precision_fallbacks: simulation.precision_fallbacks(),
             tolerances: [
                 Tolerance {
                     name: "tolerance",
@@ -119,12 +122,15 @@ impl<'a> Manifest<'a> {
     /// The file for a state and how the run stands in it.
     pub(super) fn text(
         &mut self,
+        simulation: &Simulation<'_>,
         state: &State,
         outcome: Outcome,
         reason: Option<String>,
     ) -> anyhow::Result<String> {
         (self.steps, self.time_s) = (state.step, state.time);
         (self.outcome, self.reason) = (outcome, reason);
+        self.preconditioner = simulation.preconditioner();
+        self.precision_fallbacks = simulation.precision_fallbacks();
         self.tolerances[0].scale = Some(state.force);
         self.tolerances[1].scale = Some(state.traction);
         let mut text = serde_json::to_string_pretty(self)?;

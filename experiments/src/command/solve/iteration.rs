@@ -1,14 +1,13 @@
 //! One iteration around what is set up, and its report.
 
 use super::equations::Equations;
-use super::precision::{self, Again, InDouble, iterations_of};
+use super::precision::{self, Double, InDouble, Watch, iterations_of};
 use super::report::SolveReport;
 use super::residual::Residual;
 use super::{RightHandSide, Solve, Status, memory, output};
 use crate::command::progress::Progress;
 use fracas_operators::Preconditioner;
 use fracas_operators::matrix_market::write_vector;
-use fracas_solvers::Observer;
 use fracas_solvers::amg::Summary;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, System};
 use fracas_solvers::saddle::Cost;
@@ -43,6 +42,14 @@ pub(super) struct Built<'a> {
     pub(super) fallbacks: usize,
     /// The preconditioner in f64, where f32 is inside.
     pub(super) in_double: Option<InDouble<'a>>,
+}
+
+/// M⁻¹ in use.
+fn inverse<'b>(built: &Built<'b>, double: &'b Option<Double>) -> &'b dyn Preconditioner<f64> {
+    match double {
+        Some(double) => &*double.preconditioner,
+        None => built.preconditioner,
+    }
 }
 
 impl Solve {
@@ -86,28 +93,38 @@ impl Solve {
         };
         let mut x = vec![0.0; built.b.len()];
         let method = krylov.method();
-        let observer = &mut progress as &mut dyn Observer;
-        let mut result = method.solve(&system, &criteria, &mut x, observer);
-        let mut fallbacks = built.fallbacks;
-        let again = precision::again(built, &result, &mut x, &mut progress)?;
-        if let Some(Again { double, finding }) = again {
-            progress.say(&finding);
-            findings.push(finding);
-            if let Some(double) = double {
-                fallbacks += 1;
+        let may_stop = built.in_double.is_some() && built.preconditioner.is_single();
+        let mut watch = Watch::new(&mut progress, may_stop);
+        let mut result = method.solve(&system, &criteria, &mut x, &mut watch);
+        let flat = watch.flat;
+        let mut solve_s = start.elapsed().as_secs_f64();
+        let (mut setup_s, mut before, mut double) = (built.setup_s, (0, Some(0)), None);
+        let start = Instant::now();
+        let again = precision::again(built, (&result, flat), &mut x, &mut progress);
+        setup_s += start.elapsed().as_secs_f64();
+        if let Some(again) = again {
+            progress.say(&again.finding);
+            findings.push(again.finding);
+            double = again.double;
+            // what only stood still goes on, be it with f32
+            if double.is_some() || flat.is_some() {
+                let products = result.as_ref().ok().map(|report| report.products);
+                before = (iterations_of(&result), products);
                 let system = System {
-                    preconditioner: &*double,
+                    preconditioner: inverse(built, &double),
                     ..system
                 };
-                let observer = &mut progress as &mut dyn Observer;
-                let before = iterations_of(&result);
-                result = method.solve(&system, &criteria, &mut x, observer);
-                if let Ok(report) = &mut result {
-                    report.iterations += before;
-                }
+                let rest = Criteria {
+                    max_iterations: self.max_iterations.saturating_sub(before.0),
+                    ..criteria
+                };
+                let start = Instant::now();
+                result = method.solve(&system, &rest, &mut x, &mut progress);
+                solve_s += start.elapsed().as_secs_f64();
             }
         }
-        let solve_s = start.elapsed().as_secs_f64();
+        let preconditioner = inverse(built, &double);
+        let fallbacks = built.fallbacks + usize::from(double.is_some());
         let explanation = match built.explain {
             Some(explain) => {
                 progress.say("explaining");
@@ -117,7 +134,7 @@ impl Solve {
         };
         drop(progress);
 
-        let cost = Cost::new(operator, built.preconditioner);
+        let cost = Cost::new(operator, preconditioner);
         let residual = Residual::new(built.equations, &x, built.b);
         let [n_u, n_t, n_p] = built.equations.lengths();
         let mut report = SolveReport {
@@ -128,7 +145,10 @@ impl Solve {
             contact_residual: residual.contact,
             method: built.names.method.clone(),
             augmentation: built.names.augmentation.clone(),
-            inner: built.names.inner.clone(),
+            inner: match &double {
+                Some(double) => Some(double.inner.clone()),
+                None => built.names.inner.clone(),
+            },
             krylov: krylov.to_string(),
             rhs: built.rhs,
             tolerance: self.tolerance,
@@ -140,16 +160,19 @@ impl Solve {
             c_s: None,
             cost_convention: Cost::CONVENTION,
             products: None,
-            setup_s: built.setup_s,
+            setup_s,
             solve_s,
             peak_memory_bytes: memory::peak_bytes(),
-            amg: built.hierarchy.clone(),
+            amg: match &double {
+                Some(double) => double.hierarchy.clone(),
+                None => built.hierarchy.clone(),
+            },
             reason: None,
             findings,
             precision_fallbacks: fallbacks,
             explain: explanation,
         };
-        report.record(&result, |iterations| cost.c_s(iterations, &krylov));
+        report.record(&result, before, |iterations| cost.c_s(iterations, &krylov));
         if let Some(path) = &self.solution {
             x[n_u..n_u + n_t].iter_mut().for_each(|t| *t *= built.unit);
             write_vector(path, &x)?;

@@ -2,14 +2,17 @@
 
 use super::equations::MatrixFree;
 use super::iteration::{Built, Names};
+use super::precision::Double;
 use super::{Solve, Status, memory};
 use crate::command::progress::Progress;
 use anyhow::Context;
 use fracas::matrix_free::{MatrixFreeRacp, MatrixFreeSaddle, RacpParts};
-use fracas_operators::Preconditioner;
 use fracas_solvers::amg::Precision;
 use std::io::Write;
 use std::time::Instant;
+
+/// Geometric multigrid in f64, as the report calls it.
+const GEOMETRIC_F64: &str = "geometric:f64";
 
 impl Solve {
     /// Nothing is assembled but H, C and the coarse levels.
@@ -58,14 +61,18 @@ impl Solve {
             saddle,
             stiffest: magnitude.stiffest,
         };
-        let in_double = |progress: &mut Progress| -> anyhow::Result<Box<dyn Preconditioner<f64>>> {
+        let in_double = |progress: &mut Progress| -> anyhow::Result<Double> {
             // the body was given back: it is made again
             let body = assembly.mesh(scene, memory::MATRIX_FREE, progress)?;
             let system = body.stick_system(assembly.stabilization());
             let ready = racp
                 .in_double()
                 .ready(&equations.saddle, &system, progress)?;
-            Ok(Box::new(ready.inverse))
+            Ok(Double {
+                preconditioner: Box::new(ready.inverse),
+                hierarchy: Some(ready.hierarchy),
+                inner: GEOMETRIC_F64.into(),
+            })
         };
         let setup_s = start.elapsed().as_secs_f64();
         self.iterate(
@@ -76,9 +83,9 @@ impl Solve {
                 names: Names {
                     method: "racp".into(),
                     augmentation: Some(racp.augmentation.to_string()),
-                    inner: Some(match racp.inner.precision {
-                        Precision::F32 => "geometric".into(),
-                        Precision::F64 => "geometric:f64".into(),
+                    inner: Some(match (racp.inner.precision, lost) {
+                        (Precision::F32, None) => "geometric".into(),
+                        _ => GEOMETRIC_F64.into(),
                     }),
                 },
                 rhs,

@@ -17,7 +17,7 @@ use fracas_solvers::krylov::KrylovChoice;
 use fracas_solvers::saddle::{Ready, SaddleMethod, SaddleOperator};
 use fracas_solvers::spectrum::{Explanation, Solved};
 use iteration::{Built, Names};
-use precision::InDouble;
+use precision::{Double, InDouble};
 use serde::Serialize;
 use std::io::Write;
 use std::path::PathBuf;
@@ -146,6 +146,7 @@ impl Solve {
             lost,
         ) = precision::ready(method, blocks)?;
         let fallbacks = usize::from(lost.is_some());
+        let in_f64 = lost.is_some();
         if let Some(lost) = lost {
             progress.say(&lost);
             findings.push(lost);
@@ -175,7 +176,10 @@ impl Solve {
                 names: Names {
                     method: method.to_string(),
                     augmentation: method.augmentation().map(|c| c.to_string()),
-                    inner: method.inner().map(|inner| inner.to_string()),
+                    inner: match in_f64 {
+                        true => precision::name_in_double(method),
+                        false => method.inner().map(|inner| inner.to_string()),
+                    },
                 },
                 rhs,
                 b: &b,
@@ -185,7 +189,14 @@ impl Solve {
                 explain: self.explain.then_some(&explain),
                 fallbacks,
                 in_double: precision::in_double(method).map(|double| -> InDouble<'_> {
-                    Box::new(move |_| Ok(double.ready(blocks)?.inverse))
+                    Box::new(move |_| {
+                        let ready = double.ready(blocks)?;
+                        Ok(Double {
+                            preconditioner: ready.inverse,
+                            hierarchy: ready.hierarchy,
+                            inner: precision::name_in_double(&double).unwrap_or_default(),
+                        })
+                    })
                 }),
             },
             progress,

@@ -1,27 +1,44 @@
 //! A preconditioner in f32 that failed: the same one in f64, where f32 is to blame.
 
 use super::iteration::Built;
+use super::memory;
 use crate::command::progress::Progress;
 use fracas_operators::Preconditioner;
 use fracas_operators::vector::norm2;
-use fracas_solvers::SetupError;
-use fracas_solvers::amg::Precision;
+use fracas_solvers::amg::{Precision, Summary};
 use fracas_solvers::krylov::{Breakdown, Outcome, Report};
 use fracas_solvers::saddle::{InnerChoice, Ready, SaddleBlocks, SaddleMethod};
+use fracas_solvers::{Observer, SetupError, Step};
+use std::ops::ControlFlow;
+
+/// A preconditioner in f64 that takes the place of one in f32.
+pub(super) struct Double {
+    pub(super) preconditioner: Box<dyn Preconditioner<f64>>,
+    pub(super) hierarchy: Option<Summary>,
+    /// What the report calls the inner solver.
+    pub(super) inner: String,
+}
 
 /// Builds the preconditioner in f64.
-pub(super) type InDouble<'a> =
-    Box<dyn Fn(&mut Progress) -> anyhow::Result<Box<dyn Preconditioner<f64>>> + 'a>;
+pub(super) type InDouble<'a> = Box<dyn Fn(&mut Progress) -> anyhow::Result<Double> + 'a>;
 
 /// Difference of `M⁻¹r` in f32 and in f64, relative to the latter, from which f32 is to blame. Unit: 1.
 const LOST: f64 = 1e-2;
 
+/// Iterations in which a residual that falls at all halves: at less than that the default limit is not enough for four digits.
+const PLATEAU: usize = 100;
+
 /// What is done after an iteration that failed around f32.
 pub(super) struct Again {
-    /// The preconditioner to go on with; `None` where f32 is not to blame.
-    pub(super) double: Option<Box<dyn Preconditioner<f64>>>,
+    /// To go on with; `None` where f32 is not to blame or f64 is not to be had.
+    pub(super) double: Option<Double>,
     /// What to say.
     pub(super) finding: String,
+}
+
+/// The inner solver of the method in f64, as the report calls it.
+pub(super) fn name_in_double(method: &SaddleMethod) -> Option<String> {
+    method.inner().map(|inner| format!("{inner} (f64)"))
 }
 
 /// The method with its inner solver in f64, where it has one in f32.
@@ -60,6 +77,51 @@ pub(super) fn ready(
     }
 }
 
+/// Watches an iteration around f32, and stops it where its residual does not fall.
+pub(super) struct Watch<'a> {
+    observer: &'a mut dyn Observer,
+    /// Whether to stop it.
+    may_stop: bool,
+    /// Smallest residual so far, the one that it has to halve, and the iteration of that one.
+    best: f64,
+    mark: (f64, usize),
+    /// The residual that did not fall.
+    pub(super) flat: Option<f64>,
+}
+
+impl<'a> Watch<'a> {
+    pub(super) fn new(observer: &'a mut dyn Observer, may_stop: bool) -> Self {
+        Self {
+            observer,
+            may_stop,
+            best: f64::INFINITY,
+            mark: (f64::INFINITY, 0),
+            flat: None,
+        }
+    }
+}
+
+impl Observer for Watch<'_> {
+    fn observe(&mut self, step: &Step) -> ControlFlow<()> {
+        self.observer.observe(step)?;
+        let Step::Krylov {
+            iteration,
+            relative_residual,
+        } = *step
+        else {
+            return ControlFlow::Continue(());
+        };
+        self.best = self.best.min(relative_residual);
+        if self.best <= 0.5 * self.mark.0 {
+            self.mark = (self.best, iteration);
+        } else if self.may_stop && iteration >= self.mark.1 + PLATEAU {
+            self.flat = Some(self.best);
+            return ControlFlow::Break(());
+        }
+        ControlFlow::Continue(())
+    }
+}
+
 /// Iterations made.
 pub(super) fn iterations_of(result: &Result<Report, Breakdown>) -> usize {
     match result {
@@ -68,44 +130,50 @@ pub(super) fn iterations_of(result: &Result<Report, Breakdown>) -> usize {
     }
 }
 
-/// Why the iteration failed, if it did.
-fn failure(result: &Result<Report, Breakdown>) -> Option<String> {
-    match result {
-        Ok(report) if report.outcome == Outcome::IterationLimit => {
-            Some(format!("not converged in {} iterations", report.iterations))
-        }
-        Ok(_) => None,
-        Err(breakdown) => Some(breakdown.to_string()),
+/// Why f32 may have failed; an iteration that met its limit while its residual fell has not.
+fn failure(result: &Result<Report, Breakdown>, flat: Option<f64>) -> Option<String> {
+    match (result, flat) {
+        (Ok(report), Some(residual)) if report.outcome == Outcome::Stopped => Some(format!(
+            "at {residual:.1e} the residual did not halve in {PLATEAU} iterations"
+        )),
+        (Ok(_), _) => None,
+        (Err(breakdown), _) => Some(breakdown.to_string()),
     }
 }
 
-/// After a failed iteration around f32: the preconditioner in f64 and, where its `M⁻¹r` differs for the residual r of x, the word
-/// to go on with it.
-///
-/// # Errors
-/// Of setting up in f64.
+/// After an iteration around f32 that broke down or stood still: the preconditioner in f64, where its `M⁻¹r` differs for the
+/// residual r of x. f64 that cannot be set up, for want of memory too, is a finding like others.
 pub(super) fn again(
     built: &Built<'_>,
-    result: &Result<Report, Breakdown>,
+    (result, flat): (&Result<Report, Breakdown>, Option<f64>),
     x: &mut [f64],
     progress: &mut Progress,
-) -> anyhow::Result<Option<Again>> {
-    let (Some(failure), Some(in_double)) = (failure(result), &built.in_double) else {
-        return Ok(None);
+) -> Option<Again> {
+    let (Some(failure), Some(in_double)) = (failure(result, flat), &built.in_double) else {
+        return None;
     };
     if !built.preconditioner.is_single() {
-        return Ok(None);
+        return None;
     }
     if !x.iter().all(|x| x.is_finite()) {
         x.fill(0.0);
     }
     progress.say("f32 failed: setting up in f64");
-    let double = in_double(progress)?;
+    let room = memory::room_in_double(built.hierarchy.as_ref());
+    let double = match room.and_then(|()| in_double(progress)) {
+        Ok(double) => double,
+        Err(error) => {
+            return Some(Again {
+                double: None,
+                finding: format!("precision: {failure}; f64 could not be set up: {error:#}"),
+            });
+        }
+    };
     let mut r = built.b.to_vec();
     let operator = built.equations.operator();
     operator.apply_add(-1.0, x, &mut r, &mut vec![0.0; operator.work_len()]);
-    let lost = difference(built.preconditioner, &*double, &r);
-    Ok(Some(if lost < LOST {
+    let lost = difference(built.preconditioner, &*double.preconditioner, &r);
+    Some(if lost < LOST {
         let finding = format!(
             "precision: {failure}; f32 inside is not to blame, its M⁻¹r is that of f64 to {lost:.0e}"
         );
@@ -121,7 +189,7 @@ pub(super) fn again(
             double: Some(double),
             finding,
         }
-    }))
+    })
 }
 
 /// `‖M₁⁻¹r − M₂⁻¹r‖₂ / ‖M₂⁻¹r‖₂`; infinite where one is no number.
@@ -139,4 +207,37 @@ fn difference(
     a.iter_mut().zip(&b).for_each(|(a, b)| *a -= b);
     let off = norm2(&a) / norm2(&b);
     if off.is_nan() { f64::INFINITY } else { off }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fracas_solvers::Silent;
+
+    /// The iteration at which these residuals are given up.
+    fn stops(may_stop: bool, residual: impl Fn(usize) -> f64) -> Option<usize> {
+        let mut silent = Silent;
+        let mut watch = Watch::new(&mut silent, may_stop);
+        (0..1000).find(|iteration| {
+            let step = Step::Krylov {
+                iteration: *iteration,
+                relative_residual: residual(*iteration),
+            };
+            watch.observe(&step).is_break()
+        })
+    }
+
+    #[test]
+    fn only_a_residual_that_stands_still_is_given_up() {
+        let rate = |halved_in: f64| move |k: usize| 0.5_f64.powf(k as f64 / halved_in);
+        assert_eq!(stops(true, rate(98.0)), None);
+        assert!(stops(true, rate(150.0)).is_some());
+        // falls by 2¹⁰ and stays
+        let floor = |k: usize| rate(5.0)(k).max(0.5_f64.powi(10));
+        assert_eq!(stops(true, floor), Some(50 + PLATEAU));
+        assert_eq!(stops(false, floor), None);
+        // jumps up and down on its way
+        let uneven = |k: usize| rate(20.0)(k) * if k % 2 == 0 { 1.0 } else { 1e3 };
+        assert_eq!(stops(true, uneven), None);
+    }
 }

@@ -52,9 +52,11 @@ const UNSEEN: f64 = 100.0;
 const ROUNDING: f64 = 1e-13;
 
 impl SolveReport {
+    /// How the iteration ended, after iterations and products around another preconditioner (products are not known of one that broke down).
     pub(super) fn record(
         &mut self,
         result: &Result<Report, Breakdown>,
+        (before, products): (usize, Option<u64>),
         c_s: impl Fn(usize) -> f64,
     ) {
         match result {
@@ -64,9 +66,9 @@ impl SolveReport {
                     Outcome::IterationLimit => "iteration_limit",
                     Outcome::Stopped => "stopped",
                 };
-                self.iterations = report.iterations;
-                self.products = Some(report.products);
-                self.c_s = (report.outcome == Outcome::Converged).then(|| c_s(report.iterations));
+                self.iterations = before + report.iterations;
+                self.products = products.map(|before| before + report.products);
+                self.c_s = (report.outcome == Outcome::Converged).then(|| c_s(self.iterations));
                 self.reason = self
                     .contact_residual
                     .filter(|r| self.c_s.is_some() && *r > UNSEEN * self.tolerance)
@@ -78,7 +80,7 @@ impl SolveReport {
                     });
             }
             Err(breakdown) => {
-                self.iterations = breakdown.iteration();
+                self.iterations = before + breakdown.iteration();
                 let rounding = self.backward_error.is_some_and(|e| e < ROUNDING);
                 self.reason = Some(match breakdown {
                     Breakdown::Stagnation { .. } if rounding => format!(

@@ -1,0 +1,49 @@
+//! Hierarchies that were to be in f32 and are in f64.
+
+use super::{ContactProblem, Event, RunPreconditioner};
+use crate::matrix_free::{MatrixFreeError, MatrixFreeRacp};
+use crate::multigrid::GeometricInverse;
+use fracas_operators::Preconditioner;
+use fracas_solvers::saddle::AugmentationMatrix;
+
+/// What f32 could not hold since the simulation began.
+#[derive(Debug, Default)]
+pub(super) struct Fallbacks {
+    /// Hierarchies that gave way to f64.
+    pub(super) count: usize,
+    /// What the step at hand has not told yet.
+    pub(super) events: Vec<Event>,
+    /// The hierarchy built last is in f64.
+    double: bool,
+}
+
+impl Fallbacks {
+    /// S̃_u⁻¹ for C in Pa, and whether f32 gave way.
+    pub(super) fn build(
+        &mut self,
+        problem: &ContactProblem<'_>,
+        racp: MatrixFreeRacp,
+        c: &AugmentationMatrix,
+    ) -> Result<(GeometricInverse, bool), MatrixFreeError> {
+        let built = racp.inner.build(&problem.stick_system(), c)?;
+        self.double = !built.is_single();
+        let lost = built.lost();
+        if let Some(lost) = lost {
+            self.count += 1;
+            self.events.push(Event::Precision {
+                reason: lost.to_string(),
+            });
+        }
+        Ok((built, lost.is_some()))
+    }
+
+    /// These settings with the precision of the hierarchy built last.
+    pub(super) fn effective(&self, settings: RunPreconditioner) -> RunPreconditioner {
+        match settings {
+            RunPreconditioner::MatrixFree(racp) if self.double => {
+                RunPreconditioner::MatrixFree(racp.in_double())
+            }
+            asked => asked,
+        }
+    }
+}
