@@ -13,11 +13,25 @@ use fracas_solvers::saddle::AugmentationMatrix;
 /// What the coarse spaces reproduce.
 const SPACES: &str = "linear fields on every side of a fracture";
 
-/// What rounding to f32 may leave of a uniform force as a residual before f64 is taken. On `layered_crossing` with contrasts from
-/// 10 to 10⁴ and 16 to 48 cells across, up to 8e-3 cost no iteration, 1.6e-2 cost 19 beside 57 on 48 cells, 1.8 cost 2 beside 67
-/// on 16. It errs towards f64: bars of 100 to 400 cubes held at one end are at 0.2 to 40 and lose nothing in f32, but give way too.
-/// Neither energies nor residuals after a cycle tell the two apart. Unit: 1.
+/// What rounding to f32 may leave of a uniform force as a residual before f64 is taken, in a body of unlike rocks. On
+/// `layered_crossing` with contrasts from 10 to 10⁴ and 16 to 48 cells across, up to 8e-3 cost no iteration, 1.6e-2 cost 19 beside
+/// 57 on 48 cells, 1.8 cost 2 beside 67 on 16. Unit: 1.
 const ROUNDING: f64 = 1e-2;
+
+/// Stiffest over softest rock up to which rounding does no harm: bars of one rock, 100 to 400 cubes long and held at one end, are
+/// at 0.2 to 40 of a uniform force and lose no iteration in f32. Unit: 1.
+const ALIKE: f64 = 10.0;
+
+/// The rounding from which f64 is taken: none where rocks are alike, unless a number overflows.
+fn limit(materials: &[Elastic]) -> f64 {
+    let young = materials.iter().map(|m| m.young);
+    let (soft, stiff) = young.fold((f64::INFINITY, 0.0_f64), |(a, b), e| (a.min(e), b.max(e)));
+    if stiff <= ALIKE * soft {
+        f64::MAX
+    } else {
+        ROUNDING
+    }
+}
 
 /// One multigrid cycle per solve: `z ≈ S_u⁻¹ r` over the free displacements.
 pub struct GeometricInverse {
@@ -72,7 +86,7 @@ impl Geometric {
             Precision::F32 => match single() {
                 Ok((h, below)) => {
                     let rounding = h.rounding();
-                    if rounding <= ROUNDING {
+                    if rounding <= limit(&materials) {
                         (SomeHierarchy::Single(h), below)
                     } else {
                         drop(h);
