@@ -345,9 +345,7 @@ fn the_energy_of_a_sliding_block_goes_into_friction() {
         let energy = simulation.energy(&state, &after);
         assert!(energy.error.abs() < 1e-9 * cycle, "{energy:?}");
         assert_eq!(energy.pressure_work, 0.0);
-        let of_faces = simulation.dissipation(&state, &after);
-        assert!(of_faces.iter().all(|d| *d >= 0.0), "{of_faces:?}");
-        assert!((of_faces.iter().sum::<f64>() - energy.dissipation).abs() < 1e-12 * cycle);
+        assert!(energy.dissipation >= 0.0, "{energy:?}");
         if state.time >= 1.0 {
             dissipated += energy.dissipation;
             external += energy.external_work;

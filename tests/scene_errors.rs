@@ -459,3 +459,40 @@ fn keys_that_would_change_nothing_are_refused() {
         assert!(text.starts_with(place) && text.contains(sentence), "{text}");
     }
 }
+
+#[test]
+fn histories_that_vary_need_time() {
+    let varying = "[[\"0 s\", 0], [\"1 s\", 1]]";
+    for (from, to, place, what) in [
+        (
+            "poisson = 0.25",
+            format!("poisson = 0.25\npressure_change = \"1 MPa\"\npressure_history = {varying}"),
+            "s.toml:13:",
+            "`pressure_history` of material \"rock\" varies",
+        ),
+        (
+            "at = \"2 m\"",
+            format!("at = \"2 m\"\npressure = \"1 MPa\"\npressure_history = {varying}"),
+            "s.toml:18:",
+            "`pressure_history` of fracture \"F\" varies",
+        ),
+        (
+            "hold = \"fixed\"",
+            format!(
+                "hold = \"fixed\"\n[[boundary]]\nside = \"x+\"\npressure = \"1 MPa\"\nhistory = {varying}"
+            ),
+            "s.toml:24:",
+            "`history` of x+ varies",
+        ),
+    ] {
+        let text = refused(from, &to);
+        assert!(text.starts_with(place) && text.contains(what), "{text}");
+        assert!(text.contains("without [time]"), "{text}");
+        let build = |text: &str| Scene::from_toml(text, "s.toml").and_then(|s| s.build());
+        let scene = SCENE.replacen(from, &to, 1);
+        let timed = format!("{scene}\n[time]\nend = \"2 s\"\nsteps = 2\n");
+        assert!(build(&timed).is_ok(), "with [time]: {to}");
+        let constant = scene.replace("\"0 s\", 0]", "\"0 s\", 1]");
+        assert!(build(&constant).is_ok(), "a constant factor: {to}");
+    }
+}

@@ -7,8 +7,11 @@ use fracas_operators::vector::dot;
 
 /// Where the work of a step went [J]:
 /// ```text
-/// W_e + W_p = ΔE + W_c + error        W_c − D → 0 as steps and faces are made smaller
+/// error = W_e + W_p − ΔE − W_c        W_c − D → 0 as steps and faces are made smaller
 /// ```
+/// The latter where tractions follow the loads: a face that drops its traction at once, as one that sticks under shear and
+/// opens or where weakening runs away, leaves `½ A_f t·Δg` in W_c − D at any step.
+///
 /// W by the trapezoidal rule, exact for what is linear over the step. E counts from the unloaded body; initial stress and pore
 /// pressure are loads.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -23,7 +26,8 @@ pub struct EnergyRecord {
     pub elastic_change: f64,
     /// W_c: that the faces take, `Σ A_f t·Δg`, the jumps that the stabilization leaves to sticking faces included.
     pub contact_work: f64,
-    /// D: dissipated by friction, `Σ A_f t_T·Δg_T` of slipping faces with t_T at the end of the step.
+    /// D: dissipated by friction, `Σ A_f t_T·Δg_T` of slipping faces with t_T at the end of the step; no face's share is
+    /// negative up to the tolerance of the states, as slip follows the traction.
     pub dissipation: f64,
     /// What the equations were left with: `W_e + W_p − ΔE − W_c`.
     pub error: f64,
@@ -123,16 +127,6 @@ impl Simulation<'_> {
             error: total - (energy - old) - contact_work,
         }
     }
-
-    /// Energy that friction dissipated per face in the step from `before` to `after` [J]: never negative, as slip follows the
-    /// traction.
-    pub fn dissipation(&self, before: &State, after: &State) -> Vec<f64> {
-        let jump = |state: &State| {
-            let load = self.problem().loads().at(state.time, state.loaded);
-            self.problem().jumps(&state.u, &load)
-        };
-        slip_work(self, after, &jump(before), &jump(after)).collect()
-    }
 }
 
 /// `A_f t_T·Δg_T` of slipping faces, 0 of others [J].
@@ -155,4 +149,37 @@ fn slip_work<'s>(
         }
         ContactState::Stick | ContactState::Open => 0.0,
     })
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::scene::named;
+    use fracas_solvers::Silent;
+
+    #[test]
+    fn no_face_gains_by_friction_and_together_they_are_the_dissipation() {
+        let scene = named("cycle").unwrap().small_scene().unwrap();
+        let body = scene.build().unwrap();
+        let mut simulation = Simulation::new(&body).unwrap();
+        let mut state = simulation.initial_state();
+        let jump = |simulation: &Simulation<'_>, state: &State| {
+            let load = simulation.problem().loads().at(state.time, state.loaded);
+            simulation.problem().jumps(&state.u, &load)
+        };
+        let mut slipped = 0;
+        while !simulation.is_finished(&state) || state.step == 0 {
+            let after = simulation.advance(&state, &mut Silent).unwrap().state;
+            let (x, y) = (jump(&simulation, &state), jump(&simulation, &after));
+            let of_faces: Vec<f64> = slip_work(&simulation, &after, &x, &y).collect();
+            let total = simulation.energy(&state, &after).dissipation;
+            let zero = body.solver.state_tolerance * total;
+            assert!(of_faces.iter().all(|d| *d >= -zero), "{of_faces:?}");
+            assert!((of_faces.iter().sum::<f64>() - total).abs() <= 1e-12 * total);
+            slipped += of_faces.iter().filter(|d| **d > zero).count();
+            state = after;
+        }
+        assert!(slipped > 0, "nothing slips");
+    }
 }

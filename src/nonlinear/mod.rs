@@ -42,6 +42,6 @@ pub use loads::Loads;
 pub use newton_system::{NewtonSystem, NewtonSystemError};
 pub use problem::{ContactProblem, Evaluation, Load, Start};
 pub use record::{Accepted, Event, LinearRecord, StepRecord};
-pub use remarks::Remark;
+pub use remarks::{Remark, friction_remarks};
 pub use simulation::{Simulation, SimulationError};
 pub use state::{Prepared, State};

@@ -1,7 +1,8 @@
 //! What a run is better told before it begins.
 
-use super::Simulation;
+use super::loads::initial_traction;
 use crate::analytic::{LinearWeakening, Rock};
+use crate::scene::Body;
 
 /// Share of the nucleation length that a face may have. Unit: 1.
 const RESOLVED: f64 = 0.2;
@@ -36,72 +37,66 @@ pub enum Remark {
     },
 }
 
-impl Simulation<'_> {
-    /// Remarks on friction, fracture by fracture.
-    pub fn remarks(&self) -> Vec<Remark> {
-        let body = self.problem().body();
-        let mut remarks = Vec::new();
-        for (fracture, friction) in body.friction.iter().enumerate() {
-            let Some((friction, weakening)) = friction.and_then(|f| Some((f, f.weakening?))) else {
-                continue;
+/// Remarks on friction, fracture by fracture.
+pub fn friction_remarks(body: &Body) -> Vec<Remark> {
+    let tractions = initial_traction(body);
+    let mut remarks = Vec::new();
+    for (fracture, friction) in body.friction.iter().enumerate() {
+        let Some((friction, weakening)) = friction.and_then(|f| Some((f, f.weakening?))) else {
+            continue;
+        };
+        let name = || {
+            body.fractures
+                .names
+                .get(fracture)
+                .cloned()
+                .unwrap_or_default()
+        };
+        if weakening.angle > friction.angle {
+            remarks.push(Remark::Strengthens {
+                fracture: name(),
+                static_deg: friction.angle.to_degrees(),
+                dynamic_deg: weakening.angle.to_degrees(),
+            });
+            continue;
+        }
+        // the face that is largest beside its nucleation length, softer side
+        let mut worst: Option<(f64, f64)> = None;
+        let faces = body.fractures.faces.iter().zip(tractions.chunks_exact(3));
+        for (face, t) in faces.filter(|(f, _)| usize::from(f.fracture) == fracture) {
+            let law = LinearWeakening {
+                static_friction: friction.angle.tan(),
+                dynamic_friction: weakening.angle.tan(),
+                critical_slip: weakening.distance,
+                normal_traction: t[0].min(0.0),
             };
-            let name = || {
-                body.fractures
-                    .names
-                    .get(fracture)
-                    .cloned()
-                    .unwrap_or_default()
-            };
-            if weakening.angle > friction.angle {
-                remarks.push(Remark::Strengthens {
-                    fracture: name(),
-                    static_deg: friction.angle.to_degrees(),
-                    dynamic_deg: weakening.angle.to_degrees(),
-                });
-                continue;
-            }
-            // the face that is largest beside its nucleation length, softer side
-            let mut worst: Option<(f64, f64)> = None;
-            let faces = body
-                .fractures
-                .faces
-                .iter()
-                .zip(self.initial_traction().chunks_exact(3));
-            for (face, t) in faces.filter(|(f, _)| usize::from(f.fracture) == fracture) {
-                let law = LinearWeakening {
-                    static_friction: friction.angle.tan(),
-                    dynamic_friction: weakening.angle.tan(),
-                    critical_slip: weakening.distance,
-                    normal_traction: t[0].min(0.0),
-                };
-                let rock = |element: u32| {
-                    let region = usize::from(body.mesh.regions[element as usize]);
-                    let material = &body.materials[region];
-                    Rock {
-                        young: material.young,
-                        poisson: material.poisson,
-                    }
-                };
-                let sides = [face.minus.element, face.plus.element];
-                let length = sides
-                    .map(|e| law.nucleation_half_length(rock(e)))
-                    .into_iter()
-                    .fold(f64::INFINITY, f64::min);
-                let size = face.area.sqrt();
-                if worst.is_none_or(|(s, l)| size * l > s * length) {
-                    worst = Some((size, length));
+            let rock = |element: u32| {
+                let region = usize::from(body.mesh.regions[element as usize]);
+                let material = &body.materials[region];
+                Rock {
+                    young: material.young,
+                    poisson: material.poisson,
                 }
-            }
-            if let Some((size, length)) = worst.filter(|(size, length)| *size > RESOLVED * length) {
-                remarks.push(Remark::Coarse {
-                    fracture: name(),
-                    size,
-                    length,
-                });
+            };
+            let sides = [face.minus.element, face.plus.element];
+            let length = sides
+                .map(|e| law.nucleation_half_length(rock(e)))
+                .into_iter()
+                .fold(f64::INFINITY, f64::min);
+            let size = face.area.sqrt();
+            if worst.is_none_or(|(s, l)| size * l > s * length) {
+                worst = Some((size, length));
             }
         }
-        remarks
+        if let Some((size, length)) = worst.filter(|(size, length)| *size > RESOLVED * length) {
+            remarks.push(Remark::Coarse {
+                fracture: name(),
+                size,
+                length,
+            });
+        }
     }
+    remarks
 }
 
 #[cfg(test)]
@@ -118,7 +113,7 @@ mod tests {
         ];
         let all: Vec<&str> = given.iter().chain(overrides).copied().collect();
         let body = scene.with_overrides(&all).unwrap().build().unwrap();
-        Simulation::new(&body).unwrap().remarks()
+        friction_remarks(&body)
     }
 
     #[test]

@@ -345,11 +345,6 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// Tractions of the initial stress, three per face [Pa].
-    pub(super) fn initial_traction(&self) -> &[f64] {
-        &self.initial_traction
-    }
-
     /// Where the number of the linear system to stop at is written; none with springs.
     pub(super) fn wanted_system(&mut self) -> Option<&mut Option<usize>> {
         self.springs.is_none().then_some(&mut self.linear.wanted)

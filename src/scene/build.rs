@@ -11,6 +11,7 @@ use super::located::{Located, at};
 use super::mesh_sections::{AxisName, FractureSection};
 use super::sections::SceneSections;
 use super::source::Source;
+use super::used::require_used;
 use super::{
     Body, Friction, InitialStress, Method, Problem, SceneError, SolverSection, TimeTable, Weakening,
 };
@@ -183,49 +184,6 @@ fn mesh_of_grid(sections: &SceneSections) -> Result<(BuiltMesh, Vec<usize>), Loc
         .build()
         .map_err(|e| locate(e, &grid, &section_of, sections))?;
     Ok((built, section_of))
-}
-
-/// Refuses keys that change nothing where they stand.
-fn require_used(sections: &SceneSections) -> Result<(), Located> {
-    let idle = |path: [&str; 2], key: &'static str, what: String, without: &'static str| {
-        at(
-            &[path[0], path[1], key],
-            Problem::Idle { key, what, without },
-        )
-    };
-    for (i, m) in sections.material.iter().enumerate() {
-        let given = [
-            ("biot", m.biot.is_some()),
-            ("pressure_history", m.pressure_history.is_some()),
-        ];
-        let stray = given
-            .into_iter()
-            .find(|(_, given)| *given && m.pressure_change.is_none());
-        if let Some((key, _)) = stray {
-            let what = format!("material \"{}\"", m.name);
-            return Err(idle(
-                ["material", &i.to_string()],
-                key,
-                what,
-                "pressure_change",
-            ));
-        }
-    }
-    for (i, f) in sections.fracture.iter().enumerate() {
-        if f.pressure_history.is_some() && f.pressure.is_none() {
-            let what = format!("fracture \"{}\"", f.name);
-            let path = ["fracture", &i.to_string()];
-            return Err(idle(path, "pressure_history", what, "pressure"));
-        }
-    }
-    for (i, b) in sections.boundary.iter().enumerate() {
-        if b.hold.is_some() && b.history.is_some() {
-            let side = b.place();
-            let path = ["boundary", &i.to_string(), "history"];
-            return Err(at(&path, Problem::HeldHistory { side }));
-        }
-    }
-    Ok(())
 }
 
 /// All names of a list differ.

@@ -178,6 +178,16 @@ pub enum Problem {
         /// The side.
         side: String,
     },
+    /// A history where no time passes.
+    #[error(
+        "`{key}` of {what} varies, but without [time] only the equilibrium at time 0 is solved; give [time] with `end` and `steps`, or leave the history out"
+    )]
+    Timeless {
+        /// The key.
+        key: &'static str,
+        /// Which section.
+        what: String,
+    },
     /// A last time of zero.
     #[error("`end` must be later than time 0")]
     NoTime,

@@ -16,6 +16,7 @@ mod overrides;
 mod sections;
 mod solver_section;
 mod source;
+mod used;
 
 use std::path::{Path, PathBuf};
 

@@ -117,7 +117,8 @@ pub struct BoundarySection {
     /// Pressure against the side (positive = compression).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Measure<Stress>>,
-    /// Factor in time as `[[time, factor], …]`, linear between and constant outside; that of `[time]` if not given.
+    /// Factor in time as `[[time, factor], …]`, linear between and constant outside; that of `[time]` if not given. One that
+    /// varies needs `[time]`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub history: Option<Vec<(Measure<Duration>, f64)>>,
 }

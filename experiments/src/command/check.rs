@@ -5,6 +5,7 @@ use super::memory;
 use super::rank;
 use super::scene::{self, Overrides};
 use clap::Args;
+use fracas::nonlinear::friction_remarks;
 use fracas_solvers::saddle::folder::read_folder;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -38,6 +39,9 @@ impl Check {
                 writeln!(out, "scene       {}", scene.title())?;
                 let audit = body.audit();
                 write!(out, "{audit}")?;
+                for remark in friction_remarks(&body) {
+                    writeln!(out, "warning     {remark}")?;
+                }
                 rank::judge(name, &body, &audit.kernel)?;
             }
             (None, Some(folder)) => folder_audit(folder, out)?,

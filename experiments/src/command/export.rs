@@ -3,11 +3,12 @@
 use super::memory;
 use super::progress::Progress;
 use super::source::{Assembly, System};
-use super::{Status, output};
+use super::{Status, output, run};
 use anyhow::Context;
 use clap::Args;
 use fracas::io::face_table;
 use fracas::nonlinear::{NewtonSystemError, Simulation, StepFailure};
+use fracas::scene::Method;
 use fracas_operators::matrix_market::write_dense;
 use fracas_solvers::saddle::folder::write_folder;
 use serde_json::{Value, json};
@@ -41,9 +42,21 @@ struct NoSuchStep {
     last: usize,
 }
 
+/// A folder whose files are those of a run.
+#[derive(Debug, thiserror::Error)]
+#[error("{} holds a run, and a system would lie among its files: choose another --out", out.display())]
+struct HoldsRun {
+    out: PathBuf,
+}
+
 impl Export {
     pub(super) fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
-        output::folder(&self.out)?;
+        if run::is_run(&self.out) {
+            let out = self.out.clone();
+            return Err(HoldsRun { out }.into());
+        }
+        // a wrong path is said before the work and not after it
+        let _folder = output::Folder::create(&self.out)?;
         let mut progress = Progress::new();
         let system = match self.step {
             None => self.assembly.assemble(&self.scene, &mut progress)?,
@@ -71,6 +84,10 @@ impl Export {
     ) -> anyhow::Result<Result<System, Box<StepFailure>>> {
         self.assembly.require_run_stabilization()?;
         let body = self.assembly.mesh(&self.scene, memory::BLOCKS, progress)?;
+        // before the steps that lead to it
+        if body.solver.method != Method::Lagrange {
+            return Err(NewtonSystemError::Springs.into());
+        }
         let (states, blocks, other) = {
             let mut simulation =
                 Simulation::new(&body).with_context(|| format!("{} cannot be run", self.scene))?;

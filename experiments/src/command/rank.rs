@@ -6,6 +6,7 @@
 
 use fracas::mesh::{CouplingKernel, coupling_kernel};
 use fracas::scene::Body;
+use fracas_solvers::SetupError;
 
 /// Tractions that nothing determines and contact depends on.
 #[derive(Debug, thiserror::Error)]
@@ -31,6 +32,26 @@ pub(super) fn undetermined(scene: &str, body: &Body) -> anyhow::Result<Option<St
             first(body, &kernel)
         )
     }))
+}
+
+/// A set-up that stumbles over tractions that nothing determines names them.
+///
+/// Their rows are `0 = 0` in the whole system and in its Schur complement, and none of A or S_u.
+pub(super) fn blamed(
+    mut error: SetupError,
+    scene: Option<&str>,
+    body: Option<&Body>,
+) -> SetupError {
+    let idle = || undetermined(scene?, body?).ok()?;
+    if let SetupError::Singular { block, advice, .. }
+    | SetupError::NotPositiveDefinite { block, advice, .. } = &mut error
+        && !block.starts_with('A')
+        && *block != "S_u"
+        && let Some(sentence) = idle()
+    {
+        *advice = format!("{sentence}; --method racp needs no factorization of their rows");
+    }
+    error
 }
 
 /// The same for a kernel that is known already.

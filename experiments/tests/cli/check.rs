@@ -117,6 +117,17 @@ fn a_slab_of_one_element_between_rollers_is_told_and_goes_on() {
         "{}",
         refused.stderr
     );
+    for method in ["direct", "mcp"] {
+        let refused = fracas(&["solve", file, "--method", method]);
+        assert_eq!(refused.status, 2, "{method}: {}", refused.stderr);
+        let last = refused.stderr.lines().last().unwrap();
+        assert!(
+            last.starts_with("error: ")
+                && last.contains("1 traction mode(s) push on prescribed displacements")
+                && !last.contains("unconstrained bodies"),
+            "{method}: {last}"
+        );
+    }
     let out = scratch("slab-run");
     let out = out.join("out");
     let ran = fracas(&[
@@ -254,4 +265,73 @@ fn a_newton_step_of_a_run_is_exported_and_solves() {
     assert!(many.stderr.contains("no number 500"), "{}", many.stderr);
     let alone = fracas(&["export", "cycle", "--out", out, "--newton", "1"]);
     assert_eq!(alone.status, 2);
+}
+
+#[test]
+fn remarks_on_friction_are_those_of_a_run() {
+    let with = |dynamic: &str| {
+        let angle = format!("fracture.0.dynamic_friction_angle={dynamic}");
+        fracas(&[
+            "check",
+            "cycle",
+            "--set",
+            "fracture.0.weakening_distance=5 mm",
+            "--set",
+            "initial_stress.constant.xx=-10 MPa",
+            "--set",
+            &angle,
+        ])
+    };
+    for (dynamic, sentence) in [
+        ("35 deg", "strengthens with slip"),
+        ("10 deg", "weakens: slip runs away beyond a half-length of"),
+    ] {
+        let ran = with(dynamic);
+        assert_eq!(ran.status, 0, "{}", ran.stderr);
+        let told = ran
+            .stdout
+            .lines()
+            .any(|line| line.starts_with("warning     fracture ") && line.contains(sentence));
+        assert!(told, "{dynamic}: {}", ran.stdout);
+    }
+    let quiet = with("29.9 deg");
+    assert!(!quiet.stdout.contains("warning"), "{}", quiet.stdout);
+}
+
+#[test]
+fn what_is_refused_leaves_no_folder() {
+    let base = scratch("refused");
+    let out = base.join("deep/er");
+    let path = out.to_str().unwrap();
+    let springs = "solver.method={ penalty = { factor = 100 } }";
+    for (arguments, sentence) in [
+        (
+            &["export", "cycle", "--step", "10", "--set", springs][..],
+            "has no saddle point",
+        ),
+        (&["export", "crosing"], "did you mean `crossing`?"),
+        (
+            &["run", &scene("refused-run", &[("x-", "fixed")], &[])],
+            "has neither friction_angle nor cohesion",
+        ),
+    ] {
+        let ran = fracas(&[arguments, &["--out", path]].concat());
+        assert_eq!(ran.status, 2, "{arguments:?}: {}", ran.stderr);
+        assert!(
+            ran.stderr.contains(sentence) && !ran.stderr.contains("step 0"),
+            "{arguments:?}: {}",
+            ran.stderr
+        );
+        assert!(!base.join("deep").exists(), "{arguments:?}");
+    }
+}
+
+#[test]
+fn an_export_stays_out_of_the_folder_of_a_run() {
+    let out = scratch("export-into-run");
+    write(&out.join("history.csv"), "step\n");
+    let ran = fracas(&["export", "patch", "--out", out.to_str().unwrap()]);
+    assert_eq!(ran.status, 2);
+    assert!(ran.stderr.contains("holds a run"), "{}", ran.stderr);
+    assert_eq!(std::fs::read_dir(&out).unwrap().count(), 1);
 }

@@ -8,7 +8,7 @@ use super::tree::Tree;
 use crate::command::progress::Progress;
 use crate::report::format_real;
 use fracas::io::Fields;
-use fracas::nonlinear::{Event, Simulation, State, StepRecord};
+use fracas::nonlinear::{Event, Simulation, State, StepRecord, friction_remarks};
 use fracas::scene::{Body, Scene};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -42,7 +42,9 @@ impl Going<'_> {
             event,
             json!({ "time_s": state.time, "checkpoint": from }),
         )?;
-        let remarks = self.simulation.remarks().into_iter().map(|r| r.to_string());
+        let remarks = friction_remarks(self.body)
+            .into_iter()
+            .map(|r| r.to_string());
         for remark in self.undetermined.take().into_iter().chain(remarks) {
             self.progress.say(&format!("warning: {remark}"));
             self.tree

@@ -16,6 +16,27 @@ struct Busy {
     out: PathBuf,
 }
 
+/// What taking a folder brought to light.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum Found {
+    /// The lock of a process that did not end by itself.
+    #[error("{}: taking over from process {pid}, which is gone", out.display())]
+    Stale {
+        /// Its number.
+        pid: String,
+        /// The folder.
+        out: PathBuf,
+    },
+    /// A filesystem without locks.
+    #[error("warning: {} cannot be locked ({error}): nothing keeps a second run out of this folder", path.display())]
+    NoLocks {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        error: std::io::Error,
+    },
+}
+
 /// A run folder that is ours: the operating system gives the lock back when the process ends, however it does.
 #[derive(Debug)]
 pub(super) struct Lock {
@@ -24,11 +45,18 @@ pub(super) struct Lock {
 }
 
 impl Lock {
-    /// Takes a folder, and tells the process that left its lock there, if one did.
+    /// Takes a folder, and tells what there is to be said of that.
     ///
     /// # Errors
     /// Where another process holds it.
-    pub(super) fn take(out: &Path) -> anyhow::Result<(Self, Option<String>)> {
+    pub(super) fn take(out: &Path) -> anyhow::Result<(Self, Option<Found>)> {
+        Self::take_by(out, File::try_lock)
+    }
+
+    fn take_by(
+        out: &Path,
+        try_lock: impl Fn(&File) -> Result<(), TryLockError>,
+    ) -> anyhow::Result<(Self, Option<Found>)> {
         let path = out.join(NAME);
         loop {
             let failed = || format!("cannot lock {}", path.display());
@@ -40,15 +68,15 @@ impl Lock {
                 .open(&path)
                 .with_context(failed)?;
             let mut pid = String::new();
-            match file.try_lock() {
-                Ok(()) => {}
+            let locked = match try_lock(&file) {
+                Ok(()) => Ok(()),
                 Err(TryLockError::WouldBlock) => {
                     file.read_to_string(&mut pid).with_context(failed)?;
                     let out = out.to_path_buf();
                     return Err(Busy { pid, out }.into());
                 }
-                Err(TryLockError::Error(error)) => return Err(error).with_context(failed),
-            }
+                Err(TryLockError::Error(error)) => Err(error),
+            };
             // its last owner removes it: what was locked may be gone from the folder by now
             if !same(&file, &path) {
                 continue;
@@ -58,8 +86,18 @@ impl Lock {
                 .and_then(|()| file.rewind())
                 .and_then(|()| write!(file, "{}", std::process::id()))
                 .with_context(failed)?;
-            let stale = Some(pid).filter(|pid| !pid.is_empty());
-            return Ok((Self { path, _file: file }, stale));
+            let found = match locked {
+                Err(error) => Some(Found::NoLocks {
+                    path: path.clone(),
+                    error,
+                }),
+                Ok(()) if pid.is_empty() => None,
+                Ok(()) => Some(Found::Stale {
+                    pid,
+                    out: out.to_path_buf(),
+                }),
+            };
+            return Ok((Self { path, _file: file }, found));
         }
     }
 }
@@ -96,16 +134,38 @@ mod tests {
         let out = std::env::temp_dir().join(format!("fracas-lock-{}", std::process::id()));
         std::fs::create_dir_all(&out).unwrap();
         let path = out.join(NAME);
-        let (lock, stale) = Lock::take(&out).unwrap();
-        assert_eq!(stale, None);
+        let (lock, found) = Lock::take(&out).unwrap();
+        assert!(found.is_none(), "{found:?}");
         let refused = Lock::take(&out).unwrap_err().to_string();
         let own = format!("process {} is running", std::process::id());
         assert!(refused.contains(&own), "{refused}");
         drop(lock);
         assert!(!path.exists());
         std::fs::write(&path, "4194305").unwrap();
-        let (_lock, stale) = Lock::take(&out).unwrap();
-        assert_eq!(stale.as_deref(), Some("4194305"));
+        let (_lock, found) = Lock::take(&out).unwrap();
+        let said = found.unwrap().to_string();
+        assert!(said.contains("taking over from process 4194305"), "{said}");
         std::fs::remove_dir_all(&out).unwrap();
+    }
+
+    #[test]
+    fn a_filesystem_without_locks_is_told_and_stops_nothing() {
+        let out = std::env::temp_dir().join(format!("fracas-no-lock-{}", std::process::id()));
+        std::fs::create_dir_all(&out).unwrap();
+        let none = |_: &File| {
+            let error = std::io::Error::from(std::io::ErrorKind::Unsupported);
+            Err(TryLockError::Error(error))
+        };
+        let (lock, found) = Lock::take_by(&out, none).unwrap();
+        let said = found.unwrap().to_string();
+        assert!(
+            said.starts_with("warning: ")
+                && said.contains("run.lock cannot be locked (unsupported)"),
+            "{said}"
+        );
+        let pid = std::fs::read_to_string(out.join(NAME)).unwrap();
+        assert_eq!(pid, std::process::id().to_string());
+        drop(lock);
+        std::fs::remove_dir(&out).unwrap();
     }
 }

@@ -72,18 +72,15 @@ impl Run {
             tree::require_free(&folder)?;
         }
         // a wrong path is said before the work and not after it
-        output::folder(&folder)?;
-        let (lock, stale) = Lock::take(&folder)?;
+        let _made = output::Folder::create(&folder)?;
+        let (lock, found) = Lock::take(&folder)?;
         if checkpoint.is_none() {
             // between the look and the lock another run may have come and gone
             tree::require_free(&folder)?;
         }
         let mut progress = Progress::new();
-        if let Some(pid) = stale {
-            progress.say(&format!(
-                "{}: taking over from process {pid}, which is gone",
-                folder.display()
-            ));
+        if let Some(found) = found {
+            progress.say(&found.to_string());
         }
         progress.say(&format!("{}: meshing", scene.title()));
         let body = scene.build()?;
@@ -151,6 +148,13 @@ impl Run {
             own.into()
         }
     }
+}
+
+/// True for a folder that a run has written into.
+pub(super) fn is_run(folder: &Path) -> bool {
+    ["history.csv", "run.json"]
+        .iter()
+        .any(|name| folder.join(name).exists())
 }
 
 /// What of a scene decides where a state can go: all but its names, its last time, its steps and its solver.

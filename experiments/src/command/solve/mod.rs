@@ -10,7 +10,7 @@ mod residual;
 use super::method::{Asked, Method, Route};
 use super::progress::Progress;
 use super::source::{Source, System as Loaded};
-use super::{Status, explain, memory, output};
+use super::{Status, explain, memory, output, rank};
 use clap::{Args, ValueEnum};
 use equations::Assembled;
 use fracas_solvers::krylov::KrylovChoice;
@@ -129,6 +129,7 @@ impl Solve {
             blocks,
             has_rhs,
             mut findings,
+            body,
             ..
         } = loaded;
         findings.extend(note);
@@ -144,7 +145,8 @@ impl Solve {
                 parts,
             },
             lost,
-        ) = precision::ready(method, blocks)?;
+        ) = precision::ready(method, blocks)
+            .map_err(|error| rank::blamed(error, self.source.scene(), body.as_ref()))?;
         let fallbacks = usize::from(lost.is_some());
         let in_f64 = lost.is_some();
         if let Some(lost) = lost {

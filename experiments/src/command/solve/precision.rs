@@ -237,7 +237,7 @@ mod tests {
         assert_eq!(stops(true, floor), Some(50 + PLATEAU));
         assert_eq!(stops(false, floor), None);
         // jumps up and down on its way
-        let uneven = |k: usize| rate(20.0)(k) * if k % 2 == 0 { 1.0 } else { 1e3 };
+        let uneven = |k: usize| rate(20.0)(k) * if k.is_multiple_of(2) { 1.0 } else { 1e3 };
         assert_eq!(stops(true, uneven), None);
     }
 }

@@ -1,0 +1,82 @@
+//! Keys that would be read and change nothing, or less than they say.
+
+use super::Problem;
+use super::located::{Located, at};
+use super::sections::SceneSections;
+use crate::units::{Duration, Measure};
+
+/// Refuses keys that change nothing where they stand.
+pub(super) fn require_used(sections: &SceneSections) -> Result<(), Located> {
+    let idle = |path: [&str; 2], key: &'static str, what: String, without: &'static str| {
+        at(
+            &[path[0], path[1], key],
+            Problem::Idle { key, what, without },
+        )
+    };
+    for (i, m) in sections.material.iter().enumerate() {
+        let given = [
+            ("biot", m.biot.is_some()),
+            ("pressure_history", m.pressure_history.is_some()),
+        ];
+        let stray = given
+            .into_iter()
+            .find(|(_, given)| *given && m.pressure_change.is_none());
+        if let Some((key, _)) = stray {
+            let what = format!("material \"{}\"", m.name);
+            return Err(idle(
+                ["material", &i.to_string()],
+                key,
+                what,
+                "pressure_change",
+            ));
+        }
+    }
+    for (i, f) in sections.fracture.iter().enumerate() {
+        if f.pressure_history.is_some() && f.pressure.is_none() {
+            let what = format!("fracture \"{}\"", f.name);
+            let path = ["fracture", &i.to_string()];
+            return Err(idle(path, "pressure_history", what, "pressure"));
+        }
+    }
+    for (i, b) in sections.boundary.iter().enumerate() {
+        if b.hold.is_some() && b.history.is_some() {
+            let side = b.place();
+            let path = ["boundary", &i.to_string(), "history"];
+            return Err(at(&path, Problem::HeldHistory { side }));
+        }
+    }
+    require_time(sections)
+}
+
+/// Refuses histories that vary where time stands still.
+fn require_time(sections: &SceneSections) -> Result<(), Located> {
+    if sections.time.is_some() {
+        return Ok(());
+    }
+    let materials = sections.material.iter().enumerate().map(|(i, m)| {
+        let what = format!("material \"{}\"", m.name);
+        ("material", i, "pressure_history", &m.pressure_history, what)
+    });
+    let fractures = sections.fracture.iter().enumerate().map(|(i, f)| {
+        let what = format!("fracture \"{}\"", f.name);
+        ("fracture", i, "pressure_history", &f.pressure_history, what)
+    });
+    let sides = sections.boundary.iter().enumerate().map(|(i, b)| {
+        let what = b.place();
+        ("boundary", i, "history", &b.history, what)
+    });
+    let varies = |written: &Vec<(Measure<Duration>, f64)>| {
+        written.windows(2).any(|pair| pair[0].1 != pair[1].1)
+    };
+    match materials
+        .chain(fractures)
+        .chain(sides)
+        .find(|(.., written, _)| written.as_ref().is_some_and(varies))
+    {
+        Some((section, i, key, _, what)) => {
+            let path = [section, &i.to_string(), key];
+            Err(at(&path, Problem::Timeless { key, what }))
+        }
+        None => Ok(()),
+    }
+}
