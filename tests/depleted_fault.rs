@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used)]
 
 use fracas::analytic::{Depletion, PlaneSlip, Rock};
-use fracas::nonlinear::Simulation;
-use fracas::scene::Scene;
+use fracas::nonlinear::{FaceFields, Simulation};
+use fracas::scene::{Body, Scene};
 use fracas_solvers::Silent;
 use std::fmt::Write;
 
@@ -68,18 +68,20 @@ fn scene(cells: usize) -> String {
     toml + "[[boundary]]\nside = 'z+'\npressure = '60 MPa'\n"
 }
 
+/// One step of the scene: the body and its faces.
+fn solved(toml: &str) -> (Body, FaceFields) {
+    let scene = Scene::from_toml(toml, "fault.toml").unwrap();
+    let body = scene.build().unwrap();
+    let mut simulation = Simulation::new(&body).unwrap();
+    let start = simulation.initial_state();
+    let state = simulation.advance(&start, &mut Silent).unwrap().state;
+    let fields = simulation.face_fields(&state);
+    (body, fields)
+}
+
 #[test]
 fn slip_is_the_known_trapezoid() {
-    let body = Scene::from_toml(&scene(4), "fault.toml")
-        .unwrap()
-        .build()
-        .unwrap();
-    let mut simulation = Simulation::new(&body).unwrap();
-    let state = simulation
-        .advance(&simulation.initial_state(), &mut Silent)
-        .unwrap()
-        .state;
-    let fields = simulation.face_fields(&state);
+    let (body, fields) = solved(&scene(4));
     // |δ(z)| = ((1 − 2ν) α |Δp|/G) · clamp(b − |z|, 0, b − a), a = 75 m, b = 150 m
     let slope = (1.0 - 2.0 * 0.15) * 0.9 * 25e6 / 6.5e9;
     let (mut error, mut size, mut peak) = (0.0, 0.0, 0.0f64);
@@ -131,16 +133,7 @@ fn stuck(z: f64) -> [f64; 2] {
 /// (height of the centre, t_N, t_z, slip) per face of the lower row in y.
 fn on_fault(cells: usize, friction_deg: f64) -> Vec<[f64; 4]> {
     let toml = scene(cells).replace("'0 deg'", &format!("'{friction_deg} deg'"));
-    let body = Scene::from_toml(&toml, "fault.toml")
-        .unwrap()
-        .build()
-        .unwrap();
-    let mut simulation = Simulation::new(&body).unwrap();
-    let state = simulation
-        .advance(&simulation.initial_state(), &mut Silent)
-        .unwrap()
-        .state;
-    let fields = simulation.face_fields(&state);
+    let (body, fields) = solved(&toml);
     let row = |(f, face): (usize, &fracas::mesh::FractureFace)| {
         let along = |v: &[f64]| (1..3).map(|k| v[3 * f + k] * face.frame[k][2]).sum::<f64>();
         [

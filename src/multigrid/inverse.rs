@@ -79,31 +79,22 @@ impl Geometric {
             })
             .collect();
         let c_inverse = faces::inverse_blocks(c, scale).ok_or(GeometricError::DenseC)?;
-        let single = || hierarchy(self, system, &materials, &c_inverse);
-        let double = || hierarchy(self, system, &materials, &c_inverse);
         let mut lost = None;
-        let (hierarchy, below) = match self.precision {
-            Precision::F32 => match single() {
-                Ok((h, below)) => {
-                    let rounding = h.rounding();
-                    if rounding <= limit(&materials) {
-                        (SomeHierarchy::Single(h), below)
-                    } else {
-                        drop(h);
-                        lost = Some(Lost::Digits { rounding });
-                        let (h, below) = double()?;
-                        (SomeHierarchy::Double(h), below)
-                    }
-                }
-                Err(GeometricError::Overflow { level, .. }) => {
-                    lost = Some(Lost::Range { level });
-                    let (h, below) = double()?;
-                    (SomeHierarchy::Double(h), below)
-                }
+        let mut single = None;
+        if self.precision == Precision::F32 {
+            match hierarchy(self, system, &materials, &c_inverse) {
+                Ok((h, below)) => match h.rounding() {
+                    r if r <= limit(&materials) => single = Some((h, below)),
+                    rounding => lost = Some(Lost::Digits { rounding }),
+                },
+                Err(GeometricError::Overflow { level, .. }) => lost = Some(Lost::Range { level }),
                 Err(other) => return Err(other),
-            },
-            Precision::F64 => {
-                let (h, below) = double()?;
+            }
+        }
+        let (hierarchy, below) = match single {
+            Some((h, below)) => (SomeHierarchy::Single(h), below),
+            None => {
+                let (h, below) = hierarchy(self, system, &materials, &c_inverse)?;
                 (SomeHierarchy::Double(h), below)
             }
         };

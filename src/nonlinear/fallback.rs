@@ -18,23 +18,22 @@ pub(super) struct Fallbacks {
 }
 
 impl Fallbacks {
-    /// S̃_u⁻¹ for C in Pa, and whether f32 gave way.
+    /// S̃_u⁻¹ for C in Pa; where f32 gave way it is told.
     pub(super) fn build(
         &mut self,
         problem: &ContactProblem<'_>,
         racp: MatrixFreeRacp,
         c: &AugmentationMatrix,
-    ) -> Result<(GeometricInverse, bool), MatrixFreeError> {
+    ) -> Result<GeometricInverse, MatrixFreeError> {
         let built = racp.inner.build(&problem.stick_system(), c)?;
         self.double = !built.is_single();
-        let lost = built.lost();
-        if let Some(lost) = lost {
+        if let Some(lost) = built.lost() {
             self.count += 1;
             self.events.push(Event::Precision {
                 reason: lost.to_string(),
             });
         }
-        Ok((built, lost.is_some()))
+        Ok(built)
     }
 
     /// These settings with the precision of the hierarchy built last.

@@ -154,8 +154,7 @@ mod tests {
 
     #[test]
     fn gmres_takes_over_and_its_name_and_all_iterations_are_told() {
-        let mut x = [7.0, 7.0];
-        x.fill(0.0);
+        let mut x = [0.0; 2];
         let sqmr = Some(KrylovChoice::Sqmr(Sqmr {}));
         let Ended::Solved(solved) = ended(&swap(), asked(sqmr, None), &mut x).unwrap() else {
             panic!("nothing to drop");

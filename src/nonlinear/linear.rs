@@ -3,6 +3,7 @@
 use super::face_rules::FaceRule;
 use super::fallback::Fallbacks;
 use super::jacobian::FaceTangent;
+use super::kept::{Kept, Ready};
 use super::krylov::{self, Asked, Ended, Solved};
 use super::state_inverse::StateInverse;
 use super::{ContactJacobian, ContactProblem, LinearFailure, NewtonSystem, Prepared, State};
@@ -32,12 +33,6 @@ pub enum RunPreconditioner {
     MatrixFree(MatrixFreeRacp),
 }
 
-/// S̃_u⁻¹ and what it was built for.
-struct Ready {
-    of: Prepared,
-    s_u: Box<dyn Preconditioner<f64>>,
-}
-
 /// Solves Jacobians with RACP.
 ///
 /// The rows of the faces are taken in their present states; S̃_u is that of the all-stick body, built once for the whole run.
@@ -52,12 +47,11 @@ pub(super) struct Linear {
     /// Diagonal of C for faces in stick.
     c: Vec<f64>,
     stick: Option<Ready>,
-    present: Option<Ready>,
+    /// That of some states, beside it.
+    present: Kept,
     /// Iterations per digit of the first all-stick system.
     reference: Option<f64>,
     slow: bool,
-    /// What a restart has to build again.
-    owed: Option<Prepared>,
     /// A preconditioner for its states has been built in this step.
     built: bool,
     work: Vec<f64>,
@@ -74,10 +68,9 @@ impl Linear {
             max_krylov: problem.body().solver.max_krylov,
             c: Vec::new(),
             stick: None,
-            present: None,
+            present: Kept::default(),
             reference: None,
             slow: false,
-            owed: None,
             built: false,
             work: Vec::new(),
             fallbacks: Fallbacks::default(),
@@ -96,19 +89,13 @@ impl Linear {
         self.built = false;
         self.slow = false;
         self.reference = (state.krylov > 0.0).then_some(state.krylov);
-        self.owed = None;
-        if self.present.as_ref().map(|ready| &ready.of) != state.prepared.as_ref() {
-            self.present = None;
-            self.owed.clone_from(&state.prepared);
-        }
+        self.present.begin_step(state.prepared.as_ref());
     }
 
     /// What the next step finds: iterations per digit of the first system, and what the preconditioner beside the all-stick
     /// one was built for.
     pub(super) fn carried(&self) -> (f64, Option<Prepared>) {
-        let present = self.present.as_ref().map(|ready| &ready.of);
-        let kept = present.or(self.owed.as_ref()).cloned();
-        (self.reference.unwrap_or(0.0), kept)
+        (self.reference.unwrap_or(0.0), self.present.carried())
     }
 
     /// `x ← J⁻¹ b` to a relative residual; short recurrences where J is symmetric.
@@ -126,11 +113,11 @@ impl Linear {
             Some(ready) => distance(&ready.of.states, states),
             None => usize::MAX,
         };
-        let nearest = match far(&self.present) < far(&self.stick) {
-            true => &self.present,
+        let nearest = match far(&self.present.ready) < far(&self.stick) {
+            true => &self.present.ready,
             false => &self.stick,
         };
-        let Some(Ready { s_u, .. }) = nearest else {
+        let Some(Ready { inverse: s_u, .. }) = nearest else {
             unreachable!("prepared above");
         };
         let tangent = |f: usize| match &jacobian.faces {
@@ -191,16 +178,16 @@ impl Linear {
             let c = |c: &[f64]| c_of(&rules(c, |_| FaceTangent::STICK));
             self.stick = Some(self.build(problem, all_stick, c, observer)?);
         }
-        if let Some(Prepared { states, c }) = self.owed.take() {
-            self.present = Some(self.build(problem, states, |_| c, observer)?);
+        if let Some(Prepared { states, c }) = self.present.owed.take() {
+            self.present.ready = Some(self.build(problem, states, |_| c, observer)?);
         }
         let new = |ready: &Option<Ready>| ready.as_ref().is_none_or(|r| r.of.states != states);
-        let wanted = self.slow && !self.built && new(&self.stick) && new(&self.present);
+        let wanted = self.slow && !self.built && new(&self.stick) && new(&self.present.ready);
         if let (true, Some(tangents)) = (wanted, &jacobian.faces) {
             // the memory of the one before is given back first
-            self.present = None;
+            self.present.ready = None;
             let c = |c: &[f64]| c_of(&rules(c, |f| tangents[f]));
-            self.present = Some(self.build(problem, states.to_vec(), c, observer)?);
+            self.present.ready = Some(self.build(problem, states.to_vec(), c, observer)?);
             self.built = true;
             return Ok(true);
         }
@@ -244,7 +231,8 @@ impl Linear {
                 let c = c(&self.c);
                 let matrix = AugmentationMatrix::from_face_blocks(c.clone())?;
                 let in_pascal = matrix.scaled(1.0 / (unit * unit));
-                let (s_u, gave_way) = self.fallbacks.build(problem, racp, &in_pascal)?;
+                let s_u = self.fallbacks.build(problem, racp, &in_pascal)?;
+                let gave_way = s_u.lost().is_some();
                 if gave_way {
                     stage = "preconditioner, in f64 because f32 would lose it";
                 }
@@ -264,7 +252,7 @@ impl Linear {
             return Err(MatrixFreeError::Stopped.into());
         }
         let of = Prepared { states, c };
-        Ok(Ready { of, s_u })
+        Ok(Ready { of, inverse: s_u })
     }
 }
 

@@ -18,6 +18,7 @@ mod failure;
 mod fallback;
 mod fields;
 mod jacobian;
+mod kept;
 mod krylov;
 mod linear;
 mod loads;

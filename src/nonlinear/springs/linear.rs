@@ -5,21 +5,15 @@ use super::operator::SpringJacobian;
 use crate::contact::ContactState;
 use crate::mesh::FractureFace;
 use crate::nonlinear::fallback::Fallbacks;
+use crate::nonlinear::kept::{Kept, Ready};
 use crate::nonlinear::krylov::{self, Asked, Ended, Solved};
 use crate::nonlinear::{ContactProblem, LinearFailure, Prepared, RunPreconditioner};
-use fracas_operators::Preconditioner;
 use fracas_solvers::Observer;
 use fracas_solvers::krylov::{Cg, KrylovChoice, System};
 use fracas_solvers::saddle::{AugmentationMatrix, SaddleBlocks};
 
 /// Iterations after which a preconditioner that was made for other springs is made anew. Unit: 1.
 const PATIENCE: usize = 40;
-
-/// A preconditioner and what it was made for.
-struct Ready {
-    of: Prepared,
-    inverse: Box<dyn Preconditioner<f64>>,
-}
 
 /// Solves tangents with S̃⁻¹ of `S = A + B C⁻¹Bᵀ`, `C = A_f K̃⁻¹` and K̃ the symmetric part of K in the springs of some step.
 ///
@@ -28,9 +22,7 @@ pub(super) struct SpringLinear {
     settings: RunPreconditioner,
     max_krylov: usize,
     blocks: Option<SaddleBlocks>,
-    ready: Option<Ready>,
-    /// What a restart has to make again.
-    owed: Option<Prepared>,
+    kept: Kept,
     work: Vec<f64>,
     pub(super) fallbacks: Fallbacks,
 }
@@ -41,8 +33,7 @@ impl SpringLinear {
             settings,
             max_krylov,
             blocks: None,
-            ready: None,
-            owed: None,
+            kept: Kept::default(),
             work: Vec::new(),
             fallbacks: Fallbacks::default(),
         }
@@ -50,17 +41,12 @@ impl SpringLinear {
 
     /// A step begins, with the preconditioner that was kept for it.
     pub(super) fn begin_step(&mut self, prepared: Option<&Prepared>) {
-        self.owed = None;
-        if self.ready.as_ref().map(|ready| &ready.of) != prepared {
-            self.ready = None;
-            self.owed = prepared.cloned();
-        }
+        self.kept.begin_step(prepared);
     }
 
     /// What the preconditioner to keep was made for.
     pub(super) fn carried(&self) -> Option<Prepared> {
-        let ready = self.ready.as_ref().map(|ready| &ready.of);
-        ready.or(self.owed.as_ref()).cloned()
+        self.kept.carried()
     }
 
     /// `x ← J⁻¹ b` to a relative residual; CG where J is symmetric.
@@ -75,13 +61,13 @@ impl SpringLinear {
     ) -> Result<Solved, LinearFailure> {
         let jacobian = jacobian(problem, springs);
         let symmetric = springs.iter().all(|s| s.state != ContactState::Slip);
-        if let Some(owed) = self.owed.take() {
-            self.ready = Some(self.prepare(problem, owed)?);
+        if let Some(owed) = self.kept.owed.take() {
+            self.kept.ready = Some(self.prepare(problem, owed)?);
         }
         let short = symmetric.then_some(KrylovChoice::Cg(Cg {}));
         let mut spent = 0;
         loop {
-            let (ready, made) = match self.ready.take() {
+            let (ready, made) = match self.kept.ready.take() {
                 Some(ready) => (ready, false),
                 None => (
                     self.prepare(problem, wanted(problem, springs, stiffness))?,
@@ -103,7 +89,7 @@ impl SpringLinear {
             match krylov::solve(&system, asked, x, observer, &mut self.work)? {
                 Ended::Dropped { iterations } => spent += iterations,
                 Ended::Solved(solved) => {
-                    self.ready = Some(ready);
+                    self.kept.ready = Some(ready);
                     return Ok(Solved {
                         iterations: spent + solved.iterations,
                         setup: made,
@@ -130,8 +116,7 @@ impl SpringLinear {
                 racp.inner.prepare(blocks, &c)?.inverse
             }
             RunPreconditioner::MatrixFree(racp) => {
-                let (built, _) = self.fallbacks.build(problem, racp, &c)?;
-                Box::new(built)
+                Box::new(self.fallbacks.build(problem, racp, &c)?)
             }
         };
         Ok(Ready { of, inverse })
