@@ -107,6 +107,7 @@ fn gmres_counts_with_exact_schur_complement_agree() {
         }
         let settings = Racp {
             augmentation: augmentation.parse().unwrap(),
+            relaxation: 0.0,
             inner: inner.parse().unwrap(),
         };
         let operator = SaddleOperator::new(blocks);

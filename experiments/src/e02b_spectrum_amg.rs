@@ -1,6 +1,6 @@
 //! e02b: the spectrum of M⁻¹𝒜 with multigrid for S_u⁻¹, all of it on a small body, its ends on a large one.
 
-use crate::e02_spectra::region;
+use crate::e02_spectra::{CHOICES, region};
 use crate::report::{Cell, Check, Experiment, Findings, Level, Table};
 use fracas::contact::JumpStabilization;
 use fracas::scene::named;
@@ -149,7 +149,7 @@ fn whole_spectra(
     for with_h in [false, true] {
         let blocks = blocks(SCENE, &cells, with_h)?;
         let words = if with_h { "H ≠ 0" } else { "H = 0" };
-        for augmentation in AugmentationChoice::ALL {
+        for augmentation in CHOICES {
             let request = SpectrumRequest {
                 augmentation,
                 inner: multigrid(Precision::F64, COARSEST),

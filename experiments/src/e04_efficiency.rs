@@ -183,7 +183,7 @@ struct Measured {
 
 /// C_s side by side; a cross where a method failed.
 fn figure(rows: &[Measured]) -> Figure {
-    let names = ANALOGUES.iter().map(|a| format!("analogue of {}", a.name));
+    let names = ANALOGUES.iter().map(|a| a.name.to_owned());
     let mut figure = Figure::new(
         "e04_cost",
         "",

@@ -48,7 +48,7 @@ struct Curve {
 fn table() -> Table {
     Table::new(
         "e09_work_precision",
-        "RACP, C = local_h, GMRES(100), flexible where f32 is inside. Algebraic error: against the same mesh solved to 1e-13, \
+        "RACP, GMRES(100), flexible where f32 is inside. Algebraic error: against the same mesh solved to 1e-13, \
          displacements and tractions; error: against the finest mesh, displacements at shared nodes off the fractures; relative, ℓ². X: \
          the tolerance was not met, errors are those of what was reached. Processor time of one thread; set-up counts assembly.",
         &[
@@ -185,8 +185,8 @@ impl Experiment for WorkPrecision {
     }
 
     fn setup(&self) -> &'static str {
-        "`layered_crossing` (mapped cells, layers of contrast 10, three crossing fractures), every face in stick, nested meshes; RACP, \
-         C = local_h, around exact S_u, AMG and geometric multigrid; digits: f64 throughout, f32 inside an iteration in f64, f32 \
+        "`layered_crossing` (mapped cells, layers of contrast 10, three crossing fractures), every face in stick, nested meshes; \
+         RACP around exact S_u, AMG and geometric multigrid; digits: f64 throughout, f32 inside an iteration in f64, f32 \
          throughout. Tolerances from 0.5 to 1e-12 of the true residual. One thread, processor time (paper level)."
     }
 

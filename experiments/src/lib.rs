@@ -10,6 +10,7 @@ pub mod e03_conditioning;
 pub mod e04_efficiency;
 pub mod e05_mesh_independence;
 pub mod e06_c_laboratory;
+pub mod e06b_relaxation;
 pub mod e07_contact_state;
 pub mod e08_size;
 pub mod e09_work_precision;

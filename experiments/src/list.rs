@@ -11,6 +11,7 @@ pub static EXPERIMENTS: &[&dyn Experiment] = &[
     &crate::e04_efficiency::Efficiency,
     &crate::e05_mesh_independence::MeshIndependence,
     &crate::e06_c_laboratory::CLaboratory,
+    &crate::e06b_relaxation::Relaxed,
     &crate::e07_contact_state::ContactStates,
     &crate::e08_size::Size,
     &crate::e09_work_precision::WorkPrecision,

@@ -25,7 +25,7 @@ pub use racp::{MatrixFreeError, MatrixFreeRacp, RacpParts};
 pub struct MatrixFreeSaddle<R> {
     a: Restricted<Box<dyn AdjointOperator<R>>>,
     b: Arc<Coupling<R>>,
-    h: Option<Csr<R>>,
+    h: Option<Arc<Csr<R>>>,
     unit: f64,
 }
 
@@ -45,7 +45,9 @@ impl<R: Real> MatrixFreeSaddle<R> {
     pub fn in_traction_unit(system: &StickSystem<'_>, unit: f64) -> Result<Self, ElasticityError> {
         let full = matrix_free::<R>(system.mesh, system.materials)?;
         let b = Coupling::new(system.fractures, system.constraints);
-        let h = system.stabilization().map(|h| Csr::new(scaled(&h, unit)));
+        let h = system
+            .stabilization()
+            .map(|h| Arc::new(Csr::new(scaled(&h, unit))));
         Ok(Self {
             a: Restricted::new(full, system.constraints.clone()),
             b: Arc::new(b.in_traction_unit(R::of(unit))),
@@ -76,8 +78,8 @@ impl<R: Real> MatrixFreeSaddle<R> {
     }
 
     /// H, where it is not 0.
-    pub fn stabilization(&self) -> Option<&SparseMatrix<R>> {
-        self.h.as_ref().map(Csr::matrix)
+    pub fn stabilization(&self) -> Option<&Arc<Csr<R>>> {
+        self.h.as_ref()
     }
 }
 

@@ -42,7 +42,7 @@ impl MatrixFreeSaddle<f64> {
             let mut piece = piece.into_traction_unit(self.unit());
             piece.h = self
                 .stabilization()
-                .map(|h| diagonal_blocks(h, FACES * i, chunk.len()));
+                .map(|h| diagonal_blocks(h.matrix(), FACES * i, chunk.len()));
             Ok(piece)
         });
         choice.compute_in_parts(pieces)

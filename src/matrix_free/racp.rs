@@ -6,7 +6,7 @@ use crate::elasticity::ElasticityError;
 use crate::multigrid::{Geometric, GeometricError, GeometricInverse, Lost};
 use crate::system::StickSystem;
 use fracas_solvers::amg::{Precision, Summary};
-use fracas_solvers::saddle::{AugmentationChoice, PartCost, RacpInverse};
+use fracas_solvers::saddle::{AugmentationChoice, PartCost, RELAXATION, RacpInverse};
 use fracas_solvers::{Observer, Step};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -14,13 +14,26 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// Settings of RACP without an assembled A.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MatrixFreeRacp {
-    /// C: local, local_h or face_block.
+    /// C: local, local_h, half_h or face_block.
     pub augmentation: AugmentationChoice,
+    /// γ of the [`Relaxation`](fracas_solvers::saddle::Relaxation) of H, from 0 (none; with C = local_h the published method) to 1.
+    #[serde(deserialize_with = "fracas_solvers::saddle::relaxation::factor")]
+    pub relaxation: f64,
     /// S̃_u⁻¹.
     pub inner: Geometric,
+}
+
+impl Default for MatrixFreeRacp {
+    fn default() -> Self {
+        Self {
+            augmentation: AugmentationChoice::HalfH,
+            relaxation: RELAXATION,
+            inner: Geometric::default(),
+        }
+    }
 }
 
 /// Why a body has no solver without an assembled A.
@@ -103,8 +116,12 @@ impl MatrixFreeRacp {
             inner_s: start.elapsed().as_secs_f64(),
             inner_flops: fracas_operators::Preconditioner::flops(&inner),
         };
+        let mut inverse = RacpInverse::with_operator(saddle.coupling().clone(), c, inner);
+        if let Some(h) = saddle.stabilization() {
+            inverse = inverse.relaxed(Box::new(h.clone()), self.relaxation);
+        }
         Ok(RacpParts {
-            inverse: RacpInverse::with_operator(saddle.coupling().clone(), c, inner),
+            inverse,
             hierarchy,
             cost,
             lost,

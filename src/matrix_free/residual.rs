@@ -34,7 +34,7 @@ impl MatrixFreeSaddle<f64> {
         for (row, sum) in self
             .stabilization()
             .iter()
-            .flat_map(|h| h.outer_iterator())
+            .flat_map(|h| h.matrix().outer_iterator())
             .zip(&mut *contact)
         {
             *sum += row.data().iter().map(|v| v.abs()).sum::<f64>();

@@ -34,8 +34,17 @@ pub(super) struct FaceRule {
 }
 
 impl FaceRule {
-    /// From the tangent of a face and the diagonal of C that its jumps get.
-    pub(super) fn new(face: &FaceTangent, c: [f64; 3]) -> Self {
+    /// From the tangent of a face and the block of C that its jumps get; `inverse` of it.
+    pub(super) fn new(face: &FaceTangent, c: &Matrix3, inverse: &Matrix3) -> Self {
+        if *face == FaceTangent::STICK {
+            return Self {
+                c: *c,
+                g: *inverse,
+                kept: face.by_jump,
+                law: [[0.0; 3]; 3],
+                friction: [[0.0; 3]; 3],
+            };
+        }
         let mut rule = Self {
             c: [[0.0; 3]; 3],
             g: [[0.0; 3]; 3],
@@ -58,7 +67,7 @@ impl FaceRule {
             };
             let delta = along(d);
             let lambda = along(l);
-            let jump: f64 = (0..3).map(|i| e[i] * e[i] * c[i]).sum();
+            let jump = along(c);
             if delta > NO_JUMP {
                 let c = jump + (lambda / delta).max(0.0);
                 add(&mut rule.c, c, e, e);
@@ -93,6 +102,14 @@ fn add(m: &mut Matrix3, alpha: f64, u: [f64; 3], v: [f64; 3]) {
 mod tests {
     use super::*;
 
+    /// A rule for a diagonal C.
+    fn rule(face: &FaceTangent, c: [f64; 3]) -> FaceRule {
+        let block = |d: [f64; 3]| -> Matrix3 {
+            std::array::from_fn(|i| std::array::from_fn(|j| if i == j { d[i] } else { 0.0 }))
+        };
+        FaceRule::new(face, &block(c), &block(c.map(|c| 1.0 / c)))
+    }
+
     const I: Matrix3 = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     const NONE: Matrix3 = [[0.0; 3]; 3];
 
@@ -104,7 +121,7 @@ mod tests {
 
     #[test]
     fn stick_keeps_all_and_open_none() {
-        let stick = FaceRule::new(
+        let stick = rule(
             &FaceTangent {
                 by_jump: I,
                 law: NONE,
@@ -117,7 +134,7 @@ mod tests {
         );
         close(stick.kept, I);
         close(stick.law, NONE);
-        let open = FaceRule::new(
+        let open = rule(
             &FaceTangent {
                 by_jump: NONE,
                 law: I.map(|row| row.map(|v| 3.0 * v)),
@@ -141,16 +158,16 @@ mod tests {
         add(&mut face.law, 2.25, a, a);
         add(&mut face.law, 3.0, m, m);
         add(&mut face.law, 1.5, m, [1.0, 0.0, 0.0]);
-        let rule = FaceRule::new(&face, [2.0; 3]);
+        let found = rule(&face, [2.0; 3]);
         let mut g = NONE;
         add(&mut g, 0.5, [1.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
         add(&mut g, 1.0 / 11.0, a, a);
-        close(rule.g, g);
+        close(found.g, g);
         let mut law = NONE;
         add(&mut law, 1.0 / 3.0, m, m);
-        close(rule.law, law);
+        close(found.law, law);
         let mut friction = NONE;
         add(&mut friction, 0.5, m, [1.0, 0.0, 0.0]);
-        close(rule.friction, friction);
+        close(found.friction, friction);
     }
 }

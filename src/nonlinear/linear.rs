@@ -13,7 +13,7 @@ use crate::scene::RunInner;
 use fracas_operators::Preconditioner;
 use fracas_solvers::direct::DirectChoice;
 use fracas_solvers::krylov::{KrylovChoice, Sqmr, System};
-use fracas_solvers::saddle::{AugmentationChoice, AugmentationMatrix, Block, InnerChoice, Racp};
+use fracas_solvers::saddle::{AugmentationMatrix, Block, InnerChoice, Racp};
 use fracas_solvers::{Observer, Step};
 
 /// Displacements up to which S_u is factorized when the scene does not choose. Unit: 1.
@@ -33,6 +33,16 @@ pub enum RunPreconditioner {
     MatrixFree(MatrixFreeRacp),
 }
 
+impl RunPreconditioner {
+    /// γ of H.
+    fn relaxation(&self) -> f64 {
+        match self {
+            Self::Assembled(racp) => racp.relaxation,
+            Self::MatrixFree(racp) => racp.relaxation,
+        }
+    }
+}
+
 /// Solves Jacobians with RACP.
 ///
 /// The rows of the faces are taken in their present states; S̃_u is that of the all-stick body, built once for the whole run.
@@ -44,8 +54,8 @@ pub enum RunPreconditioner {
 pub(super) struct Linear {
     settings: RunPreconditioner,
     max_krylov: usize,
-    /// Diagonal of C for faces in stick.
-    c: Vec<f64>,
+    /// C of faces in stick, and its inverse.
+    c: Vec<[Block; 2]>,
     stick: Option<Ready>,
     /// That of some states, beside it.
     present: Kept,
@@ -137,7 +147,12 @@ impl Linear {
                 }
             }
         }
-        let inverse = StateInverse::new(problem.saddle().coupling(), rules, s_u.as_ref());
+        let inverse = StateInverse::new(
+            problem.saddle().coupling(),
+            (jacobian.h, self.settings.relaxation()),
+            rules,
+            s_u.as_ref(),
+        );
         let system = System {
             operator: jacobian,
             preconditioner: &inverse,
@@ -175,7 +190,7 @@ impl Linear {
         let first = self.stick.is_none();
         if first {
             let all_stick = vec![ContactState::Stick; faces];
-            let c = |c: &[f64]| c_of(&rules(c, |_| FaceTangent::STICK));
+            let c = |c: &[[Block; 2]]| c_of(&rules(c, |_| FaceTangent::STICK));
             self.stick = Some(self.build(problem, all_stick, c, observer)?);
         }
         if let Some(Prepared { states, c }) = self.present.owed.take() {
@@ -186,7 +201,7 @@ impl Linear {
         if let (true, Some(tangents)) = (wanted, &jacobian.faces) {
             // the memory of the one before is given back first
             self.present.ready = None;
-            let c = |c: &[f64]| c_of(&rules(c, |f| tangents[f]));
+            let c = |c: &[[Block; 2]]| c_of(&rules(c, |f| tangents[f]));
             self.present.ready = Some(self.build(problem, states.to_vec(), c, observer)?);
             self.built = true;
             return Ok(true);
@@ -194,12 +209,12 @@ impl Linear {
         Ok(first)
     }
 
-    /// S̃_u for C per face, which follows from its diagonal in stick.
+    /// S̃_u for C per face, which follows from that in stick.
     fn build(
         &mut self,
         problem: &ContactProblem<'_>,
         states: Vec<ContactState>,
-        c: impl FnOnce(&[f64]) -> Vec<Block>,
+        c: impl FnOnce(&[[Block; 2]]) -> Vec<Block>,
         observer: &mut dyn Observer,
     ) -> Result<Ready, LinearFailure> {
         let unit = problem.saddle().unit();
@@ -215,7 +230,7 @@ impl Linear {
                     let c = racp
                         .augmentation
                         .compute(&blocks, direct.solver()?.as_ref())?;
-                    self.c = c.matrix.diagonal_entries();
+                    self.c = c.matrix.of_faces();
                 }
                 let c = c(&self.c);
                 let matrix = AugmentationMatrix::from_face_blocks(c.clone())?;
@@ -226,7 +241,7 @@ impl Linear {
                 let system = problem.stick_system();
                 if self.c.is_empty() {
                     let c = problem.saddle().augmentation(&system, racp.augmentation);
-                    self.c = c.map_err(MatrixFreeError::from)?.matrix.diagonal_entries();
+                    self.c = c.map_err(MatrixFreeError::from)?.matrix.of_faces();
                 }
                 let c = c(&self.c);
                 let matrix = AugmentationMatrix::from_face_blocks(c.clone())?;
@@ -257,9 +272,11 @@ impl Linear {
 }
 
 /// What faces with these tangents make of their rows, and of the diagonal of C in stick.
-fn rules(c: &[f64], tangent: impl Fn(usize) -> FaceTangent) -> Vec<FaceRule> {
-    let faces = c.as_chunks().0.iter().enumerate();
-    faces.map(|(f, c)| FaceRule::new(&tangent(f), *c)).collect()
+fn rules(c: &[[Block; 2]], tangent: impl Fn(usize) -> FaceTangent) -> Vec<FaceRule> {
+    let faces = c.iter().enumerate();
+    faces
+        .map(|(f, [c, inverse])| FaceRule::new(&tangent(f), c, inverse))
+        .collect()
 }
 
 /// C per face.
@@ -278,8 +295,8 @@ fn chosen(problem: &ContactProblem<'_>) -> RunPreconditioner {
     let body = problem.body();
     let assembled = |inner| {
         RunPreconditioner::Assembled(Racp {
-            augmentation: AugmentationChoice::LocalH,
             inner,
+            ..Racp::default()
         })
     };
     let amg = InnerChoice::Amg(Default::default());

@@ -2,26 +2,32 @@
 
 use super::face_rules::{FaceRule, Matrix3};
 use crate::contact::Coupling;
+use fracas_operators::sparse::Csr;
 use fracas_operators::{AdjointOperator, Layout, LinearOperator, Preconditioner};
+use fracas_solvers::saddle::Relaxation;
 
 /// RACP around the kept directions of every face, the others solved for their own tractions:
 /// ```text
 /// t_l = −Λ⁻¹ x_l        y_u = S̃_u⁻¹ (x_u − B t_l + B C⁻¹ x_k)        y_k = C⁻¹ (Bᵀ y_u − x_k)        y_l = t_l − (L_ln/Λ) y_n
 /// ```
-/// with `S_u = A + B_k C⁻¹ B_kᵀ`. With every face in stick this is [`RacpInverse`](fracas_solvers::saddle::RacpInverse).
+/// with `S_u = A + B_k C⁻¹ B_kᵀ`, x_k and y_k relaxed for H ([`Relaxation`]). With every face in stick this is
+/// [`RacpInverse`](fracas_solvers::saddle::RacpInverse).
 ///
 /// # Cost
-/// As RACP: one solve with S̃_u, two products with B.
+/// As RACP: one solve with S̃_u, two products with B, two with H.
 pub(super) struct StateInverse<'a> {
     b: &'a Coupling<f64>,
     rules: Vec<FaceRule>,
     s_u: &'a dyn Preconditioner<f64>,
+    relaxation: Option<Relaxation<&'a Csr<f64>>>,
     layout: Layout<2>,
 }
 
 impl<'a> StateInverse<'a> {
+    /// `h` is that of the present states.
     pub(super) fn new(
         b: &'a Coupling<f64>,
+        (h, gamma): (Option<&'a Csr<f64>>, f64),
         rules: Vec<FaceRule>,
         s_u: &'a dyn Preconditioner<f64>,
     ) -> Self {
@@ -29,10 +35,12 @@ impl<'a> StateInverse<'a> {
         assert_eq!(shape.rows, s_u.size(), "rows of B and size of S_u");
         assert_eq!(shape.cols, 3 * rules.len(), "columns of B and faces");
         let layout = Layout::new(["u", "t"], [shape.rows, shape.cols]);
+        let relaxation = h.and_then(|h| Relaxation::new(h, gamma, |r, z| kept_solve(&rules, r, z)));
         Self {
             b,
             rules,
             s_u,
+            relaxation,
             layout,
         }
     }
@@ -47,6 +55,17 @@ fn three(v: &[f64]) -> [f64; 3] {
     [v[0], v[1], v[2]]
 }
 
+/// `z ← C⁻¹ r` in the kept directions, 0 in the others.
+fn kept_solve(rules: &[FaceRule], r: &[f64], z: &mut [f64]) {
+    for ((rule, r), z) in rules
+        .iter()
+        .zip(r.chunks_exact(3))
+        .zip(z.chunks_exact_mut(3))
+    {
+        z.copy_from_slice(&times(&rule.g, three(r)));
+    }
+}
+
 impl Preconditioner<f64> for StateInverse<'_> {
     fn size(&self) -> usize {
         self.layout.len()
@@ -56,35 +75,63 @@ impl Preconditioner<f64> for StateInverse<'_> {
         let [x_u, x_t] = self.layout.split(x);
         let [y_u, y_t] = self.layout.split_mut(y);
         let (w_u, work) = work.split_at_mut(x_u.len());
-        let (jump, work) = work.split_at_mut(x_t.len());
-        // y_t = C⁻¹ x_k + Λ⁻¹ x_l
+        let (x_k, work) = work.split_at_mut(x_t.len());
+        let (y_k, work) = work.split_at_mut(x_t.len());
+        // x_k = Wᵀ x_k, y_k = C⁻¹ x_k
         for (f, rule) in self.rules.iter().enumerate() {
-            let x = three(&x_t[3 * f..]);
-            let (k, l) = (times(&rule.g, times(&rule.kept, x)), times(&rule.law, x));
-            (0..3).for_each(|i| y_t[3 * f + i] = k[i] + l[i]);
+            x_k[3 * f..][..3].copy_from_slice(&times(&rule.kept, three(&x_t[3 * f..])));
+        }
+        kept_solve(&self.rules, x_k, y_k);
+        if let Some(w) = &self.relaxation {
+            w.before(y_k, x_k, work);
+            kept_solve(&self.rules, x_k, y_k);
+        }
+        // y_t = y_k + Λ⁻¹ x_l
+        for (f, rule) in self.rules.iter().enumerate() {
+            let l = times(&rule.law, three(&x_t[3 * f..]));
+            (0..3).for_each(|i| y_t[3 * f + i] = y_k[3 * f + i] + l[i]);
         }
         // y_u = S̃_u⁻¹ (x_u + B y_t)
         w_u.copy_from_slice(x_u);
         self.b.apply_add(1.0, y_t, w_u, work);
         self.s_u.solve(w_u, y_u, work);
-        // y_k = C⁻¹ (Bᵀ y_u − x_k),  y_l = −Λ⁻¹ x_l − (L_ln/Λ) y_n
-        jump.fill(0.0);
-        self.b.apply_adjoint_add(1.0, y_u, jump, work);
+        // y_k = W C⁻¹ (Bᵀ y_u − x_k)
+        x_k.iter_mut().for_each(|x| *x = -*x);
+        self.b.apply_adjoint_add(1.0, y_u, x_k, work);
+        kept_solve(&self.rules, x_k, y_k);
+        if let Some(w) = &self.relaxation {
+            w.after(y_k, x_k, work);
+            for (f, rule) in self.rules.iter().enumerate() {
+                let r = times(&rule.g, three(&x_k[3 * f..]));
+                (0..3).for_each(|i| y_k[3 * f + i] -= r[i]);
+            }
+        }
+        // y_l = −Λ⁻¹ x_l − (L_ln/Λ) y_n
         for (f, rule) in self.rules.iter().enumerate() {
-            let x = three(&x_t[3 * f..]);
-            let (j, r) = (three(&jump[3 * f..]), times(&rule.kept, x));
-            let k = times(&rule.g, [j[0] - r[0], j[1] - r[1], j[2] - r[2]]);
-            let (l, m) = (times(&rule.law, x), times(&rule.friction, k));
+            let k = three(&y_k[3 * f..]);
+            let (l, m) = (
+                times(&rule.law, three(&x_t[3 * f..])),
+                times(&rule.friction, k),
+            );
             (0..3).for_each(|i| y_t[3 * f + i] = k[i] - l[i] - m[i]);
         }
     }
 
     fn work_len(&self) -> usize {
-        self.layout.len() + self.s_u.work_len().max(self.b.work_len())
+        let inside = self.s_u.work_len().max(self.b.work_len());
+        let relaxation = self.relaxation.as_ref().map_or(0, Relaxation::work_len);
+        self.layout.len() + 3 * self.rules.len() + inside.max(relaxation)
     }
 
     fn flops(&self) -> u64 {
-        self.s_u.flops() + 2 * LinearOperator::flops(self.b) + 108 * self.rules.len() as u64
+        let relaxation = self
+            .relaxation
+            .as_ref()
+            .map_or(0, |w| 2 * w.flops() + 33 * self.rules.len() as u64);
+        self.s_u.flops()
+            + 2 * LinearOperator::flops(self.b)
+            + 108 * self.rules.len() as u64
+            + relaxation
     }
 
     fn is_linear(&self) -> bool {

@@ -5,16 +5,16 @@ use fracas::matrix_free::MatrixFreeRacp;
 use fracas::multigrid::Geometric;
 use fracas_solvers::amg::{Amg, Precision};
 use fracas_solvers::saddle::inner::UnknownInner;
-use fracas_solvers::saddle::{AugmentationChoice, InnerChoice, NoSuchPart, SaddleMethod};
+use fracas_solvers::saddle::{AugmentationChoice, InnerChoice, NoSuchPart, Racp, SaddleMethod};
 use std::str::FromStr;
 
 /// A method with the parts that the command line chooses.
 #[derive(Args, Debug)]
 pub(super) struct Method {
     /// What preconditions the whole system.
-    #[arg(long, value_name = "METHOD", default_value_t, help = help())]
-    method: SaddleMethod,
-    /// C, in methods that have one: local, global, global_times=FACTOR, exact, local_h, exact_h, face_block.
+    #[arg(long, value_name = "METHOD", help = help())]
+    method: Option<SaddleMethod>,
+    /// C, in methods that have one: local, global, global_times=FACTOR, exact, local_h, half_h, exact_h, face_block.
     #[arg(long, value_name = "C")]
     augmentation: Option<AugmentationChoice>,
     /// Solver of the displacement block, in methods that have one: exact, amg, amg:gauss_seidel, amg:fsai, amg:chebyshev,
@@ -58,7 +58,7 @@ struct UnknownInnerName(UnknownInner);
 fn help() -> String {
     let names: Vec<&str> = SaddleMethod::all().iter().map(SaddleMethod::name).collect();
     format!(
-        "What preconditions the whole system: {}; also mcp:FACTOR (of the published γ; 0 takes A itself), direct:faer, direct:umfpack",
+        "What preconditions the whole system: {}; also racp:RELAXATION (of H; 0: as published, with C = local_h), mcp:FACTOR (of the published γ; 0 takes A itself), direct:faer, direct:umfpack [default: racp; spectrum: racp:0]",
         names.join(", ")
     )
 }
@@ -111,10 +111,11 @@ enum NotGeometric {
     Entries(&'static str),
 }
 
-/// RACP with this C around geometric multigrid.
-fn racp(augmentation: AugmentationChoice, precision: Precision) -> MatrixFreeRacp {
+/// RACP with these settings around geometric multigrid.
+fn matrix_free(racp: Racp, precision: Precision) -> MatrixFreeRacp {
     MatrixFreeRacp {
-        augmentation,
+        augmentation: racp.augmentation,
+        relaxation: racp.relaxation,
         inner: Geometric {
             precision,
             ..Geometric::default()
@@ -123,9 +124,14 @@ fn racp(augmentation: AugmentationChoice, precision: Precision) -> MatrixFreeRac
 }
 
 impl Method {
-    /// The settings, from assembled blocks whatever the system is.
-    pub(super) fn chosen(&self, asker: &'static str) -> anyhow::Result<SaddleMethod> {
-        match self.route(Asked::SceneWithEntries(asker))?.route {
+    /// The settings, from assembled blocks whatever the system is; `default` where no method is named.
+    pub(super) fn chosen(
+        &self,
+        asker: &'static str,
+        default: SaddleMethod,
+    ) -> anyhow::Result<SaddleMethod> {
+        let asked = Asked::SceneWithEntries(asker);
+        match self.of(default).route(asked)?.route {
             Route::Assembled(method) => Ok(method),
             Route::MatrixFree(_) => Err(NotGeometric::Entries(asker).into()),
         }
@@ -133,43 +139,67 @@ impl Method {
 
     /// How a system is solved.
     pub(super) fn route(&self, asked: Asked) -> anyhow::Result<Chosen> {
-        let is_racp = matches!(self.method, SaddleMethod::Racp(_));
+        self.of(SaddleMethod::default()).route(asked)
+    }
+
+    /// The method that is named, or this one.
+    fn of(&self, default: SaddleMethod) -> Parts {
+        Parts {
+            method: self.method.unwrap_or(default),
+            augmentation: self.augmentation,
+            inner: self.inner,
+        }
+    }
+}
+
+/// A method and what is put in the place of its parts.
+struct Parts {
+    method: SaddleMethod,
+    augmentation: Option<AugmentationChoice>,
+    inner: Option<Inner>,
+}
+
+impl Parts {
+    fn route(&self, asked: Asked) -> anyhow::Result<Chosen> {
         match self.inner {
             None => self.assembled(None, None),
             Some(Inner::Assembled(inner)) => self.assembled(Some(inner), None),
-            Some(Inner::Geometric(precision)) => match asked {
-                _ if !is_racp => Err(NotGeometric::Method(self.method.name()).into()),
-                Asked::Folder => Err(NotGeometric::Folder.into()),
-                Asked::SceneOfFile => Err(NotGeometric::NoGrid.into()),
-                Asked::SceneWithEntries(who) => Err(NotGeometric::Entries(who).into()),
-                Asked::Scene => {
-                    let c = self.augmentation_of_racp()?;
-                    c.require_local()?;
-                    Ok(Chosen {
-                        route: Route::MatrixFree(racp(c, precision)),
-                        reason: None,
-                    })
+            Some(Inner::Geometric(precision)) => {
+                let Some(racp) = self.racp()? else {
+                    return Err(NotGeometric::Method(self.method.name()).into());
+                };
+                match asked {
+                    Asked::Folder => Err(NotGeometric::Folder.into()),
+                    Asked::SceneOfFile => Err(NotGeometric::NoGrid.into()),
+                    Asked::SceneWithEntries(who) => Err(NotGeometric::Entries(who).into()),
+                    Asked::Scene => {
+                        racp.augmentation.require_local()?;
+                        Ok(Chosen {
+                            route: Route::MatrixFree(matrix_free(racp, precision)),
+                            reason: None,
+                        })
+                    }
                 }
-            },
-            Some(Inner::Auto) => self.auto(asked, is_racp),
+            }
+            Some(Inner::Auto) => self.auto(asked),
         }
     }
 
     /// Geometric where everything it needs is there, else amg where the method has an inner solver.
-    fn auto(&self, asked: Asked, is_racp: bool) -> anyhow::Result<Chosen> {
-        let reason = match asked {
-            _ if self.method.inner().is_none() => {
-                return self.assembled(None, None);
-            }
-            _ if !is_racp => format!("{} is made from assembled blocks", self.method.name()),
-            Asked::Folder => "a system folder has no grid".to_owned(),
-            Asked::SceneOfFile => "the mesh of the scene comes from a file".to_owned(),
-            Asked::SceneWithEntries(who) => format!("{who} reads the entries of A"),
-            Asked::Scene => {
-                let c = self.augmentation_of_racp()?;
+    fn auto(&self, asked: Asked) -> anyhow::Result<Chosen> {
+        if self.method.inner().is_none() {
+            return self.assembled(None, None);
+        }
+        let reason = match (asked, self.racp()?) {
+            (_, None) => format!("{} is made from assembled blocks", self.method.name()),
+            (Asked::Folder, _) => "a system folder has no grid".to_owned(),
+            (Asked::SceneOfFile, _) => "the mesh of the scene comes from a file".to_owned(),
+            (Asked::SceneWithEntries(who), _) => format!("{who} reads the entries of A"),
+            (Asked::Scene, Some(racp)) => {
+                let c = racp.augmentation;
                 if c.is_local() {
                     return Ok(Chosen {
-                        route: Route::MatrixFree(racp(c, Precision::F32)),
+                        route: Route::MatrixFree(matrix_free(racp, Precision::F32)),
                         reason: Some("geometric, because the mesh of the scene is a grid".into()),
                     });
                 }
@@ -192,9 +222,14 @@ impl Method {
         })
     }
 
-    /// C of RACP.
-    fn augmentation_of_racp(&self) -> Result<AugmentationChoice, NoSuchPart> {
-        let method = self.method.with_parts(self.augmentation, None)?;
-        Ok(method.augmentation().unwrap_or_default())
+    /// RACP with this C, where it is the method.
+    fn racp(&self) -> Result<Option<Racp>, NoSuchPart> {
+        let SaddleMethod::Racp(_) = self.method else {
+            return Ok(None);
+        };
+        Ok(match self.method.with_parts(self.augmentation, None)? {
+            SaddleMethod::Racp(racp) => Some(racp),
+            _ => None,
+        })
     }
 }

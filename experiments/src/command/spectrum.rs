@@ -7,6 +7,7 @@ use super::source::Source;
 use super::{Status, output};
 use crate::plot::Figure;
 use clap::Args;
+use fracas_solvers::saddle::{InnerChoice, Racp, SaddleMethod};
 use fracas_solvers::spectrum::{SpectrumReport, SpectrumRequest, Theorem, analyse_method};
 use std::io::Write;
 use std::path::PathBuf;
@@ -40,7 +41,8 @@ fn svg(text: &str) -> Result<PathBuf, String> {
 
 impl Spectrum {
     pub(super) fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
-        let method = self.method.chosen("spectrum")?;
+        let published = SaddleMethod::Racp(Racp::published(InnerChoice::default()));
+        let method = self.method.chosen("spectrum", published)?;
         output::try_files(self.json.iter().chain(&self.plot))?;
         let mut progress = Progress::new();
         let system = self.source.load(&mut progress)?;

@@ -10,7 +10,7 @@ use fracas_operators::{LinearOperator, Preconditioner};
 use fracas_solvers::Silent;
 use fracas_solvers::amg::Amg;
 use fracas_solvers::krylov::{Criteria, Outcome, System};
-use fracas_solvers::saddle::{AugmentationChoice, InnerChoice, Racp, SaddleMethod, SaddleOperator};
+use fracas_solvers::saddle::{InnerChoice, Racp, SaddleMethod, SaddleOperator};
 use std::time::Instant;
 
 /// S̃_u⁻¹.
@@ -168,8 +168,8 @@ fn assembled(body: Body, mesh: f64) -> anyhow::Result<Row> {
     let unit = blocks.traction_unit();
     let blocks = blocks.into_traction_unit(unit);
     let racp = SaddleMethod::Racp(Racp {
-        augmentation: AugmentationChoice::LocalH,
         inner: InnerChoice::Amg(Amg::default()),
+        ..Racp::default()
     });
     let inverse = racp.ready(&blocks)?.inverse;
     let operator = SaddleOperator::new(&blocks);

@@ -14,9 +14,7 @@ use fracas_operators::{LinearOperator, Preconditioner, Real};
 use fracas_solvers::Silent;
 use fracas_solvers::amg::{Amg, Precision};
 use fracas_solvers::krylov::{Breakdown, Criteria, KrylovChoice, Outcome, System};
-use fracas_solvers::saddle::{
-    AugmentationChoice, Cost, InnerChoice, Racp, SaddleMethod, SaddleOperator,
-};
+use fracas_solvers::saddle::{Cost, InnerChoice, Racp, SaddleMethod, SaddleOperator};
 
 /// S̃_u⁻¹, and which digits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -136,11 +134,11 @@ fn iterate<R: Real>(
 /// Settings of RACP around geometric multigrid in this precision.
 fn geometric(precision: Precision) -> MatrixFreeRacp {
     MatrixFreeRacp {
-        augmentation: AugmentationChoice::LocalH,
         inner: Geometric {
             precision,
             ..Geometric::default()
         },
+        ..MatrixFreeRacp::default()
     }
 }
 
@@ -215,10 +213,9 @@ pub(super) fn rows(
         let blocks = body.saddle_blocks(Some(JumpStabilization::default()))?;
         let unit = blocks.traction_unit();
         let blocks = blocks.into_traction_unit(unit);
-        let augmentation = AugmentationChoice::LocalH;
         let racp = SaddleMethod::Racp(Racp {
-            augmentation,
             inner,
+            ..Racp::default()
         });
         let inverse = racp.ready(&blocks)?.inverse;
         let operator = SaddleOperator::new(&blocks);

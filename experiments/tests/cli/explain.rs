@@ -14,7 +14,7 @@ fn explained(arguments: &[&str]) -> Value {
 }
 
 #[test]
-fn a_scene_is_explained_and_local_h_is_advised_where_h_exceeds_c() {
+fn a_scene_is_explained_and_h_is_advised_where_it_exceeds_c() {
     let facts = explained(&["patch", "--augmentation", "local_h"]);
     assert_eq!(facts["c_over_h"]["share_below"], 0.0);
     assert!(facts["c_over_h"]["min"].as_f64().unwrap() >= 1.0);
@@ -23,8 +23,14 @@ fn a_scene_is_explained_and_local_h_is_advised_where_h_exceeds_c() {
     assert!(facts["rigid_body"]["worst"].as_f64().unwrap() < 1e-10);
     assert!(facts["seen"]["kappa"].as_f64().unwrap() >= 1.0);
     assert!(facts["time"]["inner_s"].as_f64().unwrap() > 0.0);
-    let advice = explained(&["patch", "--augmentation", "global_times=1e-6"])["advice"].clone();
-    assert!(advice.as_str().unwrap().contains("local_h"), "{advice}");
+    let small = ["patch", "--augmentation", "global_times=1e-6", "--method"];
+    for (method, rule) in [("racp", "half_h"), ("racp:0", "local_h")] {
+        let advice = explained(&[&small[..], &[method]].concat())["advice"].clone();
+        assert!(advice.as_str().unwrap().contains(rule), "{advice}");
+    }
+    let ours = explained(&["patch"]);
+    assert_eq!(ours["c_over_h"]["asked"], 0.5);
+    assert_eq!(ours["c_over_h"]["share_below"], 0.0);
 }
 
 #[test]

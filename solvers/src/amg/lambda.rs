@@ -35,14 +35,22 @@ pub(crate) fn largest_generalized<R: Real>(
     diagonal_solve(&r, &mut z);
     p.copy_from_slice(&z);
     let mut rho = dot(&r, &z).to_f64_exact();
+    let (rounding, first, mut most) = (R::epsilon().to_f64_exact(), rho, 0.0);
     for _ in 0..STEPS {
         product(&p, &mut q);
         let curvature = dot(&p, &q).to_f64_exact();
-        if !(curvature > 0.0 && rho > 0.0) {
+        // few unknowns: what follows the last direction would be rounding
+        if rho.is_nan() || rho <= rounding * rounding * first {
+            break;
+        }
+        // a direction in the kernel: 1/α = 0, and nothing after it
+        if curvature.is_nan() || curvature <= rounding * most * rho {
+            diagonal.push(beta / alpha_before);
             break;
         }
         let alpha = rho / curvature;
         diagonal.push(1.0 / alpha + beta / alpha_before);
+        most = diagonal.iter().copied().fold(0.0, f64::max);
         axpy(R::of(-alpha), &q, &mut r);
         diagonal_solve(&r, &mut z);
         let next = dot(&r, &z).to_f64_exact();
@@ -87,6 +95,27 @@ fn largest_of_tridiagonal(diagonal: &[f64], off: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn few_unknowns_and_a_kernel_leave_no_rounding() {
+        // a path of n nodes: λ_max = 2 + 2 cos(π/n), kernel of constants
+        for n in 2..9usize {
+            let product = |x: &[f64], y: &mut [f64]| {
+                for i in 0..n {
+                    let [left, right] = [i.checked_sub(1), (i + 1 < n).then_some(i + 1)];
+                    let near = [left, right].into_iter().flatten();
+                    y[i] = near.map(|j| x[i] - x[j]).sum();
+                }
+            };
+            let value =
+                largest_generalized(n, product, |r: &[f64], z: &mut [f64]| z.copy_from_slice(r));
+            let exact = 2.0 + 2.0 * (std::f64::consts::PI / n as f64).cos();
+            assert!(
+                (value / SAFETY - exact).abs() < 1e-6 * exact,
+                "{n}: {value} {exact}"
+            );
+        }
+    }
 
     #[test]
     fn bisection_finds_the_largest_eigenvalue_of_the_second_difference() {

@@ -3,7 +3,7 @@
 use super::inner::Ready;
 use super::{
     AugmentationChoice, AugmentedLagrangian, BlockDiagonal, BlockTriangular, Direct,
-    EliminatedInverse, Elimination, InnerChoice, Mcp, Racp, SaddleBlocks, Simple,
+    EliminatedInverse, Elimination, InnerChoice, Mcp, RELAXATION, Racp, SaddleBlocks, Simple,
 };
 use crate::{Prepare, SetupError};
 use fracas_operators::Preconditioner;
@@ -53,8 +53,8 @@ pub trait SaddleSettings {
     }
 }
 
-/// Which preconditioner of `𝒜 = [A B1; B2 −H]`. Written as `"mcp"`, `"mcp:0"` (factor of γ), `"direct:faer"` or
-/// `{ mcp = { inner = "amg" } }`.
+/// Which preconditioner of `𝒜 = [A B1; B2 −H]`. Written as `"racp"`, `"racp:0"` (without relaxation of H), `"mcp"`, `"mcp:0"`
+/// (factor of γ), `"direct:faer"` or `{ mcp = { inner = "amg" } }`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(remote = "Self", rename_all = "snake_case")]
 pub enum SaddleMethod {
@@ -224,12 +224,18 @@ pub struct UnknownSaddleMethod {
 /// All names, as a list for people.
 fn names() -> String {
     let plain: Vec<&str> = SaddleMethod::all().iter().map(SaddleMethod::name).collect();
-    format!("{}, mcp:FACTOR or direct:BACKEND", plain.join(", "))
+    format!(
+        "{}, racp:RELAXATION (0 to 1; 0: as published), mcp:FACTOR or direct:BACKEND",
+        plain.join(", ")
+    )
 }
 
 impl fmt::Display for SaddleMethod {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Racp(Racp { relaxation, .. }) if *relaxation != RELAXATION => {
+                write!(f, "racp:{relaxation}")
+            }
             Self::Mcp(Mcp { gamma_factor, .. }) if *gamma_factor != 1.0 => {
                 write!(f, "mcp:{gamma_factor}")
             }
@@ -253,6 +259,13 @@ impl FromStr for SaddleMethod {
         let found = Self::all().into_iter().find(|m| m.name() == name);
         match (found.ok_or_else(unknown)?, detail) {
             (method, None) => Ok(method),
+            (Self::Racp(racp), Some(detail)) => match detail.parse::<f64>() {
+                Ok(0.0) => Ok(Self::Racp(Racp::published(racp.inner))),
+                Ok(relaxation) if (0.0..=1.0).contains(&relaxation) => {
+                    Ok(Self::Racp(Racp { relaxation, ..racp }))
+                }
+                _ => Err(unknown()),
+            },
             (Self::Mcp(mcp), Some(detail)) => match detail.parse::<f64>() {
                 Ok(factor) if factor >= 0.0 && factor.is_finite() => Ok(Self::Mcp(Mcp {
                     gamma_factor: factor,

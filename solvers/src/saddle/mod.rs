@@ -16,6 +16,7 @@ pub mod operator;
 #[cfg(test)]
 pub(crate) mod oracle;
 pub mod racp;
+pub mod relaxation;
 #[cfg(test)]
 pub(crate) mod samples;
 pub(crate) mod scaling;
@@ -37,5 +38,6 @@ pub use method::{NoSuchPart, SaddleMethod, SaddleSettings, UnknownSaddleMethod};
 pub use monolithic::Direct;
 pub use operator::SaddleOperator;
 pub use racp::{Racp, RacpInverse};
+pub use relaxation::{RELAXATION, Relaxation};
 pub use simple::{Correction, Simple, SimpleInverse};
 pub use unit::unit_of_tractions;

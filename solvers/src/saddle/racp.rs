@@ -4,7 +4,7 @@ use super::inner::{PartCost, Ready};
 use super::method::SaddleSettings;
 use super::{
     AugmentationChoice, AugmentationMatrix, EliminatedInverse, Elimination, InnerChoice,
-    SaddleBlocks,
+    RELAXATION, Relaxation, SaddleBlocks,
 };
 use crate::direct::DirectChoice;
 use crate::{Prepare, SetupError};
@@ -19,7 +19,9 @@ use std::time::Instant;
 /// ([`EliminatedInverse`]).
 ///
 /// # Cost
-/// One solve with S̃_u, two with C, one product with B and one with Bᵀ.
+/// One solve with S̃_u, two with C, one product with B and one with Bᵀ; relaxed, two more with C and two with H.
+///
+/// [`relaxed`](Self::relaxed) makes it `W M⁻¹ Wᵀ` ([`Relaxation`]).
 ///
 /// # Source
 /// A. Franceschini, M. Ferronato, M. Frigo, C. Janna, CMAME 325 (2022) 114632; the deck.
@@ -27,6 +29,7 @@ pub struct RacpInverse<S, B = Csr<f64>> {
     b: B,
     c: AugmentationMatrix,
     s_u: S,
+    relaxation: Option<Relaxation<Box<dyn LinearOperator<f64>>>>,
     layout: Layout<2>,
 }
 
@@ -44,7 +47,26 @@ impl<S: Preconditioner<f64>, B: AdjointOperator<f64>> RacpInverse<S, B> {
         assert_eq!(shape.rows, s_u.size(), "rows of B and size of S_u");
         assert_eq!(shape.cols, c.size(), "columns of B and size of C");
         let layout = Layout::new(["u", "t"], [shape.rows, shape.cols]);
-        Self { b, c, s_u, layout }
+        Self {
+            b,
+            c,
+            s_u,
+            relaxation: None,
+            layout,
+        }
+    }
+
+    /// `W M⁻¹ Wᵀ`, `W = I − γ C⁻¹H`; γ = 0 leaves M⁻¹ as published.
+    #[must_use]
+    pub fn relaxed(self, h: Box<dyn LinearOperator<f64>>, gamma: f64) -> Self {
+        assert_eq!(h.shape().rows, self.c.size(), "rows of H and size of C");
+        let relaxation = Relaxation::of(h, gamma, &self.c);
+        Self { relaxation, ..self }
+    }
+
+    /// γ, 0 without relaxation.
+    pub fn relaxation(&self) -> f64 {
+        self.relaxation.as_ref().map_or(0.0, Relaxation::gamma)
     }
 
     /// C.
@@ -63,26 +85,49 @@ impl<S: Preconditioner<f64>, B: AdjointOperator<f64>> Preconditioner<f64> for Ra
         let [y_u, y_t] = self.layout.split_mut(y);
         let (w_u, work) = work.split_at_mut(x_u.len());
         let (w_t, work) = work.split_at_mut(x_t.len());
-        // y_t = C⁻¹ x_t
-        self.c.solve(x_t, y_t, work);
-        // w_u = x_u + B C⁻¹ x_t
+        // w_t = Wᵀ x_t, y_t = C⁻¹ Wᵀ x_t
+        w_t.copy_from_slice(x_t);
+        self.c.solve(w_t, y_t, work);
+        if let Some(w) = &self.relaxation {
+            w.before(y_t, w_t, work);
+            self.c.solve(w_t, y_t, work);
+        }
+        // w_u = x_u + B C⁻¹ Wᵀ x_t
         w_u.copy_from_slice(x_u);
         self.b.apply_add(1.0, y_t, w_u, work);
-        // y_u = S̃_u⁻¹ (x_u + B C⁻¹ x_t)
+        // y_u = S̃_u⁻¹ w_u
         self.s_u.solve(w_u, y_u, work);
-        // w_t = Bᵀ y_u − x_t
-        w_t.iter_mut().zip(x_t).for_each(|(w, x)| *w = -x);
+        // w_t = Bᵀ y_u − Wᵀ x_t
+        w_t.iter_mut().for_each(|w| *w = -*w);
         self.b.apply_adjoint_add(1.0, y_u, w_t, work);
-        // y_t = C⁻¹ (Bᵀ y_u − x_t)
+        // y_t = W C⁻¹ (Bᵀ y_u − Wᵀ x_t)
         self.c.solve(w_t, y_t, work);
+        if let Some(w) = &self.relaxation {
+            let (c_inverse, work) = work.split_at_mut(x_t.len());
+            w.after(y_t, w_t, work);
+            self.c.solve(w_t, c_inverse, work);
+            y_t.iter_mut().zip(&*c_inverse).for_each(|(y, r)| *y -= r);
+        }
     }
 
     fn work_len(&self) -> usize {
-        self.layout.len() + self.s_u.work_len().max(self.b.work_len())
+        let relaxation = match &self.relaxation {
+            Some(w) => self.c.size() + w.work_len(),
+            None => 0,
+        };
+        let inside = self.s_u.work_len().max(self.b.work_len());
+        self.layout.len() + inside.max(relaxation)
     }
 
     fn flops(&self) -> u64 {
-        2 * Preconditioner::flops(&self.c) + self.s_u.flops() + 2 * LinearOperator::flops(&self.b)
+        let relaxation = match &self.relaxation {
+            Some(w) => 2 * (w.flops() + Preconditioner::flops(&self.c)) + self.c.size() as u64,
+            None => 0,
+        };
+        2 * Preconditioner::flops(&self.c)
+            + self.s_u.flops()
+            + 2 * LinearOperator::flops(&self.b)
+            + relaxation
     }
 
     fn is_linear(&self) -> bool {
@@ -95,15 +140,39 @@ impl<S: Preconditioner<f64>, B: AdjointOperator<f64>> Preconditioner<f64> for Ra
 }
 
 /// Settings of RACP. Rows that determine their own traction (slip, open) are eliminated first, see [`Elimination`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Racp {
     /// C.
     pub augmentation: AugmentationChoice,
+    /// γ of the [`Relaxation`] of H, from 0 (none; with C = local_h the published method) to 1; without effect on a dense C.
+    #[serde(deserialize_with = "crate::saddle::relaxation::factor")]
+    pub relaxation: f64,
     /// S̃_u⁻¹.
     #[serde(deserialize_with = "crate::saddle::inner::name_or_settings")]
     #[schemars(with = "crate::saddle::inner::NameOrSettings")]
     pub inner: InnerChoice,
+}
+
+impl Default for Racp {
+    fn default() -> Self {
+        Self {
+            augmentation: AugmentationChoice::HalfH,
+            relaxation: RELAXATION,
+            inner: InnerChoice::default(),
+        }
+    }
+}
+
+impl Racp {
+    /// As published: C = C_local + diag(H), no relaxation. The spectrum laboratory states its bounds for this.
+    pub fn published(inner: InnerChoice) -> Self {
+        Self {
+            augmentation: AugmentationChoice::LocalH,
+            relaxation: 0.0,
+            inner,
+        }
+    }
 }
 
 impl SaddleSettings for Racp {
@@ -130,7 +199,12 @@ impl SaddleSettings for Racp {
                 inner_s: start.elapsed().as_secs_f64(),
                 inner_flops: inverse.flops(),
             };
-            let inverse = RacpInverse::new(blocks.b1.clone(), c, inverse);
+            // a dense C serves theory: it is left as it is
+            let relaxed = blocks.h.as_ref().filter(|_| c.is_sparse());
+            let mut inverse = RacpInverse::new(blocks.b1.clone(), c, inverse);
+            if let Some(h) = relaxed {
+                inverse = inverse.relaxed(Box::new(Csr::new(h.clone())), self.relaxation);
+            }
             Ok((inverse, hierarchy, Some(parts)))
         };
         blocks.check()?;

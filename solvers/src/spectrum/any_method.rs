@@ -11,9 +11,9 @@ use crate::{Observer, SetupError};
 use faer::Mat;
 use fracas_operators::Dense;
 
-/// Analyses M⁻¹𝒜 for `method`: [`analyse`] with its C and S̃_u where it is RACP; otherwise, and where RACP eliminates rows
-/// of slip and opening, the eigenvalues alone, since no bound is proved. `request` says the dense limit; its modes need
-/// RACP without such rows.
+/// Analyses M⁻¹𝒜 for `method`: [`analyse`] with its C and S̃_u where it is RACP as published; otherwise, and where RACP
+/// relaxes H or eliminates rows of slip and opening, the eigenvalues alone, since no bound is stated. `request` says the
+/// dense limit; its modes need RACP as published without such rows.
 ///
 /// # Errors
 /// Those of the method; [`SetupError::NotApplicable`] for a preconditioner that is no linear map, and for modes of
@@ -25,7 +25,9 @@ pub fn analyse_method(
     observer: &mut dyn Observer,
 ) -> Result<SpectrumReport, SetupError> {
     let eliminated = Elimination::new(blocks).map_or(0, |e| e.rows().len());
-    if let (SaddleMethod::Racp(racp), 0) = (method, eliminated) {
+    if let (SaddleMethod::Racp(racp), 0) = (method, eliminated)
+        && (racp.relaxation == 0.0 || blocks.h.is_none())
+    {
         let request = SpectrumRequest {
             augmentation: racp.augmentation,
             inner: racp.inner,
@@ -39,7 +41,7 @@ pub fn analyse_method(
     };
     if !request.modes.is_empty() {
         return Err(no(
-            "eigenvectors are computed for --method racp only, and for systems without rows of slip or opening",
+            "eigenvectors are computed for --method racp:0 only, and for systems without rows of slip or opening",
         ));
     }
     let mut stages = Stages { observer, done: 0 };

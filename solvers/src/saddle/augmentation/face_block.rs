@@ -11,7 +11,7 @@ use fracas_operators::sparse::SparseMatrix;
 use rayon::prelude::*;
 
 /// What rounding may do to a block, relative to its largest diagonal entry. Unit: 1.
-const ROUNDING: f64 = 1e-12;
+pub(super) const ROUNDING: f64 = 1e-12;
 
 /// `C_f = r(B_f)ᵀ (A|_f)⁻¹ r(B_f) + |H_ff|`, B_f = the three columns of face f, A restricted to their support.
 ///
@@ -38,7 +38,7 @@ pub(super) fn face_block(
         .map(|face| {
             let mut block = coupling(&blocks.a, columns, face)?;
             if let Some(h) = &blocks.h {
-                add_stabilization(&mut block, h, face);
+                add_stabilization(&mut block, h, face, 1.0);
             }
             Ok(block)
         })
@@ -114,8 +114,8 @@ fn diagonal_of(block: &Block) -> Block {
     std::array::from_fn(|i| std::array::from_fn(|j| if i == j { block[i][i] } else { 0.0 }))
 }
 
-/// `C_f ← C_f + |H_ff|`.
-fn add_stabilization(block: &mut Block, h: &SparseMatrix<f64>, face: usize) {
+/// `C_f ← C_f + θ |H_ff|`.
+pub(super) fn add_stabilization(block: &mut Block, h: &SparseMatrix<f64>, face: usize, theta: f64) {
     let entry = |i: usize, j: usize| h.get(3 * face + i, 3 * face + j).copied().unwrap_or(0.0);
     let size = (0..3).fold(0.0f64, |m, i| m.max(entry(i, i).abs()));
     // sums over edges may differ in their last digit between the two triangles
@@ -126,9 +126,9 @@ fn add_stabilization(block: &mut Block, h: &SparseMatrix<f64>, face: usize) {
     let semi_definite = symmetric && is_semi_definite(&h_ff);
     for i in 0..3 {
         if semi_definite {
-            (0..3).for_each(|j| block[i][j] += h_ff[i][j]);
+            (0..3).for_each(|j| block[i][j] += theta * h_ff[i][j]);
         } else {
-            block[i][i] += h_ff[i][i].abs();
+            block[i][i] += theta * h_ff[i][i].abs();
         }
     }
 }

@@ -145,6 +145,21 @@ impl AugmentationMatrix {
         }
     }
 
+    /// C and C⁻¹ of every face; of a dense C its diagonal.
+    pub fn of_faces(&self) -> Vec<[Block; 2]> {
+        if let Self::FaceBlocks { c, inverse } = self {
+            return c.iter().zip(inverse).map(|(c, i)| [*c, *i]).collect();
+        }
+        let block = |d: &[f64]| -> Block {
+            std::array::from_fn(|i| std::array::from_fn(|j| if i == j { d[i] } else { 0.0 }))
+        };
+        let diagonal = self.diagonal_entries();
+        let faces = diagonal.chunks_exact(3);
+        faces
+            .map(|c| [block(c), block(&[1.0 / c[0], 1.0 / c[1], 1.0 / c[2]])])
+            .collect()
+    }
+
     /// C with all its zeros.
     pub fn to_dense(&self) -> Mat<f64> {
         match self {

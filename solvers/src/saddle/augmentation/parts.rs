@@ -8,7 +8,10 @@ use rayon::prelude::*;
 impl AugmentationChoice {
     /// True where the rows of C of a face need A on the supports of that face's columns of B alone.
     pub fn is_local(self) -> bool {
-        matches!(self, Self::Local | Self::LocalH | Self::FaceBlock)
+        matches!(
+            self,
+            Self::Local | Self::LocalH | Self::HalfH | Self::FaceBlock
+        )
     }
 
     /// C of a saddle point given in pieces: faces in order, every piece with the columns of B and the diagonal blocks of H
@@ -57,7 +60,7 @@ impl AugmentationChoice {
         Err(SetupError::NotApplicable {
             method: "an augmentation without an assembled A",
             reason: format!(
-                "{} needs all of A; take local, local_h or face_block, or an inner solver of assembled matrices such as amg",
+                "{} needs all of A; take local, local_h, half_h or face_block, or an inner solver of assembled matrices such as amg",
                 self.name()
             ),
         })
@@ -79,10 +82,32 @@ impl AugmentationMatrix {
                 c.extend(next);
                 inverse.extend(next_inverse);
             }
-            (empty, next) => {
-                assert_eq!(empty.size(), 0, "pieces of C of different kinds");
-                *empty = next;
+            (empty, next) if empty.size() == 0 => *empty = next,
+            // aligned faces beside others
+            (before, next) => {
+                assert!(
+                    before.is_sparse() && next.is_sparse(),
+                    "pieces of a dense C"
+                );
+                *before = std::mem::replace(before, Self::diagonal(Vec::new())).in_blocks();
+                before.append(next.in_blocks());
             }
+        }
+    }
+
+    /// The same as 3×3 blocks.
+    fn in_blocks(self) -> Self {
+        let Self::Diagonal { c } = self else {
+            return self;
+        };
+        let block = |d: &[f64]| -> Block {
+            std::array::from_fn(|i| std::array::from_fn(|j| if i == j { d[i] } else { 0.0 }))
+        };
+        let of = |c: &[f64]| c.chunks_exact(3).map(block).collect::<Vec<Block>>();
+        let inverse: Vec<f64> = c.iter().map(|c| 1.0 / c).collect();
+        Self::FaceBlocks {
+            c: of(&c),
+            inverse: of(&inverse),
         }
     }
 }

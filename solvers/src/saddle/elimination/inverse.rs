@@ -7,7 +7,7 @@ use fracas_operators::{Layout, LinearOperator, Preconditioner};
 /// ```text
 /// w_u = x_u + B1_l H_ll⁻¹ x_l      w_k = x_k      (y_u, y_k) = M'⁻¹ w      y_l = H_ll⁻¹ (B2_l y_u − H_lk y_k − x_l)
 /// ```
-/// so that row l of 𝒜 M⁻¹ is row l of the identity. With exact S_u, `M⁻¹𝒜` has the eigenvalue 1 for every u and every l,
+/// so that row l of 𝒜 M⁻¹ is row l of the identity. With RACP as published and exact S_u, `M⁻¹𝒜` has the eigenvalue 1 for every u and every l,
 /// and otherwise those of `(S' + C)⁻¹ (S_12 + H)`, `S' = B_kᵀ A'⁻¹ B_k`, `S_12 = B2_k A'⁻¹ B1'`.
 pub struct EliminatedInverse<M> {
     elimination: Elimination,

@@ -4,7 +4,7 @@ use crate::eigen::dense;
 use crate::krylov::oracle::{solve, until};
 use crate::krylov::{Gmres, KrylovMethod, Outcome, Sqmr, System};
 use crate::saddle::samples::{random, sparse, trusses};
-use crate::saddle::{AugmentationChoice, Racp, SaddleMethod, SaddleOperator};
+use crate::saddle::{AugmentationChoice, InnerChoice, Racp, SaddleMethod, SaddleOperator};
 use crate::{Prepare, Silent};
 use faer::Mat;
 use fracas_operators::laws::{check_preconditioner, probe};
@@ -163,7 +163,7 @@ fn exact_parts_invert_the_matrix_that_is_claimed_for_every_c() {
         for choice in AugmentationChoice::ALL {
             let racp = Racp {
                 augmentation: choice,
-                ..Racp::default()
+                ..Racp::published(InnerChoice::default())
             };
             let m = racp.prepare(&blocks).unwrap();
             let matrix = oracle(&blocks, choice);
@@ -176,7 +176,9 @@ fn exact_parts_invert_the_matrix_that_is_claimed_for_every_c() {
 fn the_eigenvalues_are_one_and_those_of_the_schur_complements() {
     let blocks = mixed(0.5, 7);
     let (n_u, n_t) = (blocks.n_u(), blocks.n_t());
-    let m = Racp::default().prepare(&blocks).unwrap();
+    let m = Racp::published(InnerChoice::default())
+        .prepare(&blocks)
+        .unwrap();
     let operator = SaddleOperator::new(&blocks);
     let n = n_u + n_t;
     let mut product = Mat::zeros(n, n);

@@ -7,6 +7,7 @@ use fracas_operators::{BlockOperator, Counted, Dense, Shape};
 fn settings(augmentation: AugmentationChoice) -> Racp {
     Racp {
         augmentation,
+        relaxation: 0.0,
         ..Racp::default()
     }
 }

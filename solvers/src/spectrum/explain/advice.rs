@@ -33,10 +33,14 @@ pub(super) fn of(facts: &Explanation, method: &SaddleMethod) -> String {
         );
     }
     if let Some(c) = facts.c_over_h.filter(|c| c.share_below > BELOW) {
+        let (part, rule) = match c.asked < 1.0 {
+            true => ("half of H", "half_h, which adds half of H to C"),
+            false => ("H", "local_h, which adds H to C"),
+        };
         return format!(
-            "C is smaller than H in {:.0} % of the rows, by up to {:.1e}: take --augmentation local_h, which adds H to C",
+            "C is smaller than {part} in {:.0} % of the rows, by up to {:.1e}: take --augmentation {rule}",
             100.0 * c.share_below,
-            1.0 / c.min
+            c.asked / c.min
         );
     }
     if is_amg && facts.rigid_body.is_none() {

@@ -5,6 +5,9 @@ use crate::direct::DirectChoice;
 use crate::saddle::{AugmentationChoice, Elimination, SaddleBlocks};
 use serde::Serialize;
 
+/// Relative difference that counts as rounding. Unit: 1.
+const ROUNDING: f64 = 1e-12;
+
 /// `C_ii / H_ii` over the rows with `H_ii > 0`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Domination {
@@ -14,7 +17,9 @@ pub struct Domination {
     pub median: f64,
     /// Largest.
     pub max: f64,
-    /// Share of the rows with `C_ii < H_ii`.
+    /// `C_ii / H_ii` that the method asks for: 1, or ½ where it relaxes H.
+    pub asked: f64,
+    /// Share of the rows below that.
     pub share_below: f64,
 }
 
@@ -23,6 +28,7 @@ impl Domination {
     pub(super) fn new(
         blocks: &SaddleBlocks,
         choice: AugmentationChoice,
+        asked: f64,
     ) -> Result<Option<Self>, SetupError> {
         let elimination = Elimination::new(blocks);
         let blocks = elimination.as_ref().map_or(blocks, Elimination::kept);
@@ -45,7 +51,9 @@ impl Domination {
             min: ratios[0],
             median: ratios[n / 2],
             max: ratios[n - 1],
-            share_below: ratios.iter().filter(|r| **r < 1.0).count() as f64 / n as f64,
+            asked,
+            share_below: ratios.partition_point(|r| *r < asked * (1.0 - ROUNDING)) as f64
+                / n as f64,
         }))
     }
 }

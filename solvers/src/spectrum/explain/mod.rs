@@ -35,6 +35,14 @@ pub struct Solved<'a> {
     pub solve_s: f64,
 }
 
+/// `C_ii / H_ii` that a method needs.
+fn asked_of_c(method: &SaddleMethod) -> f64 {
+    match method {
+        SaddleMethod::Racp(racp) if racp.relaxation > 0.0 => 0.5,
+        _ => 1.0,
+    }
+}
+
 /// `‖A·r‖` for rigid-body motions r, row by row.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RigidBody {
@@ -107,7 +115,7 @@ impl Explanation {
             }
         });
         let c_over_h = match solved.method.augmentation() {
-            Some(choice) => Domination::new(blocks, choice)?,
+            Some(choice) => Domination::new(blocks, choice, asked_of_c(solved.method))?,
             None => None,
         };
         let flops = solved.preconditioner.flops().max(1) as f64;

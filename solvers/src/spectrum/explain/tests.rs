@@ -45,10 +45,12 @@ fn a_c_below_h_is_advised_away_and_local_h_is_not() {
             &blocks,
             Racp {
                 augmentation,
-                inner: InnerChoice::default(),
+                ..Racp::published(InnerChoice::default())
             },
         )
     };
+    let ours = explained(&blocks, Racp::default());
+    assert!(!ours.advice.contains("_h"), "{}", ours.advice);
     let (local, local_h) = (
         of(AugmentationChoice::Local),
         of(AugmentationChoice::LocalH),

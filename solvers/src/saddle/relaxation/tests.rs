@@ -1,0 +1,193 @@
+use super::*;
+use crate::Prepare;
+use crate::eigen::dense;
+use crate::saddle::samples::{random, sparse};
+use crate::saddle::{
+    AugmentationChoice, InnerChoice, Racp, RacpInverse, SaddleBlocks, SaddleOperator,
+};
+use crate::smoothers::JacobiInverse;
+use faer::Mat;
+use fracas_operators::Dense;
+use fracas_operators::sparse::Csr;
+
+/// A random system with an H of entries beside its diagonal.
+fn blocks() -> SaddleBlocks {
+    random(12, 5, 0.7, 11)
+}
+
+fn racp(relaxation: f64) -> Racp {
+    Racp {
+        augmentation: AugmentationChoice::LocalH,
+        relaxation,
+        ..Racp::default()
+    }
+}
+
+/// M⁻¹, entry by entry.
+fn inverse(racp: Racp, blocks: &SaddleBlocks) -> Dense<f64> {
+    Dense::of_preconditioner(&racp.prepare(blocks).unwrap())
+}
+
+#[test]
+fn it_is_w_from_both_sides() {
+    let blocks = blocks();
+    let (n_u, n) = (blocks.n_u(), blocks.n_u() + blocks.n_t());
+    let direct = crate::direct::DirectChoice::Faer.solver().unwrap();
+    let choice = AugmentationChoice::LocalH;
+    let c = choice.compute(&blocks, direct.as_ref()).unwrap().matrix;
+    let c = c.diagonal_entries();
+    let h = |i: usize, j: usize| blocks.h.as_ref().unwrap().get(i, j).copied().unwrap_or(0.0);
+    let gamma = 0.15;
+    let w = |i: usize, j: usize| {
+        let one = if i == j { 1.0 } else { 0.0 };
+        match (i.checked_sub(n_u), j.checked_sub(n_u)) {
+            (Some(i), Some(j)) => one - gamma / c[i] * h(i, j),
+            _ => one,
+        }
+    };
+    let (plain, relaxed) = (inverse(racp(0.0), &blocks), inverse(racp(gamma), &blocks));
+    for i in 0..n {
+        for j in 0..n {
+            let mut sum = 0.0;
+            for k in 0..n {
+                for l in 0..n {
+                    sum += w(i, k) * plain.entry(k, l) * w(j, l);
+                }
+            }
+            let found = relaxed.entry(i, j);
+            assert!((found - sum).abs() < 1e-12 * plain.max_abs(), "{i} {j}");
+        }
+    }
+}
+
+#[test]
+fn modes_that_a_h_and_c_share_have_the_eigenvalues_of_the_formula() {
+    // one displacement, one traction: S̃_u exact, A = 1, B = √s
+    for (s, h, c, gamma) in [
+        (0.3f64, 1.8f64, 1.4f64, 0.2f64),
+        (5.0, 0.2, 1.2, 0.2),
+        (0.1, 2.0, 1.1, 0.1),
+    ] {
+        let b = s.sqrt();
+        let one = |v: f64| sparse(1, 1, |_, _| v);
+        let c_matrix = AugmentationMatrix::from_diagonal(vec![c]).unwrap();
+        // 1 × 1: Jacobi is exact
+        let s_u = JacobiInverse::new(&one(1.0 + s / c), Default::default()).unwrap();
+        let m = RacpInverse::new(one(b), c_matrix, s_u).relaxed(Box::new(Csr::new(one(h))), gamma);
+        let m = Dense::of_preconditioner(&m);
+        let a = [[1.0, b], [b, -h]];
+        let product = |i: usize, j: usize| (0..2).map(|k| m.entry(i, k) * a[k][j]).sum::<f64>();
+        let determinant = product(0, 0) * product(1, 1) - product(0, 1) * product(1, 0);
+        let q = 1.0 - gamma * h / c;
+        let expected = [
+            q * q * (s + h) / (s + c),
+            (c + 2.0 * s * q + h * q * q) / (s + c),
+        ];
+        assert!((determinant - expected[0]).abs() < 1e-13);
+        assert!((product(0, 0) + product(1, 1) - expected[1]).abs() < 1e-13);
+    }
+}
+
+/// S̃_u⁻¹ = S_u⁻¹/3.
+struct Third<M>(M);
+
+impl<M: Preconditioner<f64>> Preconditioner<f64> for Third<M> {
+    fn size(&self) -> usize {
+        self.0.size()
+    }
+    fn solve(&self, r: &[f64], z: &mut [f64], work: &mut [f64]) {
+        self.0.solve(r, z, work);
+        z.iter_mut().for_each(|z| *z /= 3.0);
+    }
+    fn work_len(&self) -> usize {
+        self.0.work_len()
+    }
+    fn flops(&self) -> u64 {
+        self.0.flops()
+    }
+}
+
+#[test]
+fn with_the_chosen_factor_no_real_part_exceeds_beta_u_and_one() {
+    let mut beyond = 0;
+    for seed in 0..20 {
+        let blocks = random(10, 5, 0.7, seed);
+        let h = blocks.h.clone().unwrap();
+        // H reaches 4 C, C no multiple of I, and β_u of 3 S_u is below 2/3
+        let shape = [1.0, 2.0, 0.5, 3.0, 0.7];
+        let h_of = dense::to_dense(&h);
+        let scaled = Mat::from_fn(5, 5, |i, j| h_of[(i, j)] / f64::sqrt(shape[i] * shape[j]));
+        let largest = dense::symmetric_eigenvalues(scaled.as_ref()).unwrap()[4];
+        let c = shape.map(|c| 0.25 * largest * c).to_vec();
+        let c = AugmentationMatrix::from_diagonal(c).unwrap();
+        let real_parts = |gamma: f64| {
+            let s_u = InnerChoice::default().prepare(&blocks, &c).unwrap().inverse;
+            let m = RacpInverse::new(blocks.b1.clone(), c.clone(), Third(s_u));
+            let m = m.relaxed(Box::new(Csr::new(h.clone())), gamma);
+            let matrix = |m: Dense<f64>| Mat::from_fn(15, 15, |i, j| m.entry(i, j));
+            let m = matrix(Dense::of_preconditioner(&m));
+            let a = matrix(Dense::of_operator(&SaddleOperator::new(&blocks)));
+            let values =
+                dense::general_eigenvalues(dense::multiply(m.as_ref(), a.as_ref()).as_ref());
+            let values = values.unwrap();
+            let ends = values.iter().map(|v| v.re);
+            ends.fold([f64::INFINITY, 0.0], |[low, high], re| {
+                [low.min(re), high.max(re)]
+            })
+        };
+        beyond += usize::from(real_parts(0.0)[1] > 1.5);
+        let [low, high] = real_parts(RELAXATION);
+        assert!(
+            low > -1e-9 && high < 1.0 + 1e-9,
+            "seed {seed}: {low} {high}"
+        );
+    }
+    assert!(beyond > 10, "{beyond} of 20 without relaxation");
+}
+
+#[test]
+fn it_gives_way_where_c_does_not_dominate_h() {
+    let h = || {
+        Csr::new(sparse(4, 4, |i, j| {
+            if i == j {
+                2.0
+            } else if i.abs_diff(j) == 1 {
+                -1.0
+            } else {
+                0.0
+            }
+        }))
+    };
+    // λ_max(H) = 2 + 2 cos 36° = 3.618
+    let of =
+        |gamma, c: f64| Relaxation::new(h(), gamma, |r, z| (0..4).for_each(|i| z[i] = r[i] / c));
+    assert!(of(0.0, 1.0).is_none());
+    assert_eq!(of(0.1, 1.0).unwrap().gamma(), 0.1);
+    let least = 0.01 * 0.65 / 3.618;
+    let gamma = of(0.2, 0.01).unwrap().gamma();
+    assert!(
+        gamma > 0.9 * least && gamma < 1.0001 * least,
+        "{gamma} {least}"
+    );
+}
+
+#[test]
+fn without_h_nothing_is_relaxed_and_nothing_costs() {
+    let blocks = random(12, 5, 0.0, 11);
+    let (plain, relaxed) = (
+        racp(0.0).prepare(&blocks).unwrap(),
+        racp(0.2).prepare(&blocks).unwrap(),
+    );
+    assert_eq!(plain.flops(), relaxed.flops());
+    assert_eq!(plain.work_len(), relaxed.work_len());
+}
+
+#[test]
+fn a_factor_outside_is_refused() {
+    for bad in ["-0.1", "1.5", "\"much\""] {
+        let text = format!(r#"{{"relaxation": {bad}}}"#);
+        assert!(serde_json::from_str::<Racp>(&text).is_err(), "{bad}");
+    }
+    let error = serde_json::from_str::<Racp>(r#"{"relaxation": 2}"#).unwrap_err();
+    assert!(error.to_string().contains("from 0 (none) to 1"), "{error}");
+}
