@@ -255,7 +255,7 @@ fn ends_well(tally: &Tally) {
     );
     let round = tally.rounds[tally.rounds.len() * 95 / 100];
     // the last two rounds of a step change nothing: they judge to the loose and to the tight tolerance
-    assert!(round <= 13, "{round} rounds in 95 % of the steps");
+    assert!(round <= 14, "{round} rounds in 95 % of the steps");
 }
 
 #[test]
