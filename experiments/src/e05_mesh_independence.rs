@@ -60,14 +60,6 @@ fn entries() -> Vec<Entry> {
     let gmres = KrylovChoice::default();
     let amg = InnerChoice::Amg(Default::default());
     let exact = InnerChoice::default();
-    let racp = |name, racp: Racp, limit| Entry {
-        candidate: Candidate {
-            name,
-            method: SaddleMethod::Racp(racp).into(),
-            krylov: gmres,
-        },
-        limit,
-    };
     let relaxed = |inner| Racp {
         inner,
         ..Racp::default()
@@ -84,6 +76,7 @@ fn entries() -> Vec<Entry> {
         },
         limit,
     };
+    let racp = |name, racp: Racp, limit| other(name, SaddleMethod::Racp(racp), gmres, limit);
     let mcp = |inner| {
         SaddleMethod::Mcp(Mcp {
             inner,

@@ -5,7 +5,7 @@ use fracas::matrix_free::MatrixFreeRacp;
 use fracas::multigrid::Geometric;
 use fracas_solvers::amg::{Amg, Precision};
 use fracas_solvers::saddle::inner::UnknownInner;
-use fracas_solvers::saddle::{AugmentationChoice, InnerChoice, NoSuchPart, Racp, SaddleMethod};
+use fracas_solvers::saddle::{AugmentationChoice, InnerChoice, Racp, SaddleMethod};
 use std::str::FromStr;
 
 /// A method with the parts that the command line chooses.
@@ -165,7 +165,7 @@ impl Parts {
             None => self.assembled(None, None),
             Some(Inner::Assembled(inner)) => self.assembled(Some(inner), None),
             Some(Inner::Geometric(precision)) => {
-                let Some(racp) = self.racp()? else {
+                let Some(racp) = self.racp() else {
                     return Err(NotGeometric::Method(self.method.name()).into());
                 };
                 match asked {
@@ -190,7 +190,7 @@ impl Parts {
         if self.method.inner().is_none() {
             return self.assembled(None, None);
         }
-        let reason = match (asked, self.racp()?) {
+        let reason = match (asked, self.racp()) {
             (_, None) => format!("{} is made from assembled blocks", self.method.name()),
             (Asked::Folder, _) => "a system folder has no grid".to_owned(),
             (Asked::SceneOfFile, _) => "the mesh of the scene comes from a file".to_owned(),
@@ -223,13 +223,13 @@ impl Parts {
     }
 
     /// RACP with this C, where it is the method.
-    fn racp(&self) -> Result<Option<Racp>, NoSuchPart> {
-        let SaddleMethod::Racp(_) = self.method else {
-            return Ok(None);
+    fn racp(&self) -> Option<Racp> {
+        let SaddleMethod::Racp(racp) = self.method else {
+            return None;
         };
-        Ok(match self.method.with_parts(self.augmentation, None)? {
-            SaddleMethod::Racp(racp) => Some(racp),
-            _ => None,
+        Some(Racp {
+            augmentation: self.augmentation.unwrap_or(racp.augmentation),
+            ..racp
         })
     }
 }

@@ -35,22 +35,23 @@ pub(crate) fn largest_generalized<R: Real>(
     diagonal_solve(&r, &mut z);
     p.copy_from_slice(&z);
     let mut rho = dot(&r, &z).to_f64_exact();
-    let (rounding, first, mut most) = (R::epsilon().to_f64_exact(), rho, 0.0);
+    let (rounding, first, mut most) = (R::epsilon().to_f64_exact(), rho, 0.0f64);
     for _ in 0..STEPS {
-        product(&p, &mut q);
-        let curvature = dot(&p, &q).to_f64_exact();
         // few unknowns: what follows the last direction would be rounding
         if rho.is_nan() || rho <= rounding * rounding * first {
             break;
         }
+        product(&p, &mut q);
+        let curvature = dot(&p, &q).to_f64_exact();
         // a direction in the kernel: 1/α = 0, and nothing after it
         if curvature.is_nan() || curvature <= rounding * most * rho {
             diagonal.push(beta / alpha_before);
             break;
         }
         let alpha = rho / curvature;
-        diagonal.push(1.0 / alpha + beta / alpha_before);
-        most = diagonal.iter().copied().fold(0.0, f64::max);
+        let entry = 1.0 / alpha + beta / alpha_before;
+        diagonal.push(entry);
+        most = entry.max(most);
         axpy(R::of(-alpha), &q, &mut r);
         diagonal_solve(&r, &mut z);
         let next = dot(&r, &z).to_f64_exact();

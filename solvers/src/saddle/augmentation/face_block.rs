@@ -2,7 +2,7 @@
 
 use super::super::SaddleBlocks;
 use super::AugmentationMatrix;
-use super::matrix::{Block, cholesky3};
+use super::matrix::{Block, cholesky3, diagonal_block};
 use super::support::{Columns, for_restricted};
 use crate::SetupError;
 use crate::eigen::dense;
@@ -97,7 +97,7 @@ fn coupling(a: &SparseMatrix<f64>, columns: &Columns, face: usize) -> Result<Blo
     Ok(if cholesky3(&block).is_ok() {
         block
     } else {
-        diagonal_of(&block)
+        diagonal_block([block[0][0], block[1][1], block[2][2]])
     })
 }
 
@@ -108,10 +108,6 @@ fn well_conditioned_factor(a: &Mat<f64>) -> Option<Mat<f64>> {
     (0..a.nrows())
         .all(|i| l[(i, i)] * l[(i, i)] > KEPT * a[(i, i)])
         .then_some(l)
-}
-
-fn diagonal_of(block: &Block) -> Block {
-    std::array::from_fn(|i| std::array::from_fn(|j| if i == j { block[i][i] } else { 0.0 }))
 }
 
 /// `C_f ← C_f + θ |H_ff|`.

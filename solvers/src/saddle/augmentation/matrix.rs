@@ -150,13 +150,10 @@ impl AugmentationMatrix {
         if let Self::FaceBlocks { c, inverse } = self {
             return c.iter().zip(inverse).map(|(c, i)| [*c, *i]).collect();
         }
-        let block = |d: &[f64]| -> Block {
-            std::array::from_fn(|i| std::array::from_fn(|j| if i == j { d[i] } else { 0.0 }))
-        };
         let diagonal = self.diagonal_entries();
-        let faces = diagonal.chunks_exact(3);
+        let faces = diagonal.as_chunks().0.iter();
         faces
-            .map(|c| [block(c), block(&[1.0 / c[0], 1.0 / c[1], 1.0 / c[2]])])
+            .map(|c| [diagonal_block(*c), diagonal_block(c.map(|c| 1.0 / c))])
             .collect()
     }
 
@@ -229,6 +226,11 @@ impl AugmentationMatrix {
         }
         Ok(triplets.to_csr())
     }
+}
+
+/// diag(d).
+pub(super) fn diagonal_block(d: [f64; 3]) -> Block {
+    std::array::from_fn(|i| std::array::from_fn(|j| if i == j { d[i] } else { 0.0 }))
 }
 
 /// Cholesky factor of a dense C with a test for vanishing pivots.

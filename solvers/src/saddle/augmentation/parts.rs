@@ -97,18 +97,8 @@ impl AugmentationMatrix {
 
     /// The same as 3×3 blocks.
     fn in_blocks(self) -> Self {
-        let Self::Diagonal { c } = self else {
-            return self;
-        };
-        let block = |d: &[f64]| -> Block {
-            std::array::from_fn(|i| std::array::from_fn(|j| if i == j { d[i] } else { 0.0 }))
-        };
-        let of = |c: &[f64]| c.chunks_exact(3).map(block).collect::<Vec<Block>>();
-        let inverse: Vec<f64> = c.iter().map(|c| 1.0 / c).collect();
-        Self::FaceBlocks {
-            c: of(&c),
-            inverse: of(&inverse),
-        }
+        let (c, inverse) = self.of_faces().into_iter().map(<[Block; 2]>::into).unzip();
+        Self::FaceBlocks { c, inverse }
     }
 }
 
