@@ -1,5 +1,6 @@
 //! The linear systems of Newton: one preconditioner for as long as it serves.
 
+use super::assembled::Assembled;
 use super::face_rules::FaceRule;
 use super::fallback::Fallbacks;
 use super::jacobian::FaceTangent;
@@ -66,6 +67,7 @@ pub(super) struct Linear {
     built: bool,
     work: Vec<f64>,
     pub(super) fallbacks: Fallbacks,
+    assembled: Assembled,
     /// Number of the system of a step to stop at, and that system.
     pub(super) wanted: Option<usize>,
     pub(super) found: Option<NewtonSystem>,
@@ -84,6 +86,7 @@ impl Linear {
             built: false,
             work: Vec::new(),
             fallbacks: Fallbacks::default(),
+            assembled: Assembled::default(),
             wanted: None,
             found: None,
         }
@@ -234,8 +237,7 @@ impl Linear {
                 }
                 let c = c(&self.c);
                 let matrix = AugmentationMatrix::from_face_blocks(c.clone())?;
-                let s_u = racp.inner.prepare(&blocks, &matrix)?.inverse;
-                (c, s_u)
+                (c, self.assembled.build(racp.inner, &blocks, &matrix)?)
             }
             RunPreconditioner::MatrixFree(racp) => {
                 let system = problem.stick_system();

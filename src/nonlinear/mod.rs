@@ -11,6 +11,7 @@
 //! jump stabilization acts on total normal and on incremental tangential tractions.
 
 mod active_set;
+mod assembled;
 mod cycling;
 mod energy;
 mod face_rules;

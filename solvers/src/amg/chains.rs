@@ -133,7 +133,7 @@ mod tests {
             }
             let map = crate::amg::node_map::NodeMap::new(&scaled, Some(&at));
             let blocks = crate::amg::finest::Sum::new(&scaled, None).unwrap();
-            let blocks = blocks.blocks::<f64>(&map).unwrap();
+            let blocks = blocks.blocks::<f64>(&map, blocks.pattern(&map)).unwrap();
             let again = Smoothing::new(&Amg::default(), &blocks.matrix);
             assert!((again.chained.unwrap() - chained).abs() < 0.01);
         }

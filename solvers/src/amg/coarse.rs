@@ -1,171 +1,225 @@
 //! One step of coarsening.
 
 use super::Amg;
-use super::aggregation::{Aggregates, aggregate};
+use super::aggregation::Aggregates;
 use super::block;
 use super::galerkin::{self, Patterns};
-use super::lambda::largest_eigenvalue;
-use super::prolongation::{self, Prolongation};
+use super::prolongation::Prolongation;
 use super::rows::Pattern;
 use super::sweeps::SweepMatrix;
-use super::tentative::Tentative;
+use super::transfer::{Transfer, TransferPattern};
 use fracas_operators::Real;
+use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Coarse nodes over fine nodes above which coarsening has stagnated. Unit: 1.
 pub(super) const STAGNATED: f64 = 0.7;
 
-/// Entries of a coarse matrix over those of the fine one above which the prolongation stays unsmoothed: where fractures cut
-/// the rock into pieces of a few elements, smoothing across them fills the coarse matrix and gains little. Unit: 1.
-const FILL: f64 = 0.5;
+/// Coarse nodes that one task cuts into blocks.
+const NODES_PER_TASK: usize = 128;
 
-/// What coarsening of one level gives: N unknowns per coarse node.
-pub(super) struct Coarse<const N: usize, const K: usize> {
-    /// Which aggregate every node joined; where coarse nodes are fine ones, the coarse node that it takes most from.
+/// What does not change with the values of a matrix: which coarse unknowns there are, and what they reach.
+#[derive(Clone, Debug)]
+pub(super) struct Frame {
+    /// Which coarse node every node joined; where coarse nodes are fine ones, the one that it takes most from.
     pub(super) aggregates: Aggregates,
-    /// Which coarse nodes share a piece of rock; `None` once that no longer matters.
-    pub(super) bonds: Option<Pattern>,
-    /// P.
-    pub(super) prolongation: Prolongation<N>,
+    /// Where P has blocks.
+    pub(super) transfer: Arc<TransferPattern>,
+    /// Where `A_c` has blocks.
+    pub(super) patterns: Patterns,
+}
+
+impl Frame {
+    /// For P of this pattern.
+    pub(super) fn new<S: Real>(a: &SweepMatrix<S>, aggregates: Aggregates, p: Pattern) -> Self {
+        let transfer = TransferPattern::new(p, aggregates.count);
+        Self {
+            patterns: Patterns::new(a, &transfer),
+            transfer: Arc::new(transfer),
+            aggregates,
+        }
+    }
+
+    /// P and `A_c = Pᵀ(A + Δ)P` for a P with these blocks.
+    pub(super) fn values<S: Real, R: Real, const N: usize>(
+        &self,
+        a: &SweepMatrix<S>,
+        defect: &[[f64; 9]],
+        blocks: Vec<[[R; N]; 3]>,
+        lambda_max: f64,
+    ) -> Result<Values<R>, NotPositive> {
+        let p = Prolongation {
+            pattern: &self.transfer.p,
+            blocks: &blocks,
+        };
+        let coarse = galerkin::product(a, defect, p, &self.patterns);
+        Ok(Values {
+            matrix: coarse_matrix(self.patterns.coarse(), &coarse)?,
+            transfer: Transfer::new(self.transfer.clone(), blocks),
+            lambda_max,
+        })
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.aggregates.of) + self.transfer.bytes() + self.patterns.bytes()
+    }
+}
+
+/// What follows from the values of a matrix.
+pub(super) struct Values<R> {
+    /// P and Pᵀ.
+    pub(super) transfer: Transfer<R>,
     /// `A_c = PᵀA P`.
     pub(super) matrix: SweepMatrix<f64>,
-    /// True when fractures cut the rock into pieces of a few elements, so that P of the aggregates is not smoothed.
-    pub(super) network: bool,
-    /// Near-null vectors of `A_c`, three rows per block row.
-    pub(super) modes: Vec<[[f64; K]; 3]>,
     /// Upper estimate of `λ_max(D⁻¹A)` of the fine matrix.
     pub(super) lambda_max: f64,
 }
 
-/// Unknowns up to which a network of pieces of rock is solved directly instead of being coarsened further: pieces turn
-/// against each other like gears, which no aggregate of several pieces can do.
-const NETWORK: usize = 16_000;
-
-impl<const N: usize, const K: usize> Coarse<N, K> {
-    /// True when another level is worth it.
-    pub(super) fn goes_on(&self, settings: &Amg) -> bool {
-        let n = 3 * self.matrix.rows();
-        n > settings.coarsest && !(self.network && n <= NETWORK)
-    }
+/// A step that has been planned, and what the next one starts from.
+pub(super) struct Planned<P, const K: usize> {
+    pub(super) step: P,
+    /// Which coarse nodes share a piece of rock; `None` once that no longer matters.
+    pub(super) bonds: Option<Pattern>,
+    /// Near-null vectors of `A_c`, three rows per block row.
+    pub(super) modes: Vec<[[f64; K]; 3]>,
 }
 
-/// A way to make coarse unknowns.
-pub(super) trait Coarsener<const N: usize, const K: usize> {
-    /// Coarsens `a + Δ` (block-diagonal Δ, may be empty) with `group` block rows per node; `None` when it does not get
-    /// coarser. A coarse row in an error is named by a fine one.
-    fn coarsen<R: Real>(
+/// A way to make coarse unknowns, N per coarse node, planned once for all matrices of one pattern whose strong connections
+/// are those of the first.
+pub(super) trait Coarsener<const N: usize, const K: usize>: Sized {
+    /// Chooses coarse unknowns of `a` with `group` block rows per node; `None` when it does not get coarser.
+    fn plan<S: Real>(
         settings: &Amg,
         depth: usize,
-        a: &SweepMatrix<R>,
-        defect: &[[f64; 9]],
+        a: &SweepMatrix<S>,
         bonds: Option<&Pattern>,
         group: usize,
         modes: &[[[f64; K]; 3]],
-    ) -> Result<Option<Coarse<N, K>>, NotPositive>;
+    ) -> Option<Planned<Self, K>>;
+
+    /// P and the coarse matrix of `a + Δ` (block-diagonal Δ, may be empty). A coarse row in an error is that of [`Frame`].
+    fn values<S: Real, R: Real>(
+        &self,
+        a: &SweepMatrix<S>,
+        defect: &[[f64; 9]],
+    ) -> Result<Values<R>, NotPositive>;
+
+    /// The coarse unknowns.
+    fn frame(&self) -> &Frame;
+
+    /// Unknowns of the next level up to which it is solved directly instead of being coarsened.
+    fn direct_below(&self, settings: &Amg) -> usize {
+        settings.coarsest
+    }
+
+    /// Bytes held.
+    fn bytes(&self) -> usize;
 }
 
-/// Aggregates of nodes, with as many unknowns each as there are modes.
-pub(super) struct SmoothedAggregation;
-
-/// A diagonal block of `A_c` that is not positive definite: scalar row.
+/// A diagonal block of `A_c` that is not positive definite: scalar row of `A_c`.
 pub(super) struct NotPositive(pub(super) usize);
 
-impl<const K: usize> Coarsener<K, K> for SmoothedAggregation {
-    fn coarsen<R: Real>(
-        settings: &Amg,
-        depth: usize,
-        a: &SweepMatrix<R>,
-        defect: &[[f64; 9]],
-        bonds: Option<&Pattern>,
-        group: usize,
-        modes: &[[[f64; K]; 3]],
-    ) -> Result<Option<Coarse<K, K>>, NotPositive> {
-        let theta = settings.strength * 0.5_f64.powi(depth as i32);
-        let nodes = a.rows() / group;
-        let coarser = |aggregates: &Aggregates| {
-            aggregates.count > 0 && (aggregates.count as f64) < STAGNATED * nodes as f64
-        };
-        let mut aggregates = aggregate(a, bonds, group, theta);
-        let mut bonds = bonds.filter(|_| coarser(&aggregates));
-        if bonds.is_none() && !coarser(&aggregates) {
-            // every piece of rock is one aggregate: from here on across the fractures
-            aggregates = aggregate(a, None, group, theta);
-        }
-        if !coarser(&aggregates) {
-            return Ok(None);
-        }
-        let lambda_max = largest_eigenvalue(a);
-        let tentative = Tentative::new(&aggregates, group, modes);
-        let pattern = prolongation::pattern(a, group, &aggregates);
-        let mut patterns = Patterns::new(a, &pattern, aggregates.count);
-        let entries = K * K * patterns.coarse().columns.len();
-        let network = entries as f64 > FILL * (9 * a.block_count()) as f64;
-        let prolongation = if !network {
-            prolongation::smoothed(a, group, &aggregates, &tentative, pattern, lambda_max)
-        } else {
-            let plain = prolongation::tentative(group, &aggregates, &tentative);
-            patterns = Patterns::new(a, &plain.pattern, aggregates.count);
-            plain
-        };
-        let blocks = galerkin::product(a, defect, &prolongation, &patterns);
-        let matrix = coarse_matrix(patterns.coarse(), blocks).map_err(|NotPositive(row)| {
-            let node = aggregates.first_nodes()[row / K];
-            NotPositive(3 * node * group + row % 3)
-        })?;
-        let modes = tentative.coarse.iter();
-        let bonds = bonds.take().map(|bonds| aggregates.bonds(bonds));
-        Ok(Some(Coarse {
-            network,
-            bonds,
-            aggregates,
-            prolongation,
-            matrix,
-            modes: modes
-                .flat_map(|rows| rows.as_chunks::<3>().0.iter().copied())
-                .collect(),
-            lambda_max,
-        }))
-    }
-}
-
-/// K×K blocks cut into 3×3 ones; unknowns without a column in P get a diagonal entry that keeps them apart.
-pub(super) fn coarse_matrix<const K: usize>(
+/// K×K blocks cut into 3×3 ones; those left of the diagonal are taken from the right. Unknowns without a column in P get a
+/// diagonal entry that keeps them apart.
+fn coarse_matrix<const K: usize>(
     pattern: &Pattern,
-    mut nodes: Vec<[[f64; K]; K]>,
+    nodes: &[[[f64; K]; K]],
 ) -> Result<SweepMatrix<f64>, NotPositive> {
     let parts = K / 3;
     let rows = parts * pattern.rows();
     let mut offsets = Vec::with_capacity(rows + 1);
     offsets.push(0);
-    let mut columns = Vec::with_capacity(parts * parts * nodes.len());
-    let mut blocks: Vec<[f64; 9]> = Vec::with_capacity(columns.capacity());
-    let mut inverses = Vec::with_capacity(rows);
     for i in 0..pattern.rows() {
-        let range = pattern.offsets[i]..pattern.offsets[i + 1];
-        let own = range.start + pattern.row(i).partition_point(|j| (*j as usize) < i);
-        let largest = (0..K).map(|k| nodes[own][k][k]).fold(0.0, f64::max);
-        for k in 0..K {
-            let row_is_zero = nodes[own][k].iter().all(|v| *v == 0.0);
-            if row_is_zero {
-                nodes[own][k][k] = if largest > 0.0 { largest } else { 1.0 };
-            }
-        }
-        for part in 0..parts {
-            for (j, node) in pattern.row(i).iter().zip(&nodes[range.clone()]) {
-                for other in 0..parts {
-                    columns.push(parts as u32 * j + other as u32);
-                    blocks.push(std::array::from_fn(|k| {
-                        node[3 * part + k / 3][3 * other + k % 3]
-                    }));
+        let length = parts * pattern.row(i).len();
+        (0..parts).for_each(|_| offsets.push(offsets[offsets.len() - 1] + length));
+    }
+    let entries = parts * parts * nodes.len();
+    let mut columns = vec![0; entries];
+    let mut blocks = vec![[0.0; 9]; entries];
+    let mut inverses = vec![[0.0; 9]; rows];
+    let mut tasks = Vec::with_capacity(pattern.rows() / NODES_PER_TASK + 1);
+    let (mut all_columns, mut all_blocks) = (&mut columns[..], &mut blocks[..]);
+    for (k, own_inverses) in inverses.chunks_mut(parts * NODES_PER_TASK).enumerate() {
+        let first = k * NODES_PER_TASK;
+        let last = first + own_inverses.len() / parts;
+        let length = offsets[parts * last] - offsets[parts * first];
+        let (own_columns, other_columns) = all_columns.split_at_mut(length);
+        let (own_blocks, other_blocks) = all_blocks.split_at_mut(length);
+        (all_columns, all_blocks) = (other_columns, other_blocks);
+        tasks.push((first..last, own_columns, own_blocks, own_inverses));
+    }
+    let cut = |(range, columns, blocks, inverses): (
+        std::ops::Range<usize>,
+        &mut [u32],
+        &mut [[f64; 9]],
+        &mut [[f64; 9]],
+    )| {
+        let start = offsets[parts * range.start];
+        let first = range.start;
+        for i in range {
+            let diagonal = diagonal(pattern, nodes, i);
+            let length = parts * pattern.row(i).len();
+            let own = offsets[parts * i] - start;
+            for (place, at) in (pattern.offsets[i]..pattern.offsets[i + 1]).enumerate() {
+                let j = pattern.columns[at];
+                let node = match (j as usize).cmp(&i) {
+                    std::cmp::Ordering::Less => transposed(&nodes[find(pattern, j as usize, i)]),
+                    std::cmp::Ordering::Equal => diagonal,
+                    std::cmp::Ordering::Greater => nodes[at],
+                };
+                for part in 0..parts {
+                    for other in 0..parts {
+                        let to = own + part * length + parts * place + other;
+                        columns[to] = parts as u32 * j + other as u32;
+                        blocks[to] = three(&node, part, other);
+                    }
                 }
             }
-            let diagonal: [f64; 9] =
-                std::array::from_fn(|k| nodes[own][3 * part + k / 3][3 * part + k % 3]);
-            let row = 3 * (parts * i + part);
-            inverses.push(block::inverse(&diagonal).map_err(|c| NotPositive(row + c))?);
-            offsets.push(columns.len());
+            for part in 0..parts {
+                let row = 3 * (parts * i + part);
+                let inverse = block::inverse(&three(&diagonal, part, part));
+                inverses[parts * (i - first) + part] = inverse.map_err(|c| row + c)?;
+            }
+        }
+        Ok(())
+    };
+    let worst = tasks.into_par_iter().map(cut).filter_map(Result::err).min();
+    match worst {
+        Some(row) => Err(NotPositive(row)),
+        None => Ok(SweepMatrix::new(offsets, columns, blocks, inverses)),
+    }
+}
+
+/// Where row i has column j.
+fn find(pattern: &Pattern, i: usize, j: usize) -> usize {
+    let place = pattern
+        .row(i)
+        .partition_point(|column| (*column as usize) < j);
+    debug_assert_eq!(pattern.row(i)[place] as usize, j);
+    pattern.offsets[i] + place
+}
+
+fn transposed<const K: usize>(block: &[[f64; K]; K]) -> [[f64; K]; K] {
+    std::array::from_fn(|r| std::array::from_fn(|c| block[c][r]))
+}
+
+/// The diagonal block of a node, symmetric to the last bit and without a zero row.
+fn diagonal<const K: usize>(pattern: &Pattern, nodes: &[[[f64; K]; K]], i: usize) -> [[f64; K]; K] {
+    let stored = &nodes[find(pattern, i, i)];
+    let mut own: [[f64; K]; K] =
+        std::array::from_fn(|r| std::array::from_fn(|c| stored[r.min(c)][r.max(c)]));
+    let largest = (0..K).map(|k| own[k][k]).fold(0.0, f64::max);
+    for k in 0..K {
+        if own[k].iter().all(|v| *v == 0.0) {
+            own[k][k] = if largest > 0.0 { largest } else { 1.0 };
         }
     }
-    Ok(SweepMatrix::new(offsets, columns, blocks, inverses))
+    own
+}
+
+/// A 3×3 part of a block.
+fn three<const K: usize>(node: &[[f64; K]; K], part: usize, other: usize) -> [f64; 9] {
+    std::array::from_fn(|k| node[3 * part + k / 3][3 * other + k % 3])
 }
 
 #[cfg(test)]

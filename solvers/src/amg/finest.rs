@@ -9,6 +9,7 @@ use crate::smoothers::entries::finite_entries;
 use fracas_operators::sparse::SparseMatrix;
 use fracas_operators::{Real, Shape};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Name of the matrix in messages; the caller knows better.
 const BLOCK: &str = "A";
@@ -22,8 +23,6 @@ pub(super) struct Finest<R> {
     /// What rounding to R takes from the row sums: `Σ_j (A_ij − Ã_ij)`. Added to the diagonal in coarse products, it keeps
     /// the energy of translations right to double precision.
     pub(super) defect: Vec<[f64; 9]>,
-    /// Nodes that A couples, where F Fᵀ adds others.
-    pub(super) bonds: Option<Pattern>,
 }
 
 /// `A + F Fᵀ`, assembled node by node; F is absent for a plain A.
@@ -77,18 +76,19 @@ impl<'a> Sum<'a> {
     }
 
     /// Node columns of every node row, those of F Fᵀ included.
-    fn pattern(&self, map: &NodeMap) -> Pattern {
+    pub(super) fn pattern(&self, map: &NodeMap) -> Pattern {
         self.nodes(map, |i, visit| self.for_each(i, |j, _| visit(j)))
     }
 
-    /// Node columns of every node row of A alone: nodes that an element joins.
-    fn bonds(&self, map: &NodeMap) -> Pattern {
-        self.nodes(map, |i, visit| {
+    /// Node columns of every node row of A alone, where F Fᵀ adds others: nodes that an element joins.
+    pub(super) fn bonds(&self, map: &NodeMap) -> Option<Pattern> {
+        self.factor.as_ref()?;
+        Some(self.nodes(map, |i, visit| {
             let range = self.a.indptr().outer_inds_sz(i);
             self.a.indices()[range]
                 .iter()
                 .for_each(|j| visit(*j as usize));
-        })
+        }))
     }
 
     fn nodes(&self, map: &NodeMap, row: impl Fn(usize, &mut dyn FnMut(usize)) + Sync) -> Pattern {
@@ -113,8 +113,9 @@ impl<'a> Sum<'a> {
     /// Largest diagonal entry of A, for scaling.
     fn scale(&self) -> f64 {
         let largest = (0..self.a.rows())
-            .filter_map(|i| self.a.get(i, i))
-            .fold(0.0_f64, |m, v| m.max(*v));
+            .into_par_iter()
+            .filter_map(|i| self.a.get(i, i).copied())
+            .reduce(|| 0.0_f64, f64::max);
         if largest > 0.0 {
             largest.log2().round().exp2()
         } else {
@@ -122,15 +123,21 @@ impl<'a> Sum<'a> {
         }
     }
 
-    /// The node blocks. Empty slots get the largest diagonal entry of their node, so that they stay out of everything.
+    /// The node blocks on a pattern that holds all of them. Empty slots get the largest diagonal entry of their node, so that
+    /// they stay out of everything.
     ///
     /// # Errors
-    /// [`SetupError::BadDiagonal`] or [`SetupError::NotPositiveDefinite`] with the row.
-    pub(super) fn blocks<R: Real>(&self, map: &NodeMap) -> Result<Finest<R>, SetupError> {
-        let pattern = self.pattern(map);
+    /// [`SetupError::NotApplicable`] for an entry outside the pattern, [`SetupError::BadDiagonal`] or
+    /// [`SetupError::NotPositiveDefinite`], all with the row.
+    pub(super) fn blocks<R: Real>(
+        &self,
+        map: &NodeMap,
+        pattern: Pattern,
+    ) -> Result<Finest<R>, SetupError> {
         let scale = self.scale();
         let mut blocks = vec![[R::zero(); 9]; pattern.columns.len()];
         let slots = map.slots();
+        let outside = AtomicUsize::new(usize::MAX);
         let scratch = || (vec![0_u32; map.nodes()], Vec::<[f64; 9]>::new());
         pattern.fill(&mut blocks, scratch, |nodes, part, (place, row)| {
             let start = pattern.offsets[nodes.start];
@@ -145,7 +152,12 @@ impl<'a> Sum<'a> {
                     if *i != NONE {
                         self.for_each(*i as usize, |j, value| {
                             let slot = slots[j] as usize;
-                            row[place[slot / 3] as usize][3 * c + slot % 3] += value;
+                            let at = place[slot / 3] as usize;
+                            if columns.get(at) == Some(&(slot as u32 / 3)) {
+                                row[at][3 * c + slot % 3] += value;
+                            } else {
+                                outside.fetch_min(*i as usize, Ordering::Relaxed);
+                            }
                         });
                     }
                 }
@@ -161,6 +173,16 @@ impl<'a> Sum<'a> {
                 }
             }
         });
+        let outside = outside.into_inner();
+        if outside < usize::MAX {
+            return Err(SetupError::NotApplicable {
+                method: "refreshing a hierarchy",
+                reason: format!(
+                    "row {} (counted from 1) couples nodes that the first matrix did not couple; build a new one",
+                    outside + 1
+                ),
+            });
+        }
         let inverse = inverses(&pattern, &blocks, |row| {
             map.of_node(row / 3)[row % 3] as usize
         })?;
@@ -170,7 +192,6 @@ impl<'a> Sum<'a> {
             matrix,
             scale,
             defect,
-            bonds: self.factor.as_ref().map(|_| self.bonds(map)),
         })
     }
 

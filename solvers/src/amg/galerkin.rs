@@ -3,6 +3,7 @@
 use super::prolongation::{Prolongation, add_product};
 use super::rows::{Pattern, ROWS_PER_TASK};
 use super::sweeps::SweepMatrix;
+use super::transfer::TransferPattern;
 use fracas_operators::Real;
 use fracas_operators::simd::{Kernel, Lanes, Level};
 use rayon::prelude::*;
@@ -24,12 +25,10 @@ struct Marks {
 }
 
 impl Patterns {
-    /// Symbolic products for `aggregates` coarse nodes.
-    pub(super) fn new<R: Real>(
-        a: &SweepMatrix<R>,
-        prolongation: &Pattern,
-        aggregates: usize,
-    ) -> Self {
+    /// Symbolic products.
+    pub(super) fn new<R: Real>(a: &SweepMatrix<R>, transfer: &TransferPattern) -> Self {
+        let TransferPattern { p, transposed } = transfer;
+        let aggregates = transposed.rows();
         let marks = || Marks {
             row: vec![u32::MAX; aggregates],
         };
@@ -47,18 +46,19 @@ impl Patterns {
             columns[start..].sort_unstable();
         };
         let product = Pattern::collect(a.rows(), marks, |i, marks, columns| {
-            let mut parts = a
-                .columns_of(i)
-                .iter()
-                .map(|k| prolongation.row(*k as usize));
+            let mut parts = a.columns_of(i).iter().map(|k| p.row(*k as usize));
             union(i, &mut parts, marks, columns);
         });
-        let transposed = prolongation.transposed(aggregates);
         let coarse = Pattern::collect(aggregates, marks, |i, marks, columns| {
-            let mut parts = transposed.row(i).iter().map(|k| product.row(*k as usize));
+            let rows = transposed.row(i).iter();
+            let mut parts = rows.map(|(k, _)| product.row(*k as usize));
             union(i, &mut parts, marks, columns);
         });
         Self { product, coarse }
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        self.product.bytes() + self.coarse.bytes()
     }
 
     /// Pattern of `PᵀA P`, coarse node by coarse node.
@@ -67,15 +67,16 @@ impl Patterns {
     }
 }
 
-/// The K×K blocks of `A_c = Pᵀ(A + Δ)P` in the order of [`Patterns::coarse`], Δ the block-diagonal `defect` of rounded rows.
+/// The K×K blocks of `A_c = Pᵀ(A + Δ)P` in the order of [`Patterns::coarse`], those left of the diagonal left zero; Δ is the
+/// block-diagonal `defect` of rounded rows.
 ///
 /// # Cost
 /// `A P` in full, half of `Pᵀ(A P)`: A is symmetric. Tasks sum over their own rows of the fine level; their sums are
 /// added in a fixed order.
-pub(super) fn product<R: Real, const K: usize>(
-    a: &SweepMatrix<R>,
+pub(super) fn product<S: Real, R: Real, const K: usize>(
+    a: &SweepMatrix<S>,
     defect: &[[f64; 9]],
-    p: &Prolongation<K>,
+    p: Prolongation<'_, R, K>,
     patterns: &Patterns,
 ) -> Vec<[[f64; K]; K]> {
     let coarse = &patterns.coarse;
@@ -89,7 +90,7 @@ pub(super) fn product<R: Real, const K: usize>(
         let sums: Vec<Partial<K>> = wave
             .par_iter()
             .map(|rows| {
-                let mut partial = Partial::new(rows.clone(), p, coarse);
+                let mut partial = Partial::new(rows.clone(), p.pattern, coarse);
                 level.run::<f64>(Accumulate {
                     a,
                     defect,
@@ -104,7 +105,6 @@ pub(super) fn product<R: Real, const K: usize>(
         sums.iter()
             .for_each(|partial| partial.add_to(coarse, &mut blocks));
     }
-    mirror(coarse, &mut blocks);
     blocks
 }
 
@@ -123,9 +123,9 @@ fn upper(coarse: &Pattern, i: u32) -> usize {
 }
 
 impl<const K: usize> Partial<K> {
-    fn new(rows: Range<usize>, p: &Prolongation<K>, coarse: &Pattern) -> Self {
-        let range = p.pattern.offsets[rows.start]..p.pattern.offsets[rows.end];
-        let mut touched = p.pattern.columns[range].to_vec();
+    fn new(rows: Range<usize>, p: &Pattern, coarse: &Pattern) -> Self {
+        let range = p.offsets[rows.start]..p.offsets[rows.end];
+        let mut touched = p.columns[range].to_vec();
         touched.sort_unstable();
         touched.dedup();
         let mut offsets = vec![0];
@@ -153,16 +153,16 @@ impl<const K: usize> Partial<K> {
     }
 }
 
-struct Accumulate<'a, R, const K: usize> {
-    a: &'a SweepMatrix<R>,
+struct Accumulate<'a, S, R, const K: usize> {
+    a: &'a SweepMatrix<S>,
     defect: &'a [[f64; 9]],
-    p: &'a Prolongation<K>,
+    p: Prolongation<'a, R, K>,
     patterns: &'a Patterns,
     rows: Range<usize>,
     partial: &'a mut Partial<K>,
 }
 
-impl<R: Real, const K: usize> Kernel<f64> for Accumulate<'_, R, K> {
+impl<S: Real, R: Real, const K: usize> Kernel<f64> for Accumulate<'_, S, R, K> {
     #[inline(always)]
     fn run<L: Lanes<f64>>(self) {
         let Self {
@@ -216,39 +216,16 @@ impl<R: Real, const K: usize> Kernel<f64> for Accumulate<'_, R, K> {
 
 /// `c ← c + pᵀ x` for 3×K blocks p, x.
 #[inline(always)]
-fn add_transposed_product<const K: usize>(
+fn add_transposed_product<R: Real, const K: usize>(
     c: &mut [[f64; K]; K],
-    p: &[[f64; K]; 3],
+    p: &[[R; K]; 3],
     x: &[[f64; K]; 3],
 ) {
     for r in 0..K {
         for k in 0..3 {
-            let p_kr = p[k][r];
+            let p_kr = p[k][r].to_f64_exact();
             for j in 0..K {
                 c[r][j] += p_kr * x[k][j];
-            }
-        }
-    }
-}
-
-/// Copies the upper part to the lower one and makes the diagonal blocks symmetric to the last bit.
-fn mirror<const K: usize>(coarse: &Pattern, blocks: &mut [[[f64; K]; K]]) {
-    for i in 0..coarse.rows() {
-        for at in coarse.offsets[i]..coarse.offsets[i + 1] {
-            let j = coarse.columns[at] as usize;
-            if j < i {
-                continue;
-            }
-            let block = blocks[at];
-            if let Ok(k) = coarse.row(j).binary_search(&(i as u32)) {
-                let target = &mut blocks[coarse.offsets[j] + k];
-                for r in 0..K {
-                    for c in 0..K {
-                        if j > i || r > c {
-                            target[r][c] = block[c][r];
-                        }
-                    }
-                }
             }
         }
     }

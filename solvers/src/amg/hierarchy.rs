@@ -1,14 +1,14 @@
 //! From the finest matrix to all levels.
 
-use super::classical::Classical;
-use super::coarse::{Coarse, Coarsener, NotPositive, SmoothedAggregation};
+use super::coarse::{Coarsener, Frame, NotPositive};
 use super::coarsest::{Coarsest, NoInverse};
 use super::finest::Finest;
 use super::fsai_smoother;
+use super::rows::Pattern;
 use super::summary::{LevelSummary, Summary};
 use super::sweeps::SweepMatrix;
 use super::transfer::Transfer;
-use super::{Amg, Coarsening, Smoother, Smoothing};
+use super::{Amg, Smoother, Smoothing};
 use crate::SetupError;
 use crate::fsai::FsaiInverse;
 use fracas_operators::Real;
@@ -55,10 +55,10 @@ impl<'a> Representatives<'a> {
         }
     }
 
-    /// Goes down from nodes of `group` block rows to coarse ones of N/3.
-    fn descend<const N: usize, const K: usize>(&mut self, coarse: &Coarse<N, K>, group: usize) {
-        let nodes = coarse.aggregates.first_nodes();
-        let names = |node| std::iter::repeat_n(self.rows[node * group], N / 3);
+    /// Goes down from nodes of `group` block rows to coarse ones of `next`.
+    fn descend(&mut self, frame: &Frame, [group, next]: [usize; 2]) {
+        let nodes = frame.aggregates.first_nodes();
+        let names = |node| std::iter::repeat_n(self.rows[node * group], next);
         self.rows = nodes.into_iter().flat_map(names).collect();
     }
 
@@ -67,11 +67,12 @@ impl<'a> Representatives<'a> {
         (self.unknown)(3 * self.rows[row / 3] as usize + row % 3) + 1
     }
 
-    /// A coarse diagonal block that is not positive definite.
-    fn indefinite(&self, row: usize) -> SetupError {
+    /// A diagonal block of the next level, N unknowns per node, that is not positive definite.
+    fn indefinite<const N: usize>(&self, frame: &Frame, group: usize, row: usize) -> SetupError {
+        let node = frame.aggregates.first_nodes()[row / N];
         SetupError::NotPositiveDefinite {
             block: "A",
-            row: self.name(row),
+            row: self.name(3 * node * group + row % 3),
             advice: "a coarse matrix lost positivity around this row: the matrix is indefinite, or its coordinates are not those of its nodes".into(),
         }
     }
@@ -96,91 +97,128 @@ impl<'a> Representatives<'a> {
     }
 }
 
+/// Where the steps of coarsening come from.
+pub(super) enum Steps<'a, C, const K: usize> {
+    /// Planned on the way down, from what is known of the level at hand.
+    New {
+        planned: Vec<C>,
+        /// Nodes that an element joins, where the matrix joins others, too.
+        bonds: Option<Pattern>,
+        /// Near-null vectors, three rows per block row.
+        modes: Vec<[[f64; K]; 3]>,
+    },
+    /// Of an earlier hierarchy.
+    Kept(&'a [C]),
+}
+
+impl<C, const K: usize> Steps<'_, C, K> {
+    /// The steps planned on the way.
+    pub(super) fn planned(self) -> Vec<C> {
+        match self {
+            Self::New { planned, .. } => planned,
+            Self::Kept(_) => Vec::new(),
+        }
+    }
+
+    /// The step down from `a` at this depth, if another level is worth it.
+    fn next<S: Real, const N: usize>(
+        &mut self,
+        settings: &Amg,
+        depth: usize,
+        a: &SweepMatrix<S>,
+    ) -> Option<&C>
+    where
+        C: Coarsener<N, K>,
+    {
+        match self {
+            Self::Kept(steps) => steps.get(depth),
+            Self::New {
+                planned,
+                bonds,
+                modes,
+            } => {
+                let last = planned.last();
+                let enough = last.map_or(settings.coarsest, |step| step.direct_below(settings));
+                if 3 * a.rows() <= enough || depth == MOST_LEVELS {
+                    return None;
+                }
+                let group = if depth == 0 { 1 } else { N / 3 };
+                let plan = C::plan(settings, depth, a, bonds.as_ref(), group, modes)?;
+                (*bonds, *modes) = (plan.bonds, plan.modes);
+                planned.push(plan.step);
+                planned.last()
+            }
+        }
+    }
+}
+
+/// What is known before the levels are.
+#[derive(Clone, Copy)]
+pub(super) struct About<'a> {
+    pub(super) near_null_space: &'static str,
+    pub(super) smoothing: Smoothing,
+    /// Names the unknown in a scalar row of the finest level.
+    pub(super) unknown: &'a dyn Fn(usize) -> usize,
+}
+
 impl<R: Real> Hierarchy<R> {
-    /// Coarsens until a direct solver takes over. `modes`: K near-null vectors, three rows per block row; `unknown(row)`
-    /// names the unknown in a scalar row of the finest level.
+    /// Coarsens until a direct solver takes over.
     ///
     /// # Errors
     /// [`SetupError::NotPositiveDefinite`] or [`SetupError::Singular`] for a coarse matrix.
-    pub(super) fn new<const K: usize>(
+    pub(super) fn new<C: Coarsener<N, K>, const N: usize, const K: usize>(
         settings: &Amg,
         finest: Finest<R>,
-        modes: Vec<[[f64; K]; 3]>,
-        near_null_space: &'static str,
-        unknown: &dyn Fn(usize) -> usize,
-    ) -> Result<Self, SetupError> {
-        let build = match settings.coarsening {
-            Coarsening::SmoothedAggregation => Self::coarsened::<SmoothedAggregation, K, K>,
-            Coarsening::Classical => Self::coarsened::<Classical, 3, K>,
-        };
-        build(settings, finest, modes, near_null_space, unknown)
-    }
-
-    fn coarsened<C: Coarsener<N, K>, const N: usize, const K: usize>(
-        settings: &Amg,
-        finest: Finest<R>,
-        modes: Vec<[[f64; K]; 3]>,
-        near_null_space: &'static str,
-        unknown: &dyn Fn(usize) -> usize,
+        steps: &mut Steps<'_, C, K>,
+        about: &About<'_>,
     ) -> Result<Self, SetupError> {
         let Finest {
             matrix: first,
             defect,
-            bonds,
             ..
         } = finest;
-        let mut names = Representatives::new(first.rows(), unknown);
-        let smoothing = Smoothing::new(settings, &first);
-        let settings = &smoothing.in_settings(settings);
-        let about = (near_null_space, smoothing);
+        let settings = &about.smoothing.in_settings(settings);
+        let mut names = Representatives::new(first.rows(), about.unknown);
         let mut levels = Vec::new();
-        if 3 * first.rows() <= settings.coarsest {
-            return Self::ending(levels, &first, &names, about);
-        }
-        let step = C::coarsen(settings, 0, &first, &defect, bonds.as_ref(), 1, &modes);
-        let Some(mut coarse) = step.map_err(|NotPositive(row)| names.indefinite(row))? else {
+        let Some(step) = steps.next(settings, 0, &first) else {
             return Self::ending(levels, &first, &names, about);
         };
+        let indefinite =
+            |NotPositive(row), names: &Representatives<'_>, frame: &Frame, group: usize| {
+                names.indefinite::<N>(frame, group, row)
+            };
+        let values = step.values::<R, R>(&first, &defect);
+        let values = values.map_err(|e| indefinite(e, &names, step.frame(), 1))?;
+        drop(defect);
         levels.push(Level {
             fsai: names.smoother(settings, &first)?,
             matrix: first,
-            transfer: Transfer::new(&coarse.prolongation, coarse.aggregates.count),
-            lambda_max: coarse.lambda_max,
+            transfer: values.transfer,
+            lambda_max: values.lambda_max,
         });
-        names.descend(&coarse, 1);
-        let group = N / 3;
-        while coarse.goes_on(settings) && levels.len() < MOST_LEVELS {
-            let depth = levels.len();
-            let bonds = coarse.bonds.as_ref();
-            let step = C::coarsen(
-                settings,
-                depth,
-                &coarse.matrix,
-                &[],
-                bonds,
-                group,
-                &coarse.modes,
-            );
-            let Some(next) = step.map_err(|NotPositive(row)| names.indefinite(row))? else {
-                break;
-            };
+        let next = N / 3;
+        names.descend(step.frame(), [1, next]);
+        let mut matrix = values.matrix;
+        while let Some(step) = steps.next(settings, levels.len(), &matrix) {
+            let values = step.values::<f64, R>(&matrix, &[]);
+            let values = values.map_err(|e| indefinite(e, &names, step.frame(), next))?;
             levels.push(Level {
-                fsai: names.smoother(settings, &coarse.matrix)?,
-                matrix: coarse.matrix.cast(),
-                transfer: Transfer::new(&next.prolongation, next.aggregates.count),
-                lambda_max: next.lambda_max,
+                fsai: names.smoother(settings, &matrix)?,
+                matrix: matrix.cast(),
+                transfer: values.transfer,
+                lambda_max: values.lambda_max,
             });
-            names.descend(&next, group);
-            coarse = next;
+            names.descend(step.frame(), [next, next]);
+            matrix = values.matrix;
         }
-        Self::ending(levels, &coarse.matrix, &names, about)
+        Self::ending(levels, &matrix, &names, about)
     }
 
     fn ending<S: Real>(
         levels: Vec<Level<R>>,
         last: &SweepMatrix<S>,
         names: &Representatives<'_>,
-        (near_null_space, smoothing): (&'static str, Smoothing),
+        about: &About<'_>,
     ) -> Result<Self, SetupError> {
         let n = 3 * last.rows();
         if n > LARGEST_DIRECT {
@@ -203,8 +241,8 @@ impl<R: Real> Hierarchy<R> {
         Ok(Self {
             levels,
             coarsest,
-            near_null_space,
-            smoothing,
+            near_null_space: about.near_null_space,
+            smoothing: about.smoothing,
         })
     }
 

@@ -4,18 +4,20 @@ use super::cycle::Shape;
 use super::finest::Sum;
 use super::hierarchy::Hierarchy;
 use super::node_map::{NONE, NodeMap};
-use super::rigid_body::{constants, rigid_body_modes};
+use super::plan::first;
+use super::rows::Pattern;
 use super::scratch::{cast, doubles};
-use super::{Amg, Cycle, Precision, Summary};
+use super::{Amg, AmgPlan, Cycle, Smoothing, Summary};
 use crate::{DofCoordinate, SetupError};
 use fracas_operators::sparse::SparseMatrix;
 use fracas_operators::vector::{for_row_ranges, norm_inf};
 use fracas_operators::{Preconditioner, Real};
+use std::sync::Arc;
 
 /// One multigrid cycle per solve.
 #[derive(Debug)]
 pub struct AmgInverse {
-    map: NodeMap,
+    map: Arc<NodeMap>,
     /// What the finest matrix was divided by.
     scale: f64,
     shape: Shape,
@@ -25,16 +27,22 @@ pub struct AmgInverse {
 
 /// A hierarchy in one of the two precisions.
 #[derive(Debug)]
-enum Either {
+pub(super) enum Either {
     Single(Hierarchy<f32>),
     Double(Hierarchy<f64>),
 }
 
+impl Either {
+    fn smoothing(&self) -> Smoothing {
+        match self {
+            Self::Single(hierarchy) => hierarchy.smoothing,
+            Self::Double(hierarchy) => hierarchy.smoothing,
+        }
+    }
+}
+
 /// Entries that one task copies.
 const GRAIN: usize = 1 << 14;
-
-/// Without coordinates nothing but translations is known of the rigid-body modes.
-const CONSTANTS: &str = "constants (no coordinates)";
 
 impl Amg {
     /// The hierarchy of a symmetric positive definite `a` whose unknowns live at `coordinates`.
@@ -47,7 +55,7 @@ impl Amg {
         a: &SparseMatrix<f64>,
         coordinates: Option<&[DofCoordinate]>,
     ) -> Result<AmgInverse, SetupError> {
-        self.build_sum(&Sum::new(a, None)?, coordinates)
+        Ok(first(self, &Sum::new(a, None)?, coordinates, |_| ())?.0)
     }
 
     /// The hierarchy of `A + F Fᵀ`, which is assembled in node blocks only.
@@ -60,64 +68,43 @@ impl Amg {
         f: &SparseMatrix<f64>,
         coordinates: Option<&[DofCoordinate]>,
     ) -> Result<AmgInverse, SetupError> {
-        self.build_sum(&Sum::new(a, Some(f))?, coordinates)
+        Ok(first(self, &Sum::new(a, Some(f))?, coordinates, |_| ())?.0)
     }
 
-    fn build_sum(
+    /// The hierarchy of `A + F Fᵀ`, and what of it serves other values.
+    ///
+    /// # Errors
+    /// As [`Amg::build`].
+    pub fn plan(
         &self,
-        sum: &Sum<'_>,
+        a: &SparseMatrix<f64>,
+        f: Option<&SparseMatrix<f64>>,
         coordinates: Option<&[DofCoordinate]>,
-    ) -> Result<AmgInverse, SetupError> {
-        let map = NodeMap::new(sum.a, coordinates);
-        let (hierarchy, scale) = match self.precision {
-            Precision::F32 => {
-                let (hierarchy, scale) = self.levels(sum, &map)?;
-                (Either::Single(hierarchy), scale)
-            }
-            Precision::F64 => {
-                let (hierarchy, scale) = self.levels(sum, &map)?;
-                (Either::Double(hierarchy), scale)
-            }
+    ) -> Result<(AmgInverse, AmgPlan), SetupError> {
+        let sum = Sum::new(a, f)?;
+        let (inverse, steps, pattern) = first(self, &sum, coordinates, Pattern::clone)?;
+        let plan = AmgPlan {
+            settings: *self,
+            map: inverse.map.clone(),
+            pattern,
+            steps,
         };
-        let smoothing = match &hierarchy {
-            Either::Single(hierarchy) => hierarchy.smoothing,
-            Either::Double(hierarchy) => hierarchy.smoothing,
-        };
-        Ok(AmgInverse {
-            map,
-            scale,
-            shape: Shape::from(&smoothing.in_settings(self)),
-            over_correction: self.over_correction,
-            hierarchy,
-        })
-    }
-
-    fn levels<R: Real>(
-        &self,
-        sum: &Sum<'_>,
-        map: &NodeMap,
-    ) -> Result<(Hierarchy<R>, f64), SetupError> {
-        let finest = sum.blocks::<R>(map)?;
-        let scale = finest.scale;
-        let unknown = |row: usize| {
-            let of_node = map.of_node(row / 3);
-            let own = of_node[row % 3] as usize;
-            // an empty slot is named by a neighbour in its node
-            let any = of_node.iter().map(|i| *i as usize).min().unwrap_or(0);
-            if own < map.unknowns_len() { own } else { any }
-        };
-        let hierarchy = match map.positions() {
-            Some(positions) => {
-                let modes = rigid_body_modes(map, positions);
-                Hierarchy::new(self, finest, modes, "rigid-body modes", &unknown)?
-            }
-            None => Hierarchy::new(self, finest, constants(map), CONSTANTS, &unknown)?,
-        };
-        Ok((hierarchy, scale))
+        Ok((inverse, plan))
     }
 }
 
 impl AmgInverse {
+    pub(super) fn new(settings: &Amg, map: Arc<NodeMap>, scale: f64, hierarchy: Either) -> Self {
+        let shape = Shape::from(&hierarchy.smoothing().in_settings(settings));
+        Self {
+            map,
+            scale,
+            shape,
+            over_correction: settings.over_correction,
+            hierarchy,
+        }
+    }
+
     /// Levels, complexities, bytes.
     pub fn summary(&self) -> Summary {
         match &self.hierarchy {

@@ -12,6 +12,7 @@
 //! | `P_0`, orthonormal on every aggregate | `tentative` |
 //! | `P = (I − ω D⁻¹A) P_0` | `prolongation`, `lambda` |
 //! | `A_c = PᵀA P` | `galerkin`, `coarse` |
+//! | what outlives a change of values | `plan`, `smoothed`, `classical` |
 //! | Gauss–Seidel in coloured chunks, products | `sweeps`, `schedule` |
 //! | FSAI as smoother, and where it is called for | `fsai_smoother`, `chains` |
 //! | coarse nodes that are fine ones | `classical` |
@@ -31,6 +32,7 @@ mod hierarchy;
 mod inverse;
 pub(crate) mod lambda;
 mod node_map;
+mod plan;
 mod prolongation;
 mod rigid_body;
 mod rows;
@@ -38,6 +40,7 @@ mod schedule;
 pub(crate) mod scratch;
 mod settings;
 pub(crate) mod shared;
+mod smoothed;
 mod summary;
 mod sweeps;
 mod tentative;
@@ -45,5 +48,6 @@ mod transfer;
 
 pub use chains::Smoothing;
 pub use inverse::AmgInverse;
+pub use plan::AmgPlan;
 pub use settings::{Amg, Coarsening, Cycle, Precision, Smoother};
 pub use summary::{LevelSummary, Summary};

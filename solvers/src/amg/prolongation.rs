@@ -4,26 +4,26 @@ use super::aggregation::Aggregates;
 use super::node_map::NONE;
 use super::rows::Pattern;
 use super::sweeps::SweepMatrix;
-use super::tentative::Tentative;
 use fracas_operators::Real;
 use fracas_operators::simd::{Kernel, Lanes, Level};
 
 /// `ω λ_max(D⁻¹A)` of the prolongation smoother. Unit: 1. Source: Vaněk, Mandel, Brezina (1996).
 const DAMPING: f64 = 4.0 / 3.0;
 
-/// P: for every block row the aggregates it interpolates from, with 3×K blocks.
-#[derive(Clone, Debug)]
-pub(super) struct Prolongation<const K: usize> {
-    /// Aggregates of every block row.
-    pub(super) pattern: Pattern,
+/// P: for every block row the coarse nodes it interpolates from, with 3×K blocks, as the cycle will use it: coarse
+/// matrices are those of this P, rounded to R or not.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Prolongation<'a, R, const K: usize> {
+    /// Coarse nodes of every block row.
+    pub(super) pattern: &'a Pattern,
     /// One block per entry of the pattern.
-    pub(super) blocks: Vec<[[f64; K]; 3]>,
+    pub(super) blocks: &'a [[[R; K]; 3]],
 }
 
-impl<const K: usize> Prolongation<K> {
-    /// Aggregates and blocks of a row.
+impl<R, const K: usize> Prolongation<'_, R, K> {
+    /// Coarse nodes and blocks of a row.
     #[inline(always)]
-    pub(super) fn row(&self, i: usize) -> impl Iterator<Item = (usize, &[[f64; K]; 3])> {
+    pub(super) fn row(&self, i: usize) -> impl Iterator<Item = (usize, &[[R; K]; 3])> {
         let range = self.pattern.offsets[i]..self.pattern.offsets[i + 1];
         self.pattern.columns[range.clone()]
             .iter()
@@ -59,76 +59,79 @@ pub(super) fn pattern<R: Real>(
 ///
 /// # Source
 /// Vaněk, Mandel, Brezina, Computing 56 (1996).
-pub(super) fn smoothed<R: Real, const K: usize>(
-    a: &SweepMatrix<R>,
+pub(super) fn smoothed<S: Real, R: Real, const K: usize>(
+    a: &SweepMatrix<S>,
     group: usize,
     aggregates: &Aggregates,
-    tentative: &Tentative<K>,
-    pattern: Pattern,
+    tentative: &[[[f64; K]; 3]],
+    pattern: &Pattern,
     lambda_max: f64,
-) -> Prolongation<K> {
+) -> Vec<[[R; K]; 3]> {
     let omega = DAMPING / lambda_max;
-    let mut blocks = vec![[[0.0; K]; 3]; pattern.columns.len()];
+    let mut blocks = vec![[[R::zero(); K]; 3]; pattern.columns.len()];
     let level = Level::best();
-    pattern.fill(
-        &mut blocks,
-        || (),
-        |rows, part, ()| {
-            level.run::<f64>(Smooth {
-                a,
-                group,
-                aggregates,
-                tentative,
-                pattern: &pattern,
-                rows,
-                omega,
-                part,
-            });
-        },
-    );
-    Prolongation { pattern, blocks }
+    pattern.fill(&mut blocks, Vec::new, |rows, part, row| {
+        level.run::<f64>(Smooth {
+            a,
+            group,
+            aggregates,
+            tentative,
+            pattern,
+            rows,
+            omega,
+            row,
+            part,
+        });
+    });
+    blocks
+}
+
+/// The pattern of P_0.
+pub(super) fn tentative_pattern(rows: usize, group: usize, aggregates: &Aggregates) -> Pattern {
+    let own = |i: usize| Some(aggregates.of[i / group]).filter(|aggregate| *aggregate != NONE);
+    Pattern::collect(rows, || (), |i, (), columns| columns.extend(own(i)))
 }
 
 /// `P = P_0`.
-pub(super) fn tentative<const K: usize>(
+pub(super) fn tentative<R: Real, const K: usize>(
     group: usize,
     aggregates: &Aggregates,
-    tentative: &Tentative<K>,
-) -> Prolongation<K> {
-    let rows = tentative.rows.len();
-    let own = |i: usize| Some(aggregates.of[i / group]).filter(|aggregate| *aggregate != NONE);
-    let pattern = Pattern::collect(rows, || (), |i, (), columns| columns.extend(own(i)));
-    let blocks = (0..rows)
-        .filter(|i| own(*i).is_some())
-        .map(|i| tentative.rows[i])
-        .collect();
-    Prolongation { pattern, blocks }
+    tentative: &[[[f64; K]; 3]],
+) -> Vec<[[R; K]; 3]> {
+    (0..tentative.len())
+        .filter(|i| aggregates.of[i / group] != NONE)
+        .map(|i| tentative[i].map(|row| row.map(R::of)))
+        .collect()
 }
 
-struct Smooth<'a, R, const K: usize> {
-    a: &'a SweepMatrix<R>,
+struct Smooth<'a, S, R, const K: usize> {
+    a: &'a SweepMatrix<S>,
     group: usize,
     aggregates: &'a Aggregates,
-    tentative: &'a Tentative<K>,
+    tentative: &'a [[[f64; K]; 3]],
     pattern: &'a Pattern,
     rows: std::ops::Range<usize>,
     omega: f64,
-    part: &'a mut [[[f64; K]; 3]],
+    /// The blocks of a row before they are rounded.
+    row: &'a mut Vec<[[f64; K]; 3]>,
+    part: &'a mut [[[R; K]; 3]],
 }
 
-impl<R: Real, const K: usize> Kernel<f64> for Smooth<'_, R, K> {
+impl<S: Real, R: Real, const K: usize> Kernel<f64> for Smooth<'_, S, R, K> {
     #[inline(always)]
     fn run<L: Lanes<f64>>(self) {
         let start = self.pattern.offsets[self.rows.start];
         for i in self.rows {
             let range = self.pattern.offsets[i]..self.pattern.offsets[i + 1];
             let columns = &self.pattern.columns[range.clone()];
-            let blocks = &mut self.part[range.start - start..range.end - start];
+            let blocks = &mut *self.row;
+            blocks.clear();
+            blocks.resize(columns.len(), [[0.0; K]; 3]);
             // A P_0
             for (j, a_ij) in self.a.row(i) {
                 let aggregate = self.aggregates.of[j / self.group];
                 if let Some(k) = columns.iter().position(|c| *c == aggregate) {
-                    add_product(&mut blocks[k], a_ij, &self.tentative.rows[j]);
+                    add_product(&mut blocks[k], a_ij, &self.tentative[j]);
                 }
             }
             // P_0 − ω D⁻¹ (A P_0)
@@ -140,8 +143,16 @@ impl<R: Real, const K: usize> Kernel<f64> for Smooth<'_, R, K> {
             }
             let own = self.aggregates.of[i / self.group];
             if let Some(k) = columns.iter().position(|c| *c == own) {
-                for (row, q) in blocks[k].iter_mut().zip(&self.tentative.rows[i]) {
+                for (row, q) in blocks[k].iter_mut().zip(&self.tentative[i]) {
                     row.iter_mut().zip(q).for_each(|(p, q)| *p += q);
+                }
+            }
+            let part = &mut self.part[range.start - start..range.end - start];
+            for (target, block) in part.iter_mut().zip(&*blocks) {
+                for r in 0..3 {
+                    for c in 0..K {
+                        target[r][c] = R::of(block[r][c]);
+                    }
                 }
             }
         }
@@ -150,16 +161,22 @@ impl<R: Real, const K: usize> Kernel<f64> for Smooth<'_, R, K> {
 
 /// `y ← y + A x` for a row-major 3×3 block A and 3×K blocks x, y.
 #[inline(always)]
-pub(super) fn add_product<R: Real, const K: usize>(
+pub(super) fn add_product<S: Real, R: Real, const K: usize>(
     y: &mut [[f64; K]; 3],
-    a: &[R; 9],
-    x: &[[f64; K]; 3],
+    a: &[S; 9],
+    x: &[[R; K]; 3],
 ) {
+    let mut rows = [[0.0; K]; 3];
+    for k in 0..3 {
+        for c in 0..K {
+            rows[k][c] = x[k][c].to_f64_exact();
+        }
+    }
     for r in 0..3 {
         for k in 0..3 {
             let a_rk = a[3 * r + k].to_f64_exact();
             for c in 0..K {
-                y[r][c] += a_rk * x[k][c];
+                y[r][c] += a_rk * rows[k][c];
             }
         }
     }

@@ -56,6 +56,10 @@ impl Pattern {
         self.offsets.len() - 1
     }
 
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.offsets) + size_of_val(&*self.columns)
+    }
+
     /// Columns of a row.
     #[inline(always)]
     pub(super) fn row(&self, i: usize) -> &[u32] {
@@ -82,24 +86,57 @@ impl Pattern {
             .for_each_init(&scratch, |scratch, (rows, part)| fill(rows, part, scratch));
     }
 
-    /// Rows of every column.
-    pub(super) fn transposed(&self, columns: usize) -> Self {
+    /// The rows of every column, and where their entries lie.
+    pub(super) fn transposed(&self, columns: usize) -> Transposed {
         let mut offsets = vec![0; columns + 1];
         self.columns
             .iter()
             .for_each(|j| offsets[*j as usize + 1] += 1);
         (0..columns).for_each(|j| offsets[j + 1] += offsets[j]);
         let mut next = offsets.clone();
-        let mut rows = vec![0; self.columns.len()];
+        let mut entries = vec![(0, 0); self.columns.len()];
         for i in 0..self.rows() {
-            for j in self.row(i) {
-                rows[next[*j as usize]] = i as u32;
-                next[*j as usize] += 1;
+            for at in self.offsets[i]..self.offsets[i + 1] {
+                let next = &mut next[self.columns[at] as usize];
+                entries[*next] = (i as u32, at as u32);
+                *next += 1;
             }
         }
-        Self {
-            offsets,
-            columns: rows,
-        }
+        Transposed { offsets, entries }
+    }
+}
+
+/// The transpose of a [`Pattern`].
+#[derive(Clone, Debug)]
+pub(super) struct Transposed {
+    offsets: Vec<usize>,
+    entries: Vec<(u32, u32)>,
+}
+
+impl Transposed {
+    /// Rows of the transpose.
+    pub(super) fn rows(&self) -> usize {
+        self.offsets.len() - 1
+    }
+
+    /// Ascending rows with an entry in column j, and the place of that entry.
+    pub(super) fn row(&self, j: usize) -> &[(u32, u32)] {
+        &self.entries[self.range(j)]
+    }
+
+    /// Where the entries of column j lie.
+    #[inline(always)]
+    pub(super) fn range(&self, j: usize) -> Range<usize> {
+        self.offsets[j]..self.offsets[j + 1]
+    }
+
+    /// Row and place of all entries, column by column.
+    #[inline(always)]
+    pub(super) fn entries(&self) -> &[(u32, u32)] {
+        &self.entries
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.offsets) + size_of_val(&*self.entries)
     }
 }

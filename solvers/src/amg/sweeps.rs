@@ -110,7 +110,7 @@ impl<R: Real> SweepMatrix<R> {
     pub(super) fn cast<S: Real>(&self) -> SweepMatrix<S> {
         let cast = |blocks: &[[R; 9]]| {
             let one = |b: &[R; 9]| b.map(|v| S::of(v.to_f64_exact()));
-            blocks.iter().map(one).collect()
+            blocks.par_iter().map(one).collect()
         };
         SweepMatrix {
             offsets: self.offsets.clone(),

@@ -1,86 +1,220 @@
-//! P and Pᵀ between two levels, in 3×3 blocks.
+//! P and Pᵀ between two levels.
 
-use super::prolongation::Prolongation;
-use fracas_operators::sparse::Block3;
-use fracas_operators::{LinearOperator, Real};
+use super::rows::{Pattern, Transposed};
+use fracas_operators::Real;
+use fracas_operators::simd::{Kernel, Lanes, Level, MAX_WIDTH};
+use fracas_operators::vector::for_row_ranges;
+use rayon::prelude::*;
+use std::sync::Arc;
 
-/// Prolongation and restriction.
+/// Block rows, or coarse nodes, that one task computes.
+const ROWS_PER_TASK: usize = 256;
+
+/// Where P has blocks; outlives changes of values.
+#[derive(Clone, Debug)]
+pub(super) struct TransferPattern {
+    /// Coarse nodes of every block row.
+    pub(super) p: Pattern,
+    /// Block rows of every coarse node.
+    pub(super) transposed: Transposed,
+}
+
+impl TransferPattern {
+    /// For `count` coarse nodes.
+    pub(super) fn new(p: Pattern, count: usize) -> Self {
+        assert!(u32::try_from(p.columns.len()).is_ok(), "blocks of P");
+        let transposed = p.transposed(count);
+        Self { p, transposed }
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        self.p.bytes() + self.transposed.bytes()
+    }
+}
+
+/// Prolongation and restriction by 3×K blocks, K unknowns per coarse node.
 #[derive(Clone, Debug)]
 pub(super) struct Transfer<R> {
-    p: Block3<R>,
-    transposed: Block3<R>,
+    pattern: Arc<TransferPattern>,
+    /// The blocks of P, each row-major; padded.
+    values: Vec<R>,
+    /// The same blocks in the order of Pᵀ: a restriction that picked them from P would read twice the cache lines.
+    transposed: Vec<R>,
+    /// K: 3 or 6.
+    width: usize,
+    level: Level,
 }
 
 impl<R: Real> Transfer<R> {
-    /// Splits the 3×K blocks into K/3 square ones.
-    pub(super) fn new<const K: usize>(p: &Prolongation<K>, aggregates: usize) -> Self {
-        let parts = K / 3;
-        let cut = |block: &[[f64; K]; 3], part: usize, transpose: bool| -> [R; 9] {
-            std::array::from_fn(|k| {
-                let (r, c) = if transpose {
-                    (k % 3, k / 3)
-                } else {
-                    (k / 3, k % 3)
-                };
-                R::of(block[r][3 * part + c])
-            })
+    /// P by its blocks.
+    pub(super) fn new<const K: usize>(
+        pattern: Arc<TransferPattern>,
+        blocks: Vec<[[R; K]; 3]>,
+    ) -> Self {
+        assert_eq!(blocks.len(), pattern.p.columns.len(), "blocks of P");
+        let entries = pattern.transposed.entries().par_iter();
+        let transposed = entries.map(|(_, at)| blocks[*at as usize]).collect();
+        let padded = |blocks: Vec<[[R; K]; 3]>| {
+            let mut values = blocks.into_flattened().into_flattened();
+            values.extend([R::zero(); MAX_WIDTH]);
+            values
         };
-        let entries = parts * p.blocks.len();
-        let forward = || {
-            let (mut columns, mut blocks) =
-                (Vec::with_capacity(entries), Vec::with_capacity(entries));
-            for (aggregate, block) in p.pattern.columns.iter().zip(&p.blocks) {
-                for part in 0..parts {
-                    columns.push(parts as u32 * aggregate + part as u32);
-                    blocks.push(cut(block, part, false));
-                }
-            }
-            let offsets = p.pattern.offsets.iter().map(|o| parts * o).collect();
-            Block3::from_raw(offsets, columns, blocks, parts * aggregates)
-        };
-        let transposed = || {
-            // Pᵀ: counted, then filled row by row of P
-            let mut offsets = vec![0; parts * aggregates + 1];
-            for aggregate in &p.pattern.columns {
-                (0..parts).for_each(|part| offsets[parts * *aggregate as usize + part + 1] += 1);
-            }
-            (0..parts * aggregates).for_each(|j| offsets[j + 1] += offsets[j]);
-            let mut next = offsets.clone();
-            let mut columns = vec![0; entries];
-            let mut blocks = vec![[R::zero(); 9]; entries];
-            for i in 0..p.pattern.rows() {
-                for (aggregate, block) in p.row(i) {
-                    for part in 0..parts {
-                        let at = &mut next[parts * aggregate + part];
-                        columns[*at] = i as u32;
-                        blocks[*at] = cut(block, part, true);
-                        *at += 1;
-                    }
-                }
-            }
-            Block3::from_raw(offsets, columns, blocks, p.pattern.rows())
-        };
-        let (p, transposed) = rayon::join(forward, transposed);
-        Self { p, transposed }
+        Self {
+            pattern,
+            values: padded(blocks),
+            transposed: padded(transposed),
+            width: K,
+            level: Level::best(),
+        }
     }
 
     /// `b_c ← Pᵀ r`.
     pub(super) fn restrict(&self, r: &[R], coarse: &mut [R]) {
-        self.transposed.apply(r, coarse, &mut []);
+        match self.width {
+            3 => self.restrict_by::<3>(r, coarse),
+            _ => self.restrict_by::<6>(r, coarse),
+        }
     }
 
     /// `x ← x + P x_c`.
     pub(super) fn prolong_add(&self, coarse: &[R], x: &mut [R]) {
-        self.p.apply_add(R::one(), coarse, x, &mut []);
+        match self.width {
+            3 => self.prolong_by::<3>(coarse, x),
+            _ => self.prolong_by::<6>(coarse, x),
+        }
+    }
+
+    fn restrict_by<const K: usize>(&self, r: &[R], coarse: &mut [R]) {
+        let values = &self.transposed[..];
+        let pattern = &self.pattern.transposed;
+        assert!(r.len() == 3 * self.pattern.p.rows() && coarse.len() == K * pattern.rows());
+        for_row_ranges(0, K * ROWS_PER_TASK, coarse, &|start, coarse| {
+            let first = start / K;
+            self.level.run(Restrict::<R, K> {
+                pattern,
+                values,
+                first,
+                r,
+                coarse,
+            });
+        });
+    }
+
+    fn prolong_by<const K: usize>(&self, coarse: &[R], x: &mut [R]) {
+        let values = &self.values[..];
+        let pattern = &self.pattern.p;
+        let count = self.pattern.transposed.rows();
+        assert!(x.len() == 3 * pattern.rows() && coarse.len() == K * count);
+        for_row_ranges(0, 3 * ROWS_PER_TASK, x, &|start, x| {
+            let first = start / 3;
+            self.level.run(Prolong::<R, K> {
+                pattern,
+                values,
+                first,
+                coarse,
+                x,
+            });
+        });
     }
 
     /// Flops of one restriction and one prolongation.
     pub(super) fn flops(&self) -> u64 {
-        36 * self.p.block_count() as u64
+        12 * (self.width * self.pattern.p.columns.len()) as u64
     }
 
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
-        2 * size_of_val(self.p.blocks()) + 2 * size_of_val(self.p.columns())
+        size_of_val(&*self.values) + size_of_val(&*self.transposed) + self.pattern.bytes()
+    }
+}
+
+/// Registers that hold a row of a block.
+const fn registers<const K: usize>(width: usize) -> usize {
+    K.div_ceil(width)
+}
+
+/// Most of them: six entries in registers of two.
+const MOST_REGISTERS: usize = 3;
+
+/// `b_J = Σ_i P_iJᵀ r_i` for consecutive coarse nodes J.
+struct Restrict<'a, R, const K: usize> {
+    pattern: &'a Transposed,
+    /// Padded, so that a register may be loaded from the start of any row of a block.
+    values: &'a [R],
+    first: usize,
+    r: &'a [R],
+    coarse: &'a mut [R],
+}
+
+impl<R: Real, const K: usize> Kernel<R> for Restrict<'_, R, K> {
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) {
+        let registers = registers::<K>(L::WIDTH);
+        let mut lanes = [R::zero(); MOST_REGISTERS * MAX_WIDTH];
+        for (k, target) in self.coarse.chunks_exact_mut(K).enumerate() {
+            let mut sums = [L::splat(R::zero()); MOST_REGISTERS];
+            for at in self.pattern.range(self.first + k) {
+                let r = &self.r[3 * self.pattern.entries()[at].0 as usize..][..3];
+                for a in 0..3 {
+                    let row = (3 * at + a) * K;
+                    let r = L::splat(r[a]);
+                    for v in 0..registers {
+                        sums[v] = L::load(&self.values[row + v * L::WIDTH..]).mul_add(r, sums[v]);
+                    }
+                }
+            }
+            for v in 0..registers {
+                sums[v].store(&mut lanes[v * L::WIDTH..]);
+            }
+            target.copy_from_slice(&lanes[..K]);
+        }
+    }
+}
+
+/// `x_i ← x_i + Σ_J P_iJ x_J` for consecutive block rows i.
+struct Prolong<'a, R, const K: usize> {
+    pattern: &'a Pattern,
+    /// Padded, so that a register may be loaded from the start of any row of a block.
+    values: &'a [R],
+    first: usize,
+    coarse: &'a [R],
+    x: &'a mut [R],
+}
+
+impl<R: Real, const K: usize> Kernel<R> for Prolong<'_, R, K> {
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) {
+        let offsets = &self.pattern.offsets;
+        let registers = registers::<K>(L::WIDTH);
+        let mut lanes = [R::zero(); MOST_REGISTERS * MAX_WIDTH];
+        for (k, target) in self.x.chunks_exact_mut(3).enumerate() {
+            let i = self.first + k;
+            let mut sums = [[L::splat(R::zero()); MOST_REGISTERS]; 3];
+            for at in offsets[i]..offsets[i + 1] {
+                let mut coarse = &self.coarse[K * self.pattern.columns[at] as usize..];
+                let mut last = [R::zero(); MOST_REGISTERS * MAX_WIDTH];
+                if coarse.len() < registers * L::WIDTH {
+                    last[..K].copy_from_slice(&coarse[..K]);
+                    coarse = &last;
+                }
+                for v in 0..registers {
+                    let x = L::load(&coarse[v * L::WIDTH..]);
+                    for a in 0..3 {
+                        let row = (3 * at + a) * K + v * L::WIDTH;
+                        sums[a][v] = L::load(&self.values[row..]).mul_add(x, sums[a][v]);
+                    }
+                }
+            }
+            for a in 0..3 {
+                for v in 0..registers {
+                    sums[a][v].store(&mut lanes[v * L::WIDTH..]);
+                }
+                let mut sum = R::zero();
+                for c in 0..K {
+                    sum += lanes[c];
+                }
+                target[a] += sum;
+            }
+        }
     }
 }

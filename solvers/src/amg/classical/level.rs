@@ -1,46 +1,46 @@
 //! One step of classical coarsening between levels.
 
-use super::{Modes, NodeBlocks, coarsen};
+use super::{Modes, NodeBlocks, Start};
 use crate::amg::Amg;
 use crate::amg::aggregation::Aggregates;
-use crate::amg::coarse::{Coarse, Coarsener, NotPositive, STAGNATED, coarse_matrix};
-use crate::amg::galerkin::{self, Patterns};
+use crate::amg::coarse::{Coarsener, Frame, NotPositive, Planned, STAGNATED, Values};
 use crate::amg::lambda::largest_eigenvalue;
 use crate::amg::node_map::NONE;
-use crate::amg::prolongation::Prolongation;
 use crate::amg::rows::Pattern;
 use crate::amg::sweeps::SweepMatrix;
 use fracas_operators::Real;
 
-/// Coarse nodes are fine ones, chosen and interpolated without thresholds from the settings.
-pub(in crate::amg) struct Classical;
+/// Coarse nodes are fine ones, chosen and interpolated without thresholds from the settings. Planned are the coarse nodes and
+/// the least-squares P; its energy is minimised for each matrix.
+#[derive(Clone, Debug)]
+pub(in crate::amg) struct Classical<const K: usize> {
+    start: Start,
+    modes: Vec<[[f64; K]; 3]>,
+    frame: Frame,
+}
 
-impl<const K: usize> Coarsener<3, K> for Classical {
-    fn coarsen<R: Real>(
+impl<const K: usize> Coarsener<3, K> for Classical<K> {
+    fn plan<S: Real>(
         _settings: &Amg,
         _depth: usize,
-        a: &SweepMatrix<R>,
-        defect: &[[f64; 9]],
+        a: &SweepMatrix<S>,
         mut bonds: Option<&Pattern>,
         _group: usize,
         modes: &Modes<K>,
-    ) -> Result<Option<Coarse<3, K>>, NotPositive> {
+    ) -> Option<Planned<Self, K>> {
         let nodes = NodeBlocks::of_level(a);
-        let inverse: Vec<[f64; 9]> = (0..a.rows())
-            .map(|i| a.inverse(i).map(R::to_f64_exact))
-            .collect();
         let coarser = |count: usize| count > 0 && (count as f64) < STAGNATED * a.rows() as f64;
-        let mut coarse = coarsen(&nodes, &inverse, bonds, modes);
-        if bonds.is_some() && !coarser(coarse.nodes.len()) {
+        let mut start = Start::new(&nodes, bonds, modes);
+        if bonds.is_some() && !coarser(start.count()) {
             // every piece of rock is one node: from here on across the fractures
             bonds = None;
-            coarse = coarsen(&nodes, &inverse, None, modes);
+            start = Start::new(&nodes, None, modes);
         }
-        let count = coarse.nodes.len();
+        let count = start.count();
         if !coarser(count) {
-            return Ok(None);
+            return None;
         }
-        let p = coarse.interpolation;
+        let p = &start.interpolation;
         let square = |b: &[f64; 9]| b.iter().map(|v| v * v).sum::<f64>();
         let closest = |i: usize| {
             let strongest = p.row(i).max_by(|x, y| square(x.1).total_cmp(&square(y.1)));
@@ -50,30 +50,50 @@ impl<const K: usize> Coarsener<3, K> for Classical {
             of: (0..p.len()).map(closest).collect(),
             count,
         };
-        let prolongation = Prolongation {
-            blocks: p.blocks.iter().map(by_rows).collect(),
-            pattern: Pattern {
-                offsets: p.offsets,
-                columns: p.columns,
-            },
+        let pattern = Pattern {
+            offsets: p.offsets.clone(),
+            columns: p.columns.clone(),
         };
-        let patterns = Patterns::new(a, &prolongation.pattern, count);
-        let blocks = galerkin::product(a, defect, &prolongation, &patterns);
-        let matrix = coarse_matrix(patterns.coarse(), blocks).map_err(|NotPositive(row)| {
-            NotPositive(3 * coarse.nodes[row / 3] as usize + row % 3)
-        })?;
-        Ok(Some(Coarse {
+        let coarse = start.splitting.nodes.iter();
+        Some(Planned {
             bonds: bonds.map(|bonds| closest.bonds(bonds)),
-            aggregates: closest,
-            network: false,
-            prolongation,
-            matrix,
-            modes: coarse.nodes.iter().map(|i| modes[*i as usize]).collect(),
-            lambda_max: largest_eigenvalue(a),
-        }))
+            modes: coarse.map(|i| modes[*i as usize]).collect(),
+            step: Self {
+                frame: Frame::new(a, closest, pattern),
+                start,
+                modes: modes.to_vec(),
+            },
+        })
+    }
+
+    fn values<S: Real, R: Real>(
+        &self,
+        a: &SweepMatrix<S>,
+        defect: &[[f64; 9]],
+    ) -> Result<Values<R>, NotPositive> {
+        let nodes = NodeBlocks::of_level(a);
+        let inverse: Vec<[f64; 9]> = (0..a.rows())
+            .map(|i| a.inverse(i).map(S::to_f64_exact))
+            .collect();
+        let p = self.start.minimised(&nodes, &inverse, &self.modes);
+        let blocks = p.blocks.iter().map(by_rows).collect();
+        self.frame.values(a, defect, blocks, largest_eigenvalue(a))
+    }
+
+    fn frame(&self) -> &Frame {
+        &self.frame
+    }
+
+    fn bytes(&self) -> usize {
+        let p = &self.start.interpolation;
+        size_of_val(&*p.blocks)
+            + size_of_val(&*p.columns)
+            + size_of_val(&*p.offsets)
+            + size_of_val(&*self.modes)
+            + self.frame.bytes()
     }
 }
 
-fn by_rows(b: &[f64; 9]) -> [[f64; 3]; 3] {
-    [[b[0], b[1], b[2]], [b[3], b[4], b[5]], [b[6], b[7], b[8]]]
+fn by_rows<R: Real>(b: &[f64; 9]) -> [[R; 3]; 3] {
+    std::array::from_fn(|r| std::array::from_fn(|c| R::of(b[3 * r + c])))
 }

@@ -22,6 +22,7 @@ mod tests;
 pub(super) use level::Classical;
 
 use super::rows::Pattern;
+use independent_set::Splitting;
 use interpolation::Interpolation;
 use least_squares::Modes;
 use nodes::NodeBlocks;
@@ -30,40 +31,43 @@ use strength::Strength;
 /// Steps of energy minimisation. Two take most of what can be gained on the pattern of P.
 const ENERGY_STEPS: usize = 2;
 
-/// A coarse level.
+/// Coarse nodes, and a P that reproduces the modes before its energy is minimised.
 #[derive(Clone, Debug)]
-struct Coarse {
-    /// Coarse nodes, ascending.
-    nodes: Vec<u32>,
-    /// P.
+struct Start {
+    splitting: Splitting,
     interpolation: Interpolation,
 }
 
-/// Coarse nodes and P for a symmetric matrix by nodes, the inverses of its diagonal blocks, and its near-null modes.
-///
-/// `P V_c = V` with the modes V of the fine nodes and V_c of the coarse ones, except where a row would exceed norm 10.
-/// Components that no mode moves are not interpolated. The same bits for any number of threads.
-fn coarsen<const K: usize>(
-    a: &NodeBlocks,
-    inverse: &[[f64; 9]],
-    bonds: Option<&Pattern>,
-    modes: &Modes<K>,
-) -> Coarse {
-    assert!(a.len() == modes.len() && a.len() == inverse.len());
-    let graph = Strength::new(a, bonds);
-    let splitting = independent_set::splitting(&graph);
-    let graphs = [&graph, &Strength::complete(a)];
-    let mut interpolation = least_squares::interpolation(graphs, &splitting, modes);
-    energy::minimise(
-        a,
-        inverse,
-        &splitting,
-        modes,
-        &mut interpolation,
-        ENERGY_STEPS,
-    );
-    Coarse {
-        nodes: splitting.nodes,
-        interpolation,
+impl Start {
+    /// For a symmetric matrix by nodes and its near-null modes.
+    ///
+    /// `P V_c = V` with the modes V of the fine nodes and V_c of the coarse ones, except where a row would exceed norm 10.
+    /// Components that no mode moves are not interpolated. The same bits for any number of threads.
+    fn new<const K: usize>(a: &NodeBlocks, bonds: Option<&Pattern>, modes: &Modes<K>) -> Self {
+        assert_eq!(a.len(), modes.len(), "nodes and modes");
+        let graph = Strength::new(a, bonds);
+        let splitting = independent_set::splitting(&graph);
+        let graphs = [&graph, &Strength::complete(a)];
+        Self {
+            interpolation: least_squares::interpolation(graphs, &splitting, modes),
+            splitting,
+        }
+    }
+
+    /// Coarse nodes.
+    fn count(&self) -> usize {
+        self.splitting.nodes.len()
+    }
+
+    /// P of less energy on the same pattern; `inverse`: of the diagonal blocks.
+    fn minimised<const K: usize>(
+        &self,
+        a: &NodeBlocks,
+        inverse: &[[f64; 9]],
+        modes: &Modes<K>,
+    ) -> Interpolation {
+        let mut p = self.interpolation.clone();
+        energy::minimise(a, inverse, &self.splitting, modes, &mut p, ENERGY_STEPS);
+        p
     }
 }

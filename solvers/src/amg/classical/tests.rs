@@ -57,6 +57,25 @@ fn rigid(coordinates: &[DofCoordinate]) -> Modes6 {
     coordinates.chunks_exact(3).map(of_node).collect()
 }
 
+/// Coarse nodes and P.
+struct Coarse {
+    nodes: Vec<u32>,
+    interpolation: Interpolation,
+}
+
+fn coarsen<const K: usize>(
+    a: &NodeBlocks,
+    inverse: &[[f64; 9]],
+    bonds: Option<&Pattern>,
+    modes: &[[[f64; K]; 3]],
+) -> Coarse {
+    let start = Start::new(a, bonds, modes);
+    Coarse {
+        interpolation: start.minimised(a, inverse, modes),
+        nodes: start.splitting.nodes,
+    }
+}
+
 fn inverses(a: &NodeBlocks) -> Vec<[f64; 9]> {
     let of_node = |i: usize| {
         let b = a.diagonal(i);
