@@ -4,6 +4,7 @@
 //! judges: this room imports nothing of the others.
 
 mod block_sliding;
+mod crack_network;
 mod depletion;
 mod inclined_crack;
 mod line_crack;
@@ -13,6 +14,7 @@ mod plane_slip;
 mod rock;
 
 pub use block_sliding::{BlockSliding, SlidingState};
+pub use crack_network::{CrackNetwork, NetworkCrack, StraightCrack};
 pub use depletion::Depletion;
 pub use inclined_crack::InclinedCrack;
 pub use line_crack::LineCrack;
