@@ -194,7 +194,7 @@ impl Experiment for WorkPrecision {
 
     fn expect(&self) -> &'static str {
         "Digits cost iterations in proportion, whatever is inside. f32 inside costs at most two iterations more; f32 \
-         throughout ends at its rounding times the condition. The mesh leaves an error of percents, so from a tolerance of about 1e-2 \
+         throughout ends at its rounding times the condition. The mesh leaves an error of 1e-2 to 1e-3, so from a tolerance of about 1e-4 \
          on work buys digits of the discrete solution alone, and a finer mesh those of the body."
     }
 
