@@ -1,8 +1,8 @@
 //! One body by one method to several tolerances.
 
-use super::clock::Clock;
 use super::narrow::Narrow;
 use super::sample::Sample;
+use crate::clock::Clock;
 use crate::measure::LIMIT;
 use anyhow::Context;
 use fracas::contact::JumpStabilization;
@@ -74,7 +74,7 @@ pub(super) struct Row {
     pub(super) algebraic: [f64; 2],
     /// Against the finer mesh: displacements at its nodes, relative, in ℓ².
     pub(super) total: f64,
-    /// Processor time [s].
+    /// Processor time [s]; the solve is the fastest of its repetitions.
     pub(super) setup: f64,
     pub(super) solve: f64,
 }
@@ -83,6 +83,18 @@ pub(super) struct Row {
 fn relative(a: &[f64], b: &[f64]) -> f64 {
     let difference: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
     norm2(&difference) / norm2(b)
+}
+
+/// The same solve this many times: what it gives, and the least processor time [s].
+fn fastest<T>(repetitions: usize, mut solve: impl FnMut() -> T) -> (T, f64) {
+    let mut timed = || {
+        let clock = Clock::start();
+        let solved = solve();
+        (solved, clock.seconds())
+    };
+    let (solved, first) = timed();
+    let least = (1..repetitions).fold(first, |least, _| least.min(timed().1));
+    (solved, least)
 }
 
 /// What an iteration came to; x is what it reached.
@@ -166,6 +178,7 @@ pub(super) fn rows(
     body: &Body,
     method: Method,
     tolerances: &[f64],
+    repetitions: usize,
     reference: &Reference,
     sample: &Sample,
 ) -> anyhow::Result<Vec<Row>> {
@@ -194,10 +207,12 @@ pub(super) fn rows(
                          setup: f64| {
         let cost = Cost::new(operator, inverse);
         for tolerance in tolerances {
-            let clock = Clock::start();
-            let mut x = vec![0.0; b.len()];
-            let reached = iterate(operator, inverse, b, *tolerance, &mut x);
-            let times = [setup, clock.seconds()];
+            let ((x, reached), solve) = fastest(repetitions, || {
+                let mut x = vec![0.0; b.len()];
+                let reached = iterate(operator, inverse, b, *tolerance, &mut x);
+                (x, reached)
+            });
+            let times = [setup, solve];
             rows.push(judged(*tolerance, &x, unit, &reached, &cost, times));
         }
     };
@@ -247,10 +262,12 @@ pub(super) fn rows(
     let narrow = Narrow::new(inverse);
     let setup = clock.seconds();
     for tolerance in tolerances {
-        let clock = Clock::start();
-        let mut x = vec![0.0_f32; b.len()];
-        let reached = iterate(&single, &narrow, &b, *tolerance, &mut x);
-        let times = [setup, clock.seconds()];
+        let ((x, reached), solve) = fastest(repetitions, || {
+            let mut x = vec![0.0_f32; b.len()];
+            let reached = iterate(&single, &narrow, &b, *tolerance, &mut x);
+            (x, reached)
+        });
+        let times = [setup, solve];
         let x: Vec<f64> = x.iter().map(|x| size * f64::from(*x)).collect();
         rows.push(judged(*tolerance, &x, unit, &reached, &cost, times));
     }

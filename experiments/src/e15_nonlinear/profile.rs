@@ -89,7 +89,7 @@ fn totals_table() -> Table {
     Table::new(
         "e15_totals",
         "Whole runs. Rounds: of the active set for multipliers, updates of the multipliers for springs. J of springs is symmetric \
-         where no face slips. X: a step failed after every halving.",
+         where no face slips. X: a step failed after every halving. Processor time of one thread.",
         &headings,
     )
 }
@@ -110,7 +110,7 @@ fn steps_figure(number: usize, case: &Case, run: &Run) -> Figure {
             case.name
         ),
         Axis::linear("step"),
-        Axis::log("per step"),
+        Axis::log("iterations per step"),
     )
     .with(series("Krylov", |c| c.krylov))
     .with(series("Newton", |c| c.newton))

@@ -1,10 +1,11 @@
 //! A scene from its first step to its last, by one method, counted.
 
+use crate::clock::Clock;
 use crate::report::Cell;
 use fracas::nonlinear::{Accepted, Simulation};
 use fracas::scene::{Body, Scene};
-use fracas_solvers::Observer;
-use std::time::Instant;
+use fracas_solvers::{Observer, Silent, Step};
+use std::ops::ControlFlow;
 
 /// How contact is enforced.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -129,39 +130,52 @@ impl Counts {
 pub(super) struct Run {
     pub(super) body: Body,
     pub(super) steps: Vec<Accepted>,
-    /// Wall-clock time of steps and set-ups, without the mesh [s].
+    /// Processor time of one thread, steps and set-ups, without the mesh [s].
     pub(super) seconds: f64,
 }
 
 impl Run {
-    /// Runs `scene`; the reason where a step fails is a value.
+    /// Runs `scene` on one thread; the reason where a step fails is a value.
     ///
     /// # Errors
-    /// A scene that cannot be built or simulated.
+    /// A scene that cannot be built or simulated, and an observer that stops.
     pub(super) fn of(
         scene: &Scene,
         observer: &mut dyn Observer,
     ) -> anyhow::Result<Result<Self, String>> {
         let body = scene.build()?;
-        let begin = Instant::now();
-        let mut simulation = Simulation::new(&body)?;
-        let mut state = simulation.initial_state();
-        let mut steps = Vec::new();
-        while steps.is_empty() || !simulation.is_finished(&state) {
-            match simulation.advance(&state, observer) {
-                Ok(done) => {
-                    state = done.state.clone();
-                    steps.push(done);
-                }
-                Err(failure) => return Ok(Err(failure.to_string())),
-            }
+        let step = Step::Progress {
+            stage: "run",
+            done: 0,
+            total: 1,
+        };
+        if observer.observe(&step) == ControlFlow::Break(()) {
+            anyhow::bail!("stopped on request");
         }
-        let seconds = begin.elapsed().as_secs_f64();
-        drop(simulation);
-        Ok(Ok(Self {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+        let steps = pool.install(|| steps(&body))?;
+        Ok(steps.map(|(steps, seconds)| Self {
             body,
             steps,
             seconds,
         }))
     }
+}
+
+/// All steps and the time that they took.
+fn steps(body: &Body) -> anyhow::Result<Result<(Vec<Accepted>, f64), String>> {
+    let clock = Clock::start();
+    let mut simulation = Simulation::new(body)?;
+    let mut state = simulation.initial_state();
+    let mut steps = Vec::new();
+    while steps.is_empty() || !simulation.is_finished(&state) {
+        match simulation.advance(&state, &mut Silent) {
+            Ok(done) => {
+                state = done.state.clone();
+                steps.push(done);
+            }
+            Err(failure) => return Ok(Err(failure.to_string())),
+        }
+    }
+    Ok(Ok((steps, clock.seconds())))
 }

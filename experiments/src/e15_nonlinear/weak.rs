@@ -62,9 +62,9 @@ pub(super) fn weak(
         "e15_weak_layer_slip",
         "",
         "Jumps across a layer of weak elastic cells over the slip of the fracture: every stiffness gives another slip (lines with marks), and the \
-         sides overlap where they should not (dashed).",
-        Axis::log("E of the layer over that of the rock"),
-        Axis::log("jump over the slip of the fracture"),
+         sides overlap where they should not (dashed); the true slip is that of the fracture.",
+        Axis::log("E of the layer over E of the rock"),
+        Axis::log("jump over true slip"),
     );
     let mut spread = Vec::new();
     for (tone, thickness) in THICKNESSES.into_iter().enumerate() {

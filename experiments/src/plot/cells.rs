@@ -19,6 +19,17 @@ pub struct Cells {
     pub range: [f64; 2],
 }
 
+/// How far cells reach beyond their corners, in points: no ground shines through between two that touch.
+const OVERLAP: f64 = 0.25;
+
+/// Corners a little further out.
+fn grown(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let count = corners.len() as f64;
+    let middle = [0, 1].map(|d: usize| corners.iter().map(|p| p[d]).sum::<f64>() / count);
+    let out = |p: &[f64; 2]| [0, 1].map(|d: usize| p[d] + OVERLAP * (p[d] - middle[d]).signum());
+    corners.iter().map(out).collect()
+}
+
 /// Width that the bar takes beside the plot, in points.
 pub(super) const BAR_SPACE: f64 = 78.0;
 const BAR: f64 = 12.0;
@@ -52,7 +63,10 @@ impl Frame<'_> {
                 .map(|p| self.at(self.clamped(p)))
                 .collect();
             if corners.len() == 4 && value.is_finite() {
-                canvas.fill(&corners, palette::diverging(cells.place(*value)).mix(1.0))?;
+                canvas.fill(
+                    &grown(&corners),
+                    palette::diverging(cells.place(*value)).mix(1.0),
+                )?;
             }
         }
         self.bar(canvas, cells)

@@ -1,6 +1,7 @@
 //! The `fracas` binary, as its users see it: status, standard output, standard error, files.
 
 mod bad_input;
+mod block;
 mod breakdowns;
 mod check;
 mod explain;
@@ -9,6 +10,7 @@ mod gmsh;
 mod modes;
 mod output;
 mod pipe;
+mod restart;
 mod run;
 mod scenes;
 mod solve;

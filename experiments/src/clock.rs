@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 /// Since a moment.
-pub(super) struct Clock {
+pub(crate) struct Clock {
     wall: Instant,
     /// [s], where the system tells.
     processor: Option<f64>,
@@ -17,7 +17,7 @@ fn on_processor() -> Option<f64> {
 }
 
 impl Clock {
-    pub(super) fn start() -> Self {
+    pub(crate) fn start() -> Self {
         Self {
             wall: Instant::now(),
             processor: on_processor(),
@@ -25,7 +25,7 @@ impl Clock {
     }
 
     /// Of this thread since the start; of the wall where the system does not tell.
-    pub(super) fn seconds(&self) -> f64 {
+    pub(crate) fn seconds(&self) -> f64 {
         match (self.processor, on_processor()) {
             (Some(start), Some(now)) => now - start,
             _ => self.wall.elapsed().as_secs_f64(),

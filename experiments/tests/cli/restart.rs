@@ -1,0 +1,278 @@
+//! Claim: what `run` leaves survives its process at any time, and a restart goes on with the same bits.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test that cannot run its program fails"
+)]
+
+use crate::block::{ROWS, SCENE, done, names, read, run, scene};
+use crate::run::{fracas, write};
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Everything of a finished run that must not depend on how it got there.
+fn content(out: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut files = names(out, "", ".vtu");
+    files.extend(["history.csv", "energy.csv", "scene.pvd", "resolved.toml"].map(String::from));
+    let figures = names(&out.join("figures"), "", "");
+    files.extend(figures.iter().map(|f| format!("figures/{f}")));
+    let last = names(&out.join("checkpoint"), "", "").pop();
+    files.extend(last.map(|f| format!("checkpoint/{f}")));
+    let read = |f: String| {
+        let bytes = fs::read(out.join(&f)).unwrap();
+        (f, bytes)
+    };
+    files.into_iter().map(read).collect()
+}
+
+/// Equal files, named one by one where they are not.
+fn same(ours: &Path, theirs: &Path, what: &str) {
+    let (ours, theirs) = (content(ours), content(theirs));
+    let list = |c: &[(String, Vec<u8>)]| c.iter().map(|(f, _)| f.clone()).collect::<Vec<_>>();
+    assert_eq!(list(&ours), list(&theirs), "{what}");
+    for ((file, a), (_, b)) in ours.iter().zip(&theirs) {
+        assert!(a == b, "{what}: {file} differs");
+    }
+}
+
+#[test]
+fn a_restart_at_every_step_writes_the_same_files() {
+    let (folder, scene) = scene("restart");
+    let whole = folder.join("whole");
+    done(&run(&scene, &whole, &["--threads", "2"]));
+    for k in 1..ROWS {
+        let out = folder.join(format!("after-{k}"));
+        let n = k.to_string();
+        let first = run(&scene, &out, &["--threads", "1", "--steps", &n]);
+        done(&first);
+        assert!(read(out.join("run.json")).contains("\"outcome\": \"stopped\""));
+        assert_eq!(read(out.join("history.csv")).lines().count(), 1 + k);
+        let from = out.display().to_string();
+        let second = fracas(&["--threads", "1", "run", &scene, "--restart", &from]);
+        done(&second);
+        same(&out, &whole, &format!("restart after {k} steps"));
+    }
+}
+
+#[test]
+fn a_restart_from_the_checkpoint_before_takes_a_step_back() {
+    let (folder, scene) = scene("back");
+    let (whole, out) = (folder.join("whole"), folder.join("out"));
+    done(&run(&scene, &whole, &[]));
+    done(&run(&scene, &out, &["--steps", "6"]));
+    let before = out.join("checkpoint/step_000005.checkpoint");
+    let from = before.display().to_string();
+    // stops at once: what belongs to step 5 is gone
+    done(&fracas(&[
+        "run",
+        &scene,
+        "--restart",
+        &from,
+        "--steps",
+        "1",
+    ]));
+    assert_eq!(read(out.join("history.csv")).lines().count(), 1 + 6);
+    done(&run(&scene, &out, &["--restart", &from]));
+    same(&out, &whole, "restart from step 5 of 6");
+    // elsewhere, the history begins with the step of the checkpoint
+    let other = folder.join("other");
+    let last = out.join("checkpoint/step_000011.checkpoint");
+    done(&run(&scene, &other, &["--restart", last.to_str().unwrap()]));
+    let history = read(other.join("history.csv"));
+    assert_eq!(
+        history.lines().nth(1),
+        read(whole.join("history.csv")).lines().last()
+    );
+    assert_eq!(history.lines().count(), 2);
+}
+
+#[test]
+fn a_folder_has_one_process_and_a_checkpoint_an_end_after_it() {
+    let (folder, scene) = scene("owner");
+    let out = folder.join("out");
+    done(&run(&scene, &out, &["--steps", "6"]));
+    assert!(
+        names(&out, "run", ".lock").is_empty(),
+        "the lock goes with its process"
+    );
+    let from = out.display().to_string();
+    // 6 h are done
+    let early = run(&scene, &out, &["--restart", &from, "--set", "time.end=5 h"]);
+    assert_eq!(early.status, 2);
+    let said = "the checkpoint stands at 21600 s, after the end of the scene at 18000 s";
+    assert!(early.stderr.contains(said), "{}", early.stderr);
+    // another process at work: this one
+    let lock = fs::File::create(out.join("run.lock")).unwrap();
+    lock.lock().unwrap();
+    write(&out.join("run.lock"), "12345");
+    let busy = run(&scene, &out, &["--restart", &from]);
+    assert_eq!(busy.status, 2);
+    assert!(
+        busy.stderr.contains("process 12345 is running in"),
+        "{}",
+        busy.stderr
+    );
+    drop(lock);
+    // it is gone and left its lock
+    let taken = run(&scene, &out, &["--restart", &from]);
+    done(&taken);
+    assert!(
+        taken
+            .stderr
+            .contains("taking over from process 12345, which is gone"),
+        "{}",
+        taken.stderr
+    );
+}
+
+/// Kills runs after shares of the time that one takes, and goes on until the end.
+fn killed_runs_lose_nothing(name: &str, kills: usize) {
+    let (folder, scene) = scene(name);
+    write(
+        Path::new(&scene),
+        &SCENE.replace("steps = 10", "steps = 20"),
+    );
+    let whole = folder.join("whole");
+    let clock = Instant::now();
+    done(&run(&scene, &whole, &[]));
+    let takes = clock.elapsed();
+    let (mut share, mut restarts) = (0.0_f64, 0);
+    for k in 0..kills {
+        // fractions of the golden ratio: spread over the whole run, whatever their number
+        share = (share + 0.618_033_988_749_894_9).fract();
+        let out = folder.join(format!("killed-{k}"));
+        let mut child = Command::new(env!("CARGO_BIN_EXE_fracas"))
+            .args(["run", &scene, "--out", out.to_str().unwrap()])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(takes.mul_f64(share) + Duration::from_micros(k as u64));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let from = out.display().to_string();
+        let done_steps = names(&out.join("checkpoint"), "step_", ".checkpoint");
+        if done_steps.is_empty() {
+            // before the first checkpoint there is nothing to lose
+            let ran = fracas(&["run", &scene, "--restart", &from]);
+            assert_eq!(ran.status, 2, "{}", ran.stderr);
+            fs::remove_dir_all(&out).unwrap();
+            done(&run(&scene, &out, &[]));
+        } else {
+            restarts += 1;
+            let ran = fracas(&["run", &scene, "--restart", &from]);
+            assert_eq!(ran.status, 0, "{done_steps:?}: {}", ran.stderr);
+        }
+        same(
+            &out,
+            &whole,
+            &format!("killed after {share:.3} of {takes:?}"),
+        );
+        fs::remove_dir_all(&out).unwrap();
+    }
+    assert!(restarts > 0, "no kill hit a run with a checkpoint");
+}
+
+#[test]
+fn a_killed_run_goes_on() {
+    killed_runs_lose_nothing("killed", 8);
+}
+
+/// `cargo test --release -p fracas-experiments --test cli fifty -- --ignored`
+#[test]
+#[ignore = "two minutes of kills"]
+fn fifty_killed_runs_go_on() {
+    killed_runs_lose_nothing("fifty", 50);
+}
+
+#[test]
+fn what_cannot_be_continued_is_said() {
+    let (folder, scene) = scene("refused");
+    let out = folder.join("out");
+    done(&run(&scene, &out, &["--steps", "2"]));
+    let before = content(&out);
+    let refused = |arguments: &[&str], sentence: &str| {
+        let ran = fracas(arguments);
+        assert_eq!(ran.status, 2, "{arguments:?}: {}", ran.stderr);
+        let last = ran.stderr.lines().last().unwrap_or_default();
+        assert!(
+            last.starts_with("error: ") && last.contains(sentence),
+            "{arguments:?}: `{last}` should contain `{sentence}`"
+        );
+    };
+    let from = out.display().to_string();
+    let again = ["run", &scene, "--out", &from];
+    refused(
+        &again,
+        &format!("{from} holds a run: go on with --restart {from}"),
+    );
+    let occupied = folder.display().to_string();
+    refused(&["run", &scene, "--out", &occupied], "is not empty");
+    refused(
+        &["run", &scene, "--restart", &occupied],
+        "holds no checkpoint",
+    );
+    refused(
+        &["run", &scene, "--restart", "/no/such"],
+        "cannot read the checkpoint /no/such",
+    );
+
+    let other = |set: &str, sentence: &str| {
+        refused(&["run", &scene, "--restart", &from, "--set", set], sentence);
+    };
+    other("mesh.y.cells=4", "belongs to another mesh");
+    other("mesh.y.to=4 m", "belongs to another mesh");
+    other(
+        "material.rock.young=11 GPa",
+        "other materials, friction or loads",
+    );
+    other(
+        "boundary.1.pressure=6 MPa",
+        "other materials, friction or loads",
+    );
+    let solver = run(
+        &scene,
+        &folder.join("solver"),
+        &[
+            "--restart",
+            &from,
+            "--set",
+            "solver.max_newton=20",
+            "--steps",
+            "1",
+        ],
+    );
+    done(&solver);
+
+    let file = out.join("checkpoint/step_000002.checkpoint");
+    let good = fs::read(&file).unwrap();
+    fs::write(&file, &good[..good.len() - 9]).unwrap();
+    refused(&["run", &scene, "--restart", &from], "is damaged: it has");
+    let mut flipped = good.clone();
+    flipped[good.len() / 2] ^= 4;
+    fs::write(&file, &flipped).unwrap();
+    refused(
+        &["run", &scene, "--restart", &from],
+        "its checksum does not fit",
+    );
+    fs::write(&file, SCENE).unwrap();
+    refused(
+        &["run", &scene, "--restart", &from],
+        "is no checkpoint of fracas",
+    );
+    fs::write(&file, &good).unwrap();
+
+    // a folder whose history leads elsewhere
+    let shorter = folder.join("shorter");
+    done(&run(&scene, &shorter, &["--steps", "1"]));
+    let elsewhere = shorter.display().to_string();
+    let mixed = ["run", &scene, "--restart", &from, "--out", &elsewhere];
+    refused(
+        &mixed,
+        "does not lead up to the checkpoint, which starts step 2: it has steps 0 to 0",
+    );
+    // nothing of this has changed anything
+    assert!(content(&out) == before);
+}
