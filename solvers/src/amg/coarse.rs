@@ -46,7 +46,6 @@ impl Frame {
         a: &SweepMatrix<S>,
         defect: &[[f64; 9]],
         blocks: Vec<[[R; N]; 3]>,
-        lambda_max: f64,
     ) -> Result<Values<R>, NotPositive> {
         let p = Prolongation {
             pattern: &self.transfer.p,
@@ -56,7 +55,6 @@ impl Frame {
         Ok(Values {
             matrix: coarse_matrix(self.patterns.coarse(), &coarse)?,
             transfer: Transfer::new(self.transfer.clone(), blocks),
-            lambda_max,
         })
     }
 
@@ -71,8 +69,6 @@ pub(super) struct Values<R> {
     pub(super) transfer: Transfer<R>,
     /// `A_c = PᵀA P`.
     pub(super) matrix: SweepMatrix<f64>,
-    /// Upper estimate of `λ_max(D⁻¹A)` of the fine matrix.
-    pub(super) lambda_max: f64,
 }
 
 /// A step that has been planned, and what the next one starts from.
@@ -86,7 +82,7 @@ pub(super) struct Planned<P, const K: usize> {
 
 /// A way to make coarse unknowns, N per coarse node, planned once for all matrices of one pattern whose strong connections
 /// are those of the first.
-pub(super) trait Coarsener<const N: usize, const K: usize>: Sized {
+pub(super) trait Coarsener<const N: usize, const K: usize>: Sized + Send + Sync {
     /// Chooses coarse unknowns of `a` with `group` block rows per node; `None` when it does not get coarser.
     fn plan<S: Real>(
         settings: &Amg,
@@ -97,11 +93,12 @@ pub(super) trait Coarsener<const N: usize, const K: usize>: Sized {
         modes: &[[[f64; K]; 3]],
     ) -> Option<Planned<Self, K>>;
 
-    /// P and the coarse matrix of `a + Δ` (block-diagonal Δ, may be empty). A coarse row in an error is that of [`Frame`].
+    /// P and the coarse matrix of `a + Δ` (block-diagonal Δ, may be empty); λ_max is that of `D⁻¹a`. A coarse row in an error is that of [`Frame`].
     fn values<S: Real, R: Real>(
         &self,
         a: &SweepMatrix<S>,
         defect: &[[f64; 9]],
+        lambda_max: f64,
     ) -> Result<Values<R>, NotPositive>;
 
     /// The coarse unknowns.

@@ -4,6 +4,7 @@ use super::coarse::{Coarsener, Frame, NotPositive};
 use super::coarsest::{Coarsest, NoInverse};
 use super::finest::Finest;
 use super::fsai_smoother;
+use super::lambda::largest_eigenvalue;
 use super::rows::Pattern;
 use super::summary::{LevelSummary, Summary};
 use super::sweeps::SweepMatrix;
@@ -121,7 +122,23 @@ impl<C, const K: usize> Steps<'_, C, K> {
     }
 
     /// The step down from `a` at this depth, if another level is worth it.
+    ///
+    /// Planning is partly sequential: `λ_max(D⁻¹A)`, which the step needs next, is estimated beside it.
     fn next<S: Real, const N: usize>(
+        &mut self,
+        settings: &Amg,
+        depth: usize,
+        a: &SweepMatrix<S>,
+    ) -> Option<(&C, f64)>
+    where
+        C: Coarsener<N, K>,
+    {
+        let (step, lambda_max) =
+            rayon::join(|| self.step(settings, depth, a), || largest_eigenvalue(a));
+        step.map(|step| (step, lambda_max))
+    }
+
+    fn step<S: Real, const N: usize>(
         &mut self,
         settings: &Amg,
         depth: usize,
@@ -180,33 +197,33 @@ impl<R: Real> Hierarchy<R> {
         let settings = &about.smoothing.in_settings(settings);
         let mut names = Representatives::new(first.rows(), about.unknown);
         let mut levels = Vec::new();
-        let Some(step) = steps.next(settings, 0, &first) else {
+        let Some((step, lambda_max)) = steps.next(settings, 0, &first) else {
             return Self::ending(levels, &first, &names, about);
         };
         let indefinite =
             |NotPositive(row), names: &Representatives<'_>, frame: &Frame, group: usize| {
                 names.indefinite::<N>(frame, group, row)
             };
-        let values = step.values::<R, R>(&first, &defect);
+        let values = step.values::<R, R>(&first, &defect, lambda_max);
         let values = values.map_err(|e| indefinite(e, &names, step.frame(), 1))?;
         drop(defect);
         levels.push(Level {
             fsai: names.smoother(settings, &first)?,
             matrix: first,
             transfer: values.transfer,
-            lambda_max: values.lambda_max,
+            lambda_max,
         });
         let next = N / 3;
         names.descend(step.frame(), [1, next]);
         let mut matrix = values.matrix;
-        while let Some(step) = steps.next(settings, levels.len(), &matrix) {
-            let values = step.values::<f64, R>(&matrix, &[]);
+        while let Some((step, lambda_max)) = steps.next(settings, levels.len(), &matrix) {
+            let values = step.values::<f64, R>(&matrix, &[], lambda_max);
             let values = values.map_err(|e| indefinite(e, &names, step.frame(), next))?;
             levels.push(Level {
                 fsai: names.smoother(settings, &matrix)?,
                 matrix: matrix.cast(),
                 transfer: values.transfer,
-                lambda_max: values.lambda_max,
+                lambda_max,
             });
             names.descend(step.frame(), [next, next]);
             matrix = values.matrix;

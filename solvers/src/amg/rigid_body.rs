@@ -1,6 +1,7 @@
 //! The near-null space of elasticity: modes that cost no energy away from supports.
 
 use super::node_map::{NONE, NodeMap};
+use rayon::prelude::*;
 
 /// Six rigid-body modes per slot (three translations, three rotations `e_k × x` about the centroid, lengths in units of
 /// the largest distance from it), zero in empty slots.
@@ -28,7 +29,7 @@ pub(super) fn rigid_body_modes(map: &NodeMap, positions: &[[f64; 3]]) -> Vec<[[f
         }
         modes
     };
-    positions.iter().enumerate().map(of_node).collect()
+    positions.par_iter().enumerate().map(of_node).collect()
 }
 
 /// The three constants per slot: all that is known without coordinates.

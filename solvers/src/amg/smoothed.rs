@@ -3,7 +3,6 @@
 use super::Amg;
 use super::aggregation::{Aggregates, aggregate};
 use super::coarse::{Coarsener, Frame, NotPositive, Planned, STAGNATED, Values};
-use super::lambda::largest_eigenvalue;
 use super::prolongation;
 use super::rows::Pattern;
 use super::sweeps::SweepMatrix;
@@ -81,8 +80,8 @@ impl<const K: usize> Coarsener<K, K> for SmoothedAggregation<K> {
         &self,
         a: &SweepMatrix<S>,
         defect: &[[f64; 9]],
+        lambda_max: f64,
     ) -> Result<Values<R>, NotPositive> {
-        let lambda_max = largest_eigenvalue(a);
         let (aggregates, pattern) = (&self.frame.aggregates, &self.frame.transfer.p);
         let blocks = if self.network {
             prolongation::tentative(self.group, aggregates, &self.tentative)
@@ -90,7 +89,7 @@ impl<const K: usize> Coarsener<K, K> for SmoothedAggregation<K> {
             let (group, tentative) = (self.group, &self.tentative);
             prolongation::smoothed(a, group, aggregates, tentative, pattern, lambda_max)
         };
-        self.frame.values(a, defect, blocks, lambda_max)
+        self.frame.values(a, defect, blocks)
     }
 
     fn frame(&self) -> &Frame {

@@ -25,13 +25,15 @@ impl<const K: usize> Tentative<K> {
     /// Gram–Schmidt, twice.
     pub(super) fn new(aggregates: &Aggregates, group: usize, modes: &[[[f64; K]; 3]]) -> Self {
         let mut members: Vec<Vec<u32>> = vec![Vec::new(); aggregates.count];
+        // which of its aggregate's nodes a node is
+        let mut places = vec![0; aggregates.of.len()];
         for (node, aggregate) in aggregates.of.iter().enumerate() {
             if *aggregate != NONE {
-                members[*aggregate as usize].push(node as u32);
+                let members = &mut members[*aggregate as usize];
+                places[node] = members.len();
+                members.push(node as u32);
             }
         }
-        let mut rows = vec![[[0.0; K]; 3]; modes.len()];
-        let mut coarse = Vec::with_capacity(aggregates.count);
         let block_rows = |nodes: &[u32]| -> Vec<usize> {
             let of_node = |n: &u32| *n as usize * group..(*n as usize + 1) * group;
             nodes.iter().flat_map(of_node).collect()
@@ -43,12 +45,16 @@ impl<const K: usize> Tentative<K> {
             (local, r)
         });
         let bases: Vec<_> = bases.with_min_len(AGGREGATES_PER_TASK).collect();
-        for (nodes, (local, r)) in members.iter().zip(&bases) {
-            coarse.push(*r);
-            for (i, q) in block_rows(nodes).into_iter().zip(local.chunks_exact(3)) {
-                rows[i].copy_from_slice(q);
+        let row = |i: usize| match aggregates.of[i / group] {
+            NONE => [[0.0; K]; 3],
+            aggregate => {
+                let first = 3 * (places[i / group] * group + i % group);
+                let local = &bases[aggregate as usize].0;
+                std::array::from_fn(|k| local[first + k])
             }
-        }
+        };
+        let rows = (0..modes.len()).into_par_iter().map(row).collect();
+        let coarse = bases.iter().map(|(_, r)| *r).collect();
         Self { rows, coarse }
     }
 }

@@ -4,7 +4,6 @@ use super::{Modes, NodeBlocks, Start};
 use crate::amg::Amg;
 use crate::amg::aggregation::Aggregates;
 use crate::amg::coarse::{Coarsener, Frame, NotPositive, Planned, STAGNATED, Values};
-use crate::amg::lambda::largest_eigenvalue;
 use crate::amg::node_map::NONE;
 use crate::amg::rows::Pattern;
 use crate::amg::sweeps::SweepMatrix;
@@ -70,6 +69,7 @@ impl<const K: usize> Coarsener<3, K> for Classical<K> {
         &self,
         a: &SweepMatrix<S>,
         defect: &[[f64; 9]],
+        _lambda_max: f64,
     ) -> Result<Values<R>, NotPositive> {
         let nodes = NodeBlocks::of_level(a);
         let inverse: Vec<[f64; 9]> = (0..a.rows())
@@ -77,7 +77,7 @@ impl<const K: usize> Coarsener<3, K> for Classical<K> {
             .collect();
         let p = self.start.minimised(&nodes, &inverse, &self.modes);
         let blocks = p.blocks.iter().map(by_rows).collect();
-        self.frame.values(a, defect, blocks, largest_eigenvalue(a))
+        self.frame.values(a, defect, blocks)
     }
 
     fn frame(&self) -> &Frame {

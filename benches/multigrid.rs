@@ -1,0 +1,93 @@
+//! Algebraic multigrid of S_u on a million unknowns: set-up, refresh, cycle, one thread beside two in turn.
+//!
+//! `cargo bench --bench multigrid` prints medians and ranges of five rounds. One thread is timed by its processor time.
+
+#[path = "products/clock.rs"]
+mod clock;
+
+use fracas::contact::JumpStabilization;
+use fracas::scene::named;
+use fracas_operators::Preconditioner;
+use fracas_operators::laws::probe;
+use fracas_solvers::amg::Amg;
+use fracas_solvers::direct::DirectChoice;
+use fracas_solvers::saddle::AugmentationChoice;
+
+/// Overrides of `analogue_b` that give a million displacements.
+const CELLS: [&str; 3] = ["mesh.x.cells=70", "mesh.y.cells=68", "mesh.z.cells=68"];
+
+const ROUNDS: usize = 5;
+
+/// Cycles per round.
+const CYCLES: usize = 10;
+
+const NAMES: [&str; 3] = ["set-up", "refresh", "cycle"];
+
+fn main() {
+    let body = named("analogue_b")
+        .expect("a scene of the gallery")
+        .scene()
+        .and_then(|scene| scene.with_overrides(&CELLS))
+        .and_then(|scene| scene.build())
+        .expect("valid scene");
+    let blocks = body
+        .saddle_blocks(Some(JumpStabilization::default()))
+        .expect("valid blocks");
+    let direct = DirectChoice::default().solver().expect("a solver");
+    let c = AugmentationChoice::HalfH
+        .compute(&blocks, direct.as_ref())
+        .expect("valid blocks")
+        .matrix;
+    let f = &blocks.b1 * &c.inverse_root().expect("positive C");
+    let settings = Amg::default();
+    println!("n_u = {}, n_t = {}", blocks.n_u(), blocks.n_t());
+    let round = || {
+        let timed = |work: &mut dyn FnMut()| {
+            let start = clock::now();
+            work();
+            (clock::now() - start).as_secs_f64()
+        };
+        let coordinates = blocks.coordinates.as_deref();
+        let mut planned = None;
+        let setup = timed(&mut || planned = settings.plan(&blocks.a, Some(&f), coordinates).ok());
+        let (first, plan) = planned.take().expect("valid matrix");
+        drop(first);
+        let mut refreshed = None;
+        let refresh = timed(&mut || refreshed = plan.refresh(&blocks.a, Some(&f)).ok());
+        let m = refreshed.expect("the same matrix");
+        let r = probe::<f64>(m.size(), 1);
+        let (mut z, mut work) = (vec![0.0; m.size()], vec![0.0; m.work_len()]);
+        m.solve(&r, &mut z, &mut work);
+        let cycles = timed(&mut || (0..CYCLES).for_each(|_| m.solve(&r, &mut z, &mut work)));
+        [setup, refresh, cycles / CYCLES as f64]
+    };
+    let pools = [1, 2].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build().expect("threads")
+    });
+    let rounds: Vec<[[f64; 3]; 2]> = (0..ROUNDS)
+        .map(|_| [&pools[0], &pools[1]].map(|pool| pool.install(round)))
+        .collect();
+    for (k, name) in NAMES.into_iter().enumerate() {
+        let [one, two] = [0, 1].map(|p| sorted(rounds.iter().map(|round| round[p][k])));
+        let ratio = sorted(rounds.iter().map(|round| round[0][k] / round[1][k]));
+        println!(
+            "{name:8} one thread {} s, two {} s, ratio {}",
+            said(&one),
+            said(&two),
+            said(&ratio)
+        );
+    }
+}
+
+fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_unstable_by(f64::total_cmp);
+    values
+}
+
+/// Median and range.
+fn said(sorted: &[f64]) -> String {
+    let [least, median, most] = [0, sorted.len() / 2, sorted.len() - 1].map(|k| sorted[k]);
+    format!("{median:.3} ({least:.3}–{most:.3})")
+}
