@@ -12,6 +12,7 @@ use fracas_operators::laws::probe;
 use fracas_solvers::amg::Amg;
 use fracas_solvers::direct::DirectChoice;
 use fracas_solvers::saddle::AugmentationChoice;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Overrides of `analogue_b` that give a million displacements.
 const CELLS: [&str; 3] = ["mesh.x.cells=70", "mesh.y.cells=68", "mesh.z.cells=68"];
@@ -41,6 +42,7 @@ fn main() {
     let f = &blocks.b1 * &c.inverse_root().expect("positive C");
     let settings = Amg::default();
     println!("n_u = {}, n_t = {}", blocks.n_u(), blocks.n_t());
+    let kept = AtomicUsize::new(0);
     let round = || {
         let timed = |work: &mut dyn FnMut()| {
             let start = clock::now();
@@ -52,6 +54,7 @@ fn main() {
         let setup = timed(&mut || planned = settings.plan(&blocks.a, Some(&f), coordinates).ok());
         let (first, plan) = planned.take().expect("valid matrix");
         drop(first);
+        kept.store(plan.bytes(), Ordering::Relaxed);
         let mut refreshed = None;
         let refresh = timed(&mut || refreshed = plan.refresh(&blocks.a, Some(&f)).ok());
         let m = refreshed.expect("the same matrix");
@@ -68,6 +71,7 @@ fn main() {
     let rounds: Vec<[[f64; 3]; 2]> = (0..ROUNDS)
         .map(|_| [&pools[0], &pools[1]].map(|pool| pool.install(round)))
         .collect();
+    println!("kept for refreshes: {} MB", kept.into_inner() / 1_000_000);
     for (k, name) in NAMES.into_iter().enumerate() {
         let [one, two] = [0, 1].map(|p| sorted(rounds.iter().map(|round| round[p][k])));
         let ratio = sorted(rounds.iter().map(|round| round[0][k] / round[1][k]));

@@ -134,6 +134,7 @@ fn a_crack_stronger_than_its_angle_sticks_and_shows_the_uniform_stress() {
 
 /// Largest difference of jumps and tractions, relative to the largest of each; `scale` multiplies the jumps of `b`.
 fn difference(a: &[Piece], b: &[Piece], scale: f64) -> [f64; 2] {
+    assert_eq!(a.len(), b.len(), "pieces");
     let (mut difference, mut size) = ([0.0f64; 2], [0.0f64; 2]);
     for (a, b) in a.iter().zip(b) {
         for k in 0..2 {

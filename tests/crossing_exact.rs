@@ -236,7 +236,7 @@ fn a_weak_plane_slides_through_a_strong_one() {
                 );
             }
             match state.states[f] {
-                ContactState::Stick => states[0] += 1,
+                ContactState::Stick => states[0] += usize::from(weak),
                 _ => {
                     assert!(weak, "the strong plane sticks");
                     states[1] += 1;

@@ -212,6 +212,7 @@ fn slip_errors(case: &Case) -> ([f64; 3], f64) {
     let (mut peak, mut found) = (0.0f64, 0.0f64);
     for piece in faces {
         if piece.middle().abs() > 450.0 {
+            assert_eq!(piece.state, ContactState::Stick, "{piece:?}");
             continue;
         }
         let [from, to] = piece.span;

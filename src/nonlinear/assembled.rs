@@ -24,10 +24,14 @@ impl Assembled {
             return Ok(inner.prepare(blocks, c)?.inverse);
         };
         let f = &blocks.b1 * &c.inverse_root()?;
+        let coordinates = blocks.coordinates.as_deref();
         let inverse = match &self.plan {
-            Some(plan) => plan.refresh(&blocks.a, Some(&f)),
+            // aggregates of the stuck body may leave nothing to hold an open one; the plan stays that of the stuck body,
+            // so that a restart finds the same
+            Some(plan) => plan
+                .refresh(&blocks.a, Some(&f))
+                .or_else(|_| settings.build_augmented(&blocks.a, &f, coordinates)),
             None => {
-                let coordinates = blocks.coordinates.as_deref();
                 let planned = settings.plan(&blocks.a, Some(&f), coordinates);
                 planned.map(|(inverse, plan)| {
                     self.plan = Some(plan);

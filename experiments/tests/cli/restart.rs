@@ -39,19 +39,33 @@ fn same(ours: &Path, theirs: &Path, what: &str) {
 
 #[test]
 fn a_restart_at_every_step_writes_the_same_files() {
-    let (folder, scene) = scene("restart");
+    restarted("restart", &[]);
+}
+
+/// Multigrid refreshes the hierarchy of the stuck body for other states, before the restart and after it.
+#[test]
+fn a_restart_with_multigrid_writes_the_same_files() {
+    restarted("restart-amg", &["--set", "solver.inner=amg"]);
+}
+
+fn restarted(name: &str, more: &[&str]) {
+    let (folder, scene) = scene(name);
     let whole = folder.join("whole");
-    done(&run(&scene, &whole, &["--threads", "2"]));
+    done(&run(&scene, &whole, &[&["--threads", "2"], more].concat()));
     for k in 1..ROWS {
         let out = folder.join(format!("after-{k}"));
         let n = k.to_string();
-        let first = run(&scene, &out, &["--threads", "1", "--steps", &n]);
+        let first = run(
+            &scene,
+            &out,
+            &[&["--threads", "1", "--steps", &n], more].concat(),
+        );
         done(&first);
         assert!(read(out.join("run.json")).contains("\"outcome\": \"stopped\""));
         assert_eq!(read(out.join("history.csv")).lines().count(), 1 + k);
         let from = out.display().to_string();
-        let second = fracas(&["--threads", "1", "run", &scene, "--restart", &from]);
-        done(&second);
+        let again = ["--threads", "1", "run", &scene, "--restart", &from];
+        done(&fracas(&[&again[..], more].concat()));
         same(&out, &whole, &format!("restart after {k} steps"));
     }
 }

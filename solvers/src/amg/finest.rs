@@ -48,6 +48,9 @@ impl<'a> Sum<'a> {
             });
         }
         finite_entries(BLOCK, a)?;
+        if let Some(f) = factor {
+            assert_eq!(f.rows(), a.rows(), "rows of F and of A");
+        }
         let factor = factor.map(|f| {
             let f = if f.is_csr() { f.clone() } else { f.to_csr() };
             let transpose = f.transpose_view().to_csr();

@@ -72,7 +72,8 @@ impl<R: Real> Transfer<R> {
     pub(super) fn restrict(&self, r: &[R], coarse: &mut [R]) {
         match self.width {
             3 => self.restrict_by::<3>(r, coarse),
-            _ => self.restrict_by::<6>(r, coarse),
+            6 => self.restrict_by::<6>(r, coarse),
+            k => unreachable!("{k} unknowns per coarse node"),
         }
     }
 
@@ -80,7 +81,8 @@ impl<R: Real> Transfer<R> {
     pub(super) fn prolong_add(&self, coarse: &[R], x: &mut [R]) {
         match self.width {
             3 => self.prolong_by::<3>(coarse, x),
-            _ => self.prolong_by::<6>(coarse, x),
+            6 => self.prolong_by::<6>(coarse, x),
+            k => unreachable!("{k} unknowns per coarse node"),
         }
     }
 
@@ -187,12 +189,12 @@ impl<R: Real, const K: usize> Kernel<R> for Prolong<'_, R, K> {
         let offsets = &self.pattern.offsets;
         let registers = registers::<K>(L::WIDTH);
         let mut lanes = [R::zero(); MOST_REGISTERS * MAX_WIDTH];
+        let mut last = [R::zero(); MOST_REGISTERS * MAX_WIDTH];
         for (k, target) in self.x.chunks_exact_mut(3).enumerate() {
             let i = self.first + k;
             let mut sums = [[L::splat(R::zero()); MOST_REGISTERS]; 3];
             for at in offsets[i]..offsets[i + 1] {
                 let mut coarse = &self.coarse[K * self.pattern.columns[at] as usize..];
-                let mut last = [R::zero(); MOST_REGISTERS * MAX_WIDTH];
                 if coarse.len() < registers * L::WIDTH {
                     last[..K].copy_from_slice(&coarse[..K]);
                     coarse = &last;
@@ -215,6 +217,79 @@ impl<R: Real, const K: usize> Kernel<R> for Prolong<'_, R, K> {
                 }
                 target[a] += sum;
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fracas_operators::laws::probe;
+
+    /// Seven block rows, four coarse nodes: an empty row, a coarse node that nothing takes from, the last one alone in a row.
+    fn pattern() -> Arc<TransferPattern> {
+        let rows: [&[u32]; 7] = [&[0, 1], &[0], &[], &[0, 1, 3], &[3], &[1, 3], &[0]];
+        let mut p = Pattern {
+            offsets: vec![0],
+            columns: Vec::new(),
+        };
+        for row in rows {
+            p.columns.extend(row);
+            p.offsets.push(p.columns.len());
+        }
+        Arc::new(TransferPattern::new(p, 4))
+    }
+
+    /// Both transfers against plain loops in f64; the unused coarse node holds NaN.
+    fn check<R: Real, const K: usize>(level: Level) {
+        let pattern = pattern();
+        let entries = pattern.p.columns.len();
+        let values = probe::<f64>(3 * K * entries, 5);
+        let value = |at: usize, r: usize, c: usize| values[(3 * at + r) * K + c];
+        let blocks = (0..entries)
+            .map(|at| std::array::from_fn(|r| std::array::from_fn(|c| R::of(value(at, r, c)))))
+            .collect();
+        let transfer = Transfer {
+            level,
+            ..Transfer::<R>::new::<K>(pattern.clone(), blocks)
+        };
+        let (r, x) = (probe::<f64>(21, 1), probe::<f64>(4 * K, 2));
+        let (mut down, mut up) = (vec![0.0; 4 * K], r.clone());
+        for i in 0..7 {
+            for at in pattern.p.offsets[i]..pattern.p.offsets[i + 1] {
+                let j = pattern.p.columns[at] as usize;
+                for a in 0..3 {
+                    for c in 0..K {
+                        down[K * j + c] += value(at, a, c) * r[3 * i + a];
+                        up[3 * i + a] += value(at, a, c) * x[K * j + c];
+                    }
+                }
+            }
+        }
+        let cast = |v: &[f64]| v.iter().map(|v| R::of(*v)).collect::<Vec<R>>();
+        let mut coarse = cast(&x);
+        transfer.restrict(&cast(&r), &mut coarse);
+        let near = |found: &[R], exact: &[f64]| {
+            found
+                .iter()
+                .zip(exact)
+                .all(|(f, e)| (f.to_f64_exact() - e).abs() <= 30.0 * R::epsilon().to_f64_exact())
+        };
+        assert!(near(&coarse, &down), "Pᵀ, K = {K}, {level:?}");
+        let mut coarse = cast(&x);
+        coarse[2 * K..3 * K].fill(R::nan());
+        let mut fine = cast(&r);
+        transfer.prolong_add(&coarse, &mut fine);
+        assert!(near(&fine, &up), "P, K = {K}, {level:?}");
+    }
+
+    #[test]
+    fn both_transfers_are_those_of_plain_loops_on_every_instruction_set() {
+        for level in Level::supported() {
+            check::<f32, 3>(level);
+            check::<f32, 6>(level);
+            check::<f64, 3>(level);
+            check::<f64, 6>(level);
         }
     }
 }
