@@ -10,6 +10,7 @@ use super::sweeps::SweepMatrix;
 use super::transfer::{Transfer, TransferPattern};
 use fracas_operators::Real;
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Coarse nodes over fine nodes above which coarsening has stagnated. Unit: 1.
@@ -116,6 +117,14 @@ pub(super) trait Coarsener<const N: usize, const K: usize>: Sized + Send + Sync 
 /// A diagonal block of `A_c` that is not positive definite: scalar row of `A_c`.
 pub(super) struct NotPositive(pub(super) usize);
 
+/// Consecutive coarse nodes and what is theirs of the coarse matrix.
+struct Task<'a> {
+    nodes: Range<usize>,
+    columns: &'a mut [u32],
+    blocks: &'a mut [[f64; 9]],
+    inverses: &'a mut [[f64; 9]],
+}
+
 /// K×K blocks cut into 3×3 ones; those left of the diagonal are taken from the right. Unknowns without a column in P get a
 /// diagonal entry that keeps them apart.
 fn coarse_matrix<const K: usize>(
@@ -143,14 +152,20 @@ fn coarse_matrix<const K: usize>(
         let (own_columns, other_columns) = all_columns.split_at_mut(length);
         let (own_blocks, other_blocks) = all_blocks.split_at_mut(length);
         (all_columns, all_blocks) = (other_columns, other_blocks);
-        tasks.push((first..last, own_columns, own_blocks, own_inverses));
+        tasks.push(Task {
+            nodes: first..last,
+            columns: own_columns,
+            blocks: own_blocks,
+            inverses: own_inverses,
+        });
     }
-    let cut = |(range, columns, blocks, inverses): (
-        std::ops::Range<usize>,
-        &mut [u32],
-        &mut [[f64; 9]],
-        &mut [[f64; 9]],
-    )| {
+    let cut = |task: Task<'_>| {
+        let Task {
+            nodes: range,
+            columns,
+            blocks,
+            inverses,
+        } = task;
         let start = offsets[parts * range.start];
         let first = range.start;
         for i in range {
