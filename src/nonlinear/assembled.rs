@@ -2,43 +2,67 @@
 
 use fracas_operators::Preconditioner;
 use fracas_solvers::SetupError;
-use fracas_solvers::amg::AmgPlan;
+use fracas_solvers::amg::{Amg, AmgInverse, AmgPlan};
 use fracas_solvers::saddle::{AugmentationMatrix, InnerChoice, SaddleBlocks};
 
 /// A and the pattern of B stay while faces stick, slip and open, so multigrid plans once: later hierarchies are made of new
 /// values on the coarse unknowns of the first, that of all faces in stick.
 #[derive(Debug, Default)]
 pub(super) struct Assembled {
-    plan: Option<AmgPlan>,
+    plan: Option<(Amg, AmgPlan)>,
+}
+
+/// `S̃_u⁻¹`, and why it is in f64 where f32 was asked for and failed just now.
+pub(super) struct Built {
+    pub(super) inverse: Box<dyn Preconditioner<f64>>,
+    pub(super) lost: Option<SetupError>,
 }
 
 impl Assembled {
-    /// `S̃_u⁻¹` for this C.
+    /// For this C.
     pub(super) fn build(
         &mut self,
         inner: InnerChoice,
         blocks: &SaddleBlocks,
         c: &AugmentationMatrix,
-    ) -> Result<Box<dyn Preconditioner<f64>>, SetupError> {
-        let InnerChoice::Amg(settings) = inner else {
-            return Ok(inner.prepare(blocks, c)?.inverse);
+    ) -> Result<Built, SetupError> {
+        let InnerChoice::Amg(asked) = inner else {
+            let inverse = inner.prepare(blocks, c)?.inverse;
+            return Ok(Built {
+                inverse,
+                lost: None,
+            });
         };
         let f = &blocks.b1 * &c.inverse_root()?;
         let coordinates = blocks.coordinates.as_deref();
+        let mut lost = None;
         let inverse = match &self.plan {
             // aggregates of the stuck body may leave nothing to hold an open one; the plan stays that of the stuck body,
             // so that a restart finds the same
-            Some(plan) => plan
+            Some((settings, plan)) => plan
                 .refresh(&blocks.a, Some(&f))
                 .or_else(|_| settings.build_augmented(&blocks.a, &f, coordinates)),
             None => {
-                let planned = settings.plan(&blocks.a, Some(&f), coordinates);
-                planned.map(|(inverse, plan)| {
+                let plan = |settings: Amg| {
+                    let planned = settings.plan(&blocks.a, Some(&f), coordinates);
+                    planned.map(|(inverse, plan)| (inverse, (settings, plan)))
+                };
+                let first = plan(asked).or_else(|error| {
+                    let double = asked.in_double().ok_or(error.clone())?;
+                    let planned = plan(double).map_err(|_| error.clone())?;
+                    lost = Some(error.in_block("S_u"));
+                    Ok(planned)
+                });
+                first.map(|(inverse, plan): (AmgInverse, _)| {
                     self.plan = Some(plan);
                     inverse
                 })
             }
         };
-        Ok(Box::new(inverse.map_err(|error| error.in_block("S_u"))?))
+        let inverse = inverse.map_err(|error: SetupError| error.in_block("S_u"))?;
+        Ok(Built {
+            inverse: Box::new(inverse),
+            lost,
+        })
     }
 }

@@ -28,12 +28,16 @@ impl Fallbacks {
         let built = racp.inner.build(&problem.stick_system(), c)?;
         self.double = !built.is_single();
         if let Some(lost) = built.lost() {
-            self.count += 1;
-            self.events.push(Event::Precision {
-                reason: lost.to_string(),
-            });
+            self.note(lost.to_string());
         }
         Ok(built)
+    }
+
+    /// f32 gave way to f64 for this reason.
+    pub(super) fn note(&mut self, reason: String) {
+        self.count += 1;
+        self.double = true;
+        self.events.push(Event::Precision { reason });
     }
 
     /// These settings with the precision of the hierarchy built last.
@@ -41,6 +45,9 @@ impl Fallbacks {
         match settings {
             RunPreconditioner::MatrixFree(racp) if self.double => {
                 RunPreconditioner::MatrixFree(racp.in_double())
+            }
+            RunPreconditioner::Assembled(racp) if self.double => {
+                RunPreconditioner::Assembled(racp.in_double())
             }
             asked => asked,
         }

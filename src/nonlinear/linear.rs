@@ -1,6 +1,6 @@
 //! The linear systems of Newton: one preconditioner for as long as it serves.
 
-use super::assembled::Assembled;
+use super::assembled::{Assembled, Built};
 use super::face_rules::FaceRule;
 use super::fallback::Fallbacks;
 use super::jacobian::FaceTangent;
@@ -237,7 +237,12 @@ impl Linear {
                 }
                 let c = c(&self.c);
                 let matrix = AugmentationMatrix::from_face_blocks(c.clone())?;
-                (c, self.assembled.build(racp.inner, &blocks, &matrix)?)
+                let Built { inverse, lost } = self.assembled.build(racp.inner, &blocks, &matrix)?;
+                if let Some(error) = lost {
+                    stage = IN_DOUBLE;
+                    self.fallbacks.note(format!("with f32 {error}"));
+                }
+                (c, inverse)
             }
             RunPreconditioner::MatrixFree(racp) => {
                 let system = problem.stick_system();
@@ -251,7 +256,7 @@ impl Linear {
                 let s_u = self.fallbacks.build(problem, racp, &in_pascal)?;
                 let gave_way = s_u.lost().is_some();
                 if gave_way {
-                    stage = "preconditioner, in f64 because f32 would lose it";
+                    stage = IN_DOUBLE;
                 }
                 if gave_way && self.stick.is_none() {
                     // a restart builds the all-stick one first, too: it decides the same
@@ -272,6 +277,9 @@ impl Linear {
         Ok(Ready { of, inverse: s_u })
     }
 }
+
+/// What is told of a preconditioner that gave way.
+const IN_DOUBLE: &str = "preconditioner, in f64 because f32 would lose it";
 
 /// What faces with these tangents make of their rows, and of the diagonal of C in stick.
 fn rules(c: &[[Block; 2]], tangent: impl Fn(usize) -> FaceTangent) -> Vec<FaceRule> {

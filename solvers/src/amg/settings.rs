@@ -122,3 +122,13 @@ impl Default for Amg {
         }
     }
 }
+
+impl Amg {
+    /// The same in f64, where these are in f32.
+    pub fn in_double(self) -> Option<Self> {
+        (self.precision == Precision::F32).then_some(Self {
+            precision: Precision::F64,
+            ..self
+        })
+    }
+}

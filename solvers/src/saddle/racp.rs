@@ -175,6 +175,18 @@ impl Racp {
     }
 }
 
+impl Racp {
+    /// With multigrid in f64.
+    #[must_use]
+    pub fn in_double(self) -> Self {
+        let inner = match self.inner {
+            InnerChoice::Amg(amg) => InnerChoice::Amg(amg.in_double().unwrap_or(amg)),
+            other => other,
+        };
+        Self { inner, ..self }
+    }
+}
+
 impl SaddleSettings for Racp {
     fn name(&self) -> &'static str {
         "racp"

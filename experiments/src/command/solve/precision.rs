@@ -5,7 +5,7 @@ use super::memory;
 use crate::command::progress::Progress;
 use fracas_operators::Preconditioner;
 use fracas_operators::vector::norm2;
-use fracas_solvers::amg::{Precision, Summary};
+use fracas_solvers::amg::Summary;
 use fracas_solvers::krylov::{Breakdown, Outcome, Report};
 use fracas_solvers::saddle::{InnerChoice, Ready, SaddleBlocks, SaddleMethod};
 use fracas_solvers::{Observer, SetupError, Step};
@@ -43,17 +43,11 @@ pub(super) fn name_in_double(method: &SaddleMethod) -> Option<String> {
 
 /// The method with its inner solver in f64, where it has one in f32.
 pub(super) fn in_double(method: &SaddleMethod) -> Option<SaddleMethod> {
-    match method.inner() {
-        Some(InnerChoice::Amg(amg)) if amg.precision == Precision::F32 => {
-            let amg = fracas_solvers::amg::Amg {
-                precision: Precision::F64,
-                ..amg
-            };
-            let double = method.with_parts(None, Some(InnerChoice::Amg(amg)));
-            double.ok()
-        }
-        _ => None,
-    }
+    let Some(InnerChoice::Amg(amg)) = method.inner() else {
+        return None;
+    };
+    let double = InnerChoice::Amg(amg.in_double()?);
+    method.with_parts(None, Some(double)).ok()
 }
 
 /// The method set up; where that fails in f32 and not in f64 it is the latter, with a finding that says so.
