@@ -4,6 +4,7 @@ mod narrow;
 mod run;
 mod sample;
 
+use crate::clock::REPETITIONS;
 use crate::plot::{Axis, Figure, Mark, Series};
 use crate::report::{Cell, Check, Experiment, Findings, Level, Table};
 use fracas_solvers::amg::Precision;
@@ -32,9 +33,6 @@ const REFERENCE: [f64; 2] = [1e-13, 1e-9];
 
 /// Cells per axis up to which S_u is factorized.
 const FACTORIZED: usize = 32;
-
-/// Of a solve, of which the fastest counts.
-const REPETITIONS: usize = 3;
 
 /// Iterations that f32 inside may cost more than f64.
 const MORE: f64 = 2.0;

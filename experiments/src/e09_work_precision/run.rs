@@ -2,7 +2,7 @@
 
 use super::narrow::Narrow;
 use super::sample::Sample;
-use crate::clock::Clock;
+use crate::clock::{Clock, fastest};
 use crate::measure::LIMIT;
 use anyhow::Context;
 use fracas::contact::JumpStabilization;
@@ -83,18 +83,6 @@ pub(super) struct Row {
 fn relative(a: &[f64], b: &[f64]) -> f64 {
     let difference: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
     norm2(&difference) / norm2(b)
-}
-
-/// The same solve this many times: what it gives, and the least processor time [s].
-fn fastest<T>(repetitions: usize, mut solve: impl FnMut() -> T) -> (T, f64) {
-    let mut timed = || {
-        let clock = Clock::start();
-        let solved = solve();
-        (solved, clock.seconds())
-    };
-    let (solved, first) = timed();
-    let least = (1..repetitions).fold(first, |least, _| least.min(timed().1));
-    (solved, least)
 }
 
 /// What an iteration came to; x is what it reached.

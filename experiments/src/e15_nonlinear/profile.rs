@@ -89,7 +89,7 @@ fn totals_table() -> Table {
     Table::new(
         "e15_totals",
         "Whole runs. Rounds: of the active set for multipliers, updates of the multipliers for springs. J of springs is symmetric \
-         where no face slips. X: a step failed after every halving. Processor time of one thread.",
+         where no face slips. X: a step failed after every halving. Processor time of one thread, the least of three runs.",
         &headings,
     )
 }
@@ -127,7 +127,7 @@ pub(super) fn profile(
     for (number, case) in CASES.iter().enumerate() {
         let scene = case.scene(level)?;
         for way in WAYS {
-            let run = Run::of(&scene.with_overrides(&[way.setting()])?, observer)?;
+            let run = Run::timed(level, &scene.with_overrides(&[way.setting()])?, observer)?;
             let size = scene.build()?;
             let mut row: Vec<Cell> = vec![
                 case.name.into(),

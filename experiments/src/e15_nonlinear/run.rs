@@ -1,7 +1,7 @@
 //! A scene from its first step to its last, by one method, counted.
 
-use crate::clock::Clock;
-use crate::report::Cell;
+use crate::clock::{REPETITIONS, try_fastest};
+use crate::report::{Cell, Level};
 use fracas::nonlinear::{Accepted, Simulation};
 use fracas::scene::{Body, Scene};
 use fracas_solvers::{Observer, Silent, Step};
@@ -130,7 +130,7 @@ impl Counts {
 pub(super) struct Run {
     pub(super) body: Body,
     pub(super) steps: Vec<Accepted>,
-    /// Processor time of one thread, steps and set-ups, without the mesh [s].
+    /// Processor time of one thread, steps and set-ups, without the mesh; the least of the repetitions [s].
     pub(super) seconds: f64,
 }
 
@@ -140,6 +140,30 @@ impl Run {
     /// # Errors
     /// A scene that cannot be built or simulated, and an observer that stops.
     pub(super) fn of(
+        scene: &Scene,
+        observer: &mut dyn Observer,
+    ) -> anyhow::Result<Result<Self, String>> {
+        Self::repeated(1, scene, observer)
+    }
+
+    /// [`Self::of`], repeated for its time where the level prints one.
+    ///
+    /// # Errors
+    /// Those of [`Self::of`].
+    pub(super) fn timed(
+        level: Level,
+        scene: &Scene,
+        observer: &mut dyn Observer,
+    ) -> anyhow::Result<Result<Self, String>> {
+        let repetitions = match level {
+            Level::Smoke => 1,
+            Level::Paper => REPETITIONS,
+        };
+        Self::repeated(repetitions, scene, observer)
+    }
+
+    fn repeated(
+        repetitions: usize,
         scene: &Scene,
         observer: &mut dyn Observer,
     ) -> anyhow::Result<Result<Self, String>> {
@@ -153,19 +177,28 @@ impl Run {
             anyhow::bail!("stopped on request");
         }
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-        let steps = pool.install(|| steps(&body))?;
-        Ok(steps.map(|(steps, seconds)| Self {
-            body,
-            steps,
-            seconds,
-        }))
+        match pool.install(|| try_fastest(repetitions, || steps(&body))) {
+            Ok((steps, seconds)) => Ok(Ok(Self {
+                body,
+                steps,
+                seconds,
+            })),
+            Err(Halt::Step(reason)) => Ok(Err(reason)),
+            Err(Halt::Other(error)) => Err(error),
+        }
     }
 }
 
-/// All steps and the time that they took.
-fn steps(body: &Body) -> anyhow::Result<Result<(Vec<Accepted>, f64), String>> {
-    let clock = Clock::start();
-    let mut simulation = Simulation::new(body)?;
+/// Why a run ends early.
+enum Halt {
+    /// A step failed after every halving.
+    Step(String),
+    Other(anyhow::Error),
+}
+
+/// All steps.
+fn steps(body: &Body) -> Result<Vec<Accepted>, Halt> {
+    let mut simulation = Simulation::new(body).map_err(|error| Halt::Other(error.into()))?;
     let mut state = simulation.initial_state();
     let mut steps = Vec::new();
     while steps.is_empty() || !simulation.is_finished(&state) {
@@ -174,8 +207,8 @@ fn steps(body: &Body) -> anyhow::Result<Result<(Vec<Accepted>, f64), String>> {
                 state = done.state.clone();
                 steps.push(done);
             }
-            Err(failure) => return Ok(Err(failure.to_string())),
+            Err(failure) => return Err(Halt::Step(failure.to_string())),
         }
     }
-    Ok(Ok((steps, clock.seconds())))
+    Ok(steps)
 }
