@@ -2,26 +2,17 @@
 //! plane of a full space whose tractions are known.
 #![allow(clippy::unwrap_used)]
 
+mod graded;
+
 use fracas::analytic::{Depletion, PlaneSlip, Rock};
 use fracas::nonlinear::{FaceFields, Simulation};
 use fracas::scene::{Body, Scene};
 use fracas_solvers::Silent;
+use graded::growing;
 use std::fmt::Write;
 
 /// Half the width and height of the box [m].
 const WIDTH: f64 = 4000.0;
-
-/// Lines `0 < x ≤ end` whose spacing grows from h by a quarter each.
-fn growing(start: f64, mut h: f64, end: f64) -> Vec<f64> {
-    let (mut x, mut lines) = (start, Vec::new());
-    while x + 1.75 * h < end {
-        x += h;
-        lines.push(x);
-        h *= 1.25;
-    }
-    lines.push(end);
-    lines
-}
 
 fn list(lines: &[f64]) -> String {
     let quoted: Vec<String> = lines.iter().map(|v| format!("'{v} m'")).collect();

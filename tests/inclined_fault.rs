@@ -2,11 +2,13 @@
 //! whichever side was thrown down.
 #![allow(clippy::unwrap_used)]
 
+mod graded;
 mod plane_strain;
 
 use fracas::analytic::{Depletion, PlaneSlip, Rock};
 use fracas::contact::ContactState;
 use fracas::scene::Scene;
+use graded::growing;
 use plane_strain::{Piece, pieces, solved};
 use std::fmt::Write;
 
@@ -41,18 +43,6 @@ struct Case {
 fn tangent() -> [f64; 2] {
     let (sin, cos) = 60f64.to_radians().sin_cos();
     [cos, sin]
-}
-
-/// Lines `start < x ≤ end` whose spacing grows from h by a quarter each.
-fn growing(start: f64, mut h: f64, end: f64) -> Vec<f64> {
-    let (mut x, mut lines) = (start, Vec::new());
-    while x + 1.75 * h < end {
-        x += h;
-        lines.push(x);
-        h *= 1.25;
-    }
-    lines.push(end);
-    lines
 }
 
 /// Lines from −WIDTH to WIDTH, `cell` apart within ± `core`, as a list of TOML.

@@ -2,14 +2,14 @@
 
 use fracas_operators::Preconditioner;
 use fracas_solvers::SetupError;
-use fracas_solvers::amg::{Amg, AmgInverse, AmgPlan};
+use fracas_solvers::amg::{Amg, AmgPlan};
 use fracas_solvers::saddle::{AugmentationMatrix, InnerChoice, SaddleBlocks};
 
 /// A and the pattern of B stay while faces stick, slip and open, so multigrid plans once: later hierarchies are made of new
 /// values on the coarse unknowns of the first, that of all faces in stick.
 #[derive(Debug, Default)]
 pub(super) struct Assembled {
-    plan: Option<(Amg, AmgPlan)>,
+    plan: Option<AmgPlan>,
 }
 
 /// `S̃_u⁻¹`, and why it is in f64 where f32 was asked for and failed just now.
@@ -39,21 +39,19 @@ impl Assembled {
         let inverse = match &self.plan {
             // aggregates of the stuck body may leave nothing to hold an open one; the plan stays that of the stuck body,
             // so that a restart finds the same
-            Some((settings, plan)) => plan
-                .refresh(&blocks.a, Some(&f))
-                .or_else(|_| settings.build_augmented(&blocks.a, &f, coordinates)),
+            Some(plan) => plan.refresh(&blocks.a, Some(&f)).or_else(|_| {
+                let settings = plan.settings();
+                settings.build_augmented(&blocks.a, &f, coordinates)
+            }),
             None => {
-                let plan = |settings: Amg| {
-                    let planned = settings.plan(&blocks.a, Some(&f), coordinates);
-                    planned.map(|(inverse, plan)| (inverse, (settings, plan)))
-                };
+                let plan = |settings: Amg| settings.plan(&blocks.a, Some(&f), coordinates);
                 let first = plan(asked).or_else(|error| {
                     let double = asked.in_double().ok_or(error.clone())?;
                     let planned = plan(double).map_err(|_| error.clone())?;
                     lost = Some(error.in_block("S_u"));
                     Ok(planned)
                 });
-                first.map(|(inverse, plan): (AmgInverse, _)| {
+                first.map(|(inverse, plan)| {
                     self.plan = Some(plan);
                     inverse
                 })

@@ -94,7 +94,8 @@ pub(super) trait Coarsener<const N: usize, const K: usize>: Sized + Send + Sync 
         modes: &[[[f64; K]; 3]],
     ) -> Option<Planned<Self, K>>;
 
-    /// P and the coarse matrix of `a + Δ` (block-diagonal Δ, may be empty); λ_max is that of `D⁻¹a`. A coarse row in an error is that of [`Frame`].
+    /// P and the coarse matrix of `a + Δ` (block-diagonal Δ, may be empty); λ_max is that of `D⁻¹a`. A coarse row in
+    /// an error is that of [`Frame`].
     fn values<S: Real, R: Real>(
         &self,
         a: &SweepMatrix<S>,

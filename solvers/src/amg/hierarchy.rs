@@ -69,7 +69,12 @@ impl<'a> Representatives<'a> {
     }
 
     /// A diagonal block of the next level, N unknowns per node, that is not positive definite.
-    fn indefinite<const N: usize>(&self, frame: &Frame, group: usize, row: usize) -> SetupError {
+    fn indefinite<const N: usize>(
+        &self,
+        NotPositive(row): NotPositive,
+        frame: &Frame,
+        group: usize,
+    ) -> SetupError {
         let node = frame.aggregates.first_nodes()[row / N];
         SetupError::NotPositiveDefinite {
             block: "A",
@@ -200,12 +205,8 @@ impl<R: Real> Hierarchy<R> {
         let Some((step, lambda_max)) = steps.next(settings, 0, &first) else {
             return Self::ending(levels, &first, &names, about);
         };
-        let indefinite =
-            |NotPositive(row), names: &Representatives<'_>, frame: &Frame, group: usize| {
-                names.indefinite::<N>(frame, group, row)
-            };
         let values = step.values::<R, R>(&first, &defect, lambda_max);
-        let values = values.map_err(|e| indefinite(e, &names, step.frame(), 1))?;
+        let values = values.map_err(|e| names.indefinite::<N>(e, step.frame(), 1))?;
         drop(defect);
         levels.push(Level {
             fsai: names.smoother(settings, &first)?,
@@ -218,7 +219,7 @@ impl<R: Real> Hierarchy<R> {
         let mut matrix = values.matrix;
         while let Some((step, lambda_max)) = steps.next(settings, levels.len(), &matrix) {
             let values = step.values::<f64, R>(&matrix, &[], lambda_max);
-            let values = values.map_err(|e| indefinite(e, &names, step.frame(), next))?;
+            let values = values.map_err(|e| names.indefinite::<N>(e, step.frame(), next))?;
             levels.push(Level {
                 fsai: names.smoother(settings, &matrix)?,
                 matrix: matrix.cast(),

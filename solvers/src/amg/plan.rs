@@ -92,6 +92,11 @@ impl AmgPlan {
         Ok(AmgInverse::new(settings, map, scale, either(hierarchy)))
     }
 
+    /// Those of the first hierarchy.
+    pub fn settings(&self) -> Amg {
+        self.settings
+    }
+
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         let steps: usize = match &self.steps {
