@@ -7,8 +7,9 @@ use super::sweeps::SweepMatrix;
 use fracas_operators::Real;
 use fracas_operators::simd::{Kernel, Lanes, Level};
 
-/// `ω λ_max(D⁻¹A)` of the prolongation smoother. Unit: 1. Source: Vaněk, Mandel, Brezina (1996).
-const DAMPING: f64 = 4.0 / 3.0;
+/// `ω λ_max(D⁻¹A)` of the prolongation smoother. Unit: 1. 4/3 minimises the bound of Vaněk, Mandel, Brezina (1996); measured on
+/// twenty bodies, 1.5 takes up to 17 % fewer iterations than 4/3, and one more where ν is 0.49.
+const DAMPING: f64 = 1.5;
 
 /// P: for every block row the coarse nodes it interpolates from, with 3×K blocks, as the cycle will use it: coarse
 /// matrices are those of this P, rounded to R or not.
@@ -55,7 +56,7 @@ pub(super) fn pattern<R: Real>(
     )
 }
 
-/// `P = (I − ω D⁻¹A) P_0`, `ω = 4/(3 λ_max(D⁻¹A))`, D the 3×3 diagonal blocks.
+/// `P = (I − ω D⁻¹A) P_0`, `ω = 1.5 / λ_max(D⁻¹A)`, D the 3×3 diagonal blocks.
 ///
 /// # Source
 /// Vaněk, Mandel, Brezina, Computing 56 (1996).

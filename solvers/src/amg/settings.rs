@@ -116,7 +116,7 @@ impl Default for Amg {
             cycle: Cycle::default(),
             sweeps: 1,
             precision: Precision::default(),
-            strength: 0.02,
+            strength: 0.04,
             coarsest: 500,
             over_correction: 1.2,
         }
