@@ -159,6 +159,8 @@ struct Judge<'s> {
     attempt: &'s Attempt<'s>,
     /// Remedy per face.
     treated: Vec<Option<Remedy>>,
+    /// Faces that a round of this attempt has opened: they close in slip.
+    opened: Vec<bool>,
     /// Largest traction so far [Pa].
     traction: f64,
 }
@@ -168,6 +170,7 @@ impl<'s> Judge<'s> {
         Self {
             attempt,
             treated: vec![None; faces],
+            opened: vec![false; faces],
             traction: attempt.traction,
         }
     }
@@ -211,9 +214,10 @@ impl<'s> Judge<'s> {
                 },
             };
             let next = match next_state(*state, &measure, &thresholds) {
-                // what sticks where it closes may be torn open again by its shear
+                // in stick it would carry again what tore it open
                 ContactState::Stick
-                    if *state == ContactState::Open && self.treated[f].is_some() =>
+                    if *state == ContactState::Open
+                        && (self.opened[f] || self.treated[f].is_some()) =>
                 {
                     ContactState::Slip
                 }
@@ -234,6 +238,9 @@ impl<'s> Judge<'s> {
             }
         }
         changes.extend(worst.map(|(_, f, next)| (f, next)));
+        for (f, next) in &changes {
+            self.opened[*f] |= *next == ContactState::Open;
+        }
         changes
     }
 }
