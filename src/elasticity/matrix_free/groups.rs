@@ -3,8 +3,12 @@
 use super::colours::Colours;
 use std::ops::Range;
 
-/// Elements of one task.
-const TASK: usize = 512;
+/// Elements of one task, at least and at most. A task reads the nodes that it shares with its neighbours again, so that large tasks
+/// move less memory; small meshes need enough of them for the threads.
+const TASK: std::ops::RangeInclusive<usize> = 512..=2048;
+
+/// Tasks of a mesh between those limits.
+const TASKS: usize = 64;
 
 /// Where the corner values of a group of elements are.
 #[derive(Clone, Copy, Debug)]
@@ -99,7 +103,7 @@ fn lines(elements: &[[u32; 8]], width: usize) -> Option<[[u32; 2]; 2]> {
     (neighbours && apart).then(|| [0, 1].map(|y| [0, 1].map(|z| first[2 * y + 4 * z])))
 }
 
-/// Consecutive groups in tasks of [`TASK`] elements, coloured first come first served; the colours depend on the groups
+/// Consecutive groups in tasks, coloured first come first served; the colours depend on the groups
 /// alone.
 pub(super) fn coloured(
     groups: &[Group],
@@ -112,7 +116,7 @@ pub(super) fn coloured(
     let mut used = vec![0u64; nodes];
     let mut colours: Vec<Vec<Range<usize>>> = Vec::new();
     let mut alone = Vec::new();
-    let per_task = TASK / width;
+    let per_task = (elements.len() / TASKS).clamp(*TASK.start(), *TASK.end()) / width;
     for first in (0..groups.len()).step_by(per_task) {
         let task = first..groups.len().min(first + per_task);
         let members = || groups[task.clone()].iter().flat_map(|g| &g.elements);

@@ -14,6 +14,12 @@ use super::modes::{across, to_both};
 use fracas_operators::Real;
 use fracas_operators::simd::{Kernel, Lanes, MAX_WIDTH, prefetch};
 
+/// Groups for which memory is asked ahead of the group that is read.
+const AHEAD: usize = 2;
+
+/// Bytes.
+const CACHE_LINE: usize = 64;
+
 /// One task of one product: a range of groups.
 pub(super) struct Product<'a, R> {
     pub(super) hexes: &'a Hexes<R>,
@@ -71,6 +77,7 @@ impl<R: Real> Kernel<R> for Product<'_, R> {
             }
             if comes {
                 self.gather::<L>(coming, &mut gathered);
+                self.ask::<L>(coming + AHEAD);
             }
             if here {
                 now.point::<R, 1>();
@@ -176,14 +183,32 @@ impl<R: Real> Product<'_, R> {
         for m in 1..8 {
             let place = (VARYING * c + m - 1) * L::WIDTH;
             modes[m] = L::load(&numbers[place..]);
-            prefetch(numbers, size + place);
+            prefetch(numbers, AHEAD * size + place);
         }
         stage.shape[c] = derivatives(&modes);
         if c == 0 {
             for i in 0..2 {
                 let place = (3 * VARYING + i) * L::WIDTH;
                 stage.moduli[i] = L::load(&numbers[place..]);
-                prefetch(numbers, size + place);
+                prefetch(numbers, AHEAD * size + place);
+            }
+        }
+    }
+
+    /// Asks for the node lines of a group that will come.
+    #[inline(always)]
+    fn ask<L: Lanes<R>>(&self, group: usize) {
+        let Some(Nodes::Lines(lines)) = self.hexes.groups.get(group) else {
+            return;
+        };
+        let cache_line = CACHE_LINE / size_of::<R>();
+        for first in lines.as_flattened() {
+            let mut at = 3 * *first as usize;
+            let end = at + 3 * L::WIDTH;
+            while at < end {
+                prefetch(self.x, at);
+                self.y.prefetch(at);
+                at += cache_line;
             }
         }
     }
