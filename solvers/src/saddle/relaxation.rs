@@ -13,7 +13,7 @@ use serde::{Deserialize, Deserializer};
 pub const RELAXATION: f64 = 4.0 / 27.0;
 
 /// Smallest factor `1 − γ λ_max(C⁻¹H)` that γ may lead to. Unit: 1. C = half_h has `λ_max ≤ 4` and keeps γ = 4/27, also with
-/// λ_max overestimated by 5 %; where C does not dominate H (local, global) γ gives way.
+/// λ_max overestimated by 9 %; where C does not dominate H (local, global) γ gives way.
 const LEAST: f64 = 0.35;
 
 /// Reads γ.
