@@ -82,6 +82,8 @@ fn rocks_that_make_no_slip_open_as_the_mean_of_both() {
         let [coarse, fine] = [0.42, 0.3].map(|s| {
             let faces = crack(lower, s);
             assert!(faces.iter().all(|p| p.state == ContactState::Open));
+            let carried = faces.iter().flat_map(|p| p.traction.map(f64::abs));
+            assert!(carried.fold(0.0, f64::max) < 1e-6 * PRESSURE);
             errors(&faces, [UPPER, lower])
         });
         println!(
