@@ -2,8 +2,10 @@
 //!
 //! `cargo bench --bench multigrid` prints medians and ranges of five rounds. One thread is timed by its processor time.
 
-#[path = "products/clock.rs"]
+#[path = "timing/clock.rs"]
 mod clock;
+#[path = "timing/rounds.rs"]
+mod rounds;
 
 use fracas::contact::JumpStabilization;
 use fracas::scene::named;
@@ -12,6 +14,7 @@ use fracas_operators::laws::probe;
 use fracas_solvers::amg::Amg;
 use fracas_solvers::direct::DirectChoice;
 use fracas_solvers::saddle::AugmentationChoice;
+use rounds::Sorted;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Overrides of `analogue_b` that give a million displacements.
@@ -64,34 +67,14 @@ fn main() {
         let cycles = timed(&mut || (0..CYCLES).for_each(|_| m.solve(&r, &mut z, &mut work)));
         [setup, refresh, cycles / CYCLES as f64]
     };
-    let pools = [1, 2].map(|threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-        pool.build().expect("threads")
-    });
+    let pools = rounds::pools();
     let rounds: Vec<[[f64; 3]; 2]> = (0..ROUNDS)
         .map(|_| [&pools[0], &pools[1]].map(|pool| pool.install(round)))
         .collect();
     println!("kept for refreshes: {} MB", kept.into_inner() / 1_000_000);
     for (k, name) in NAMES.into_iter().enumerate() {
-        let [one, two] = [0, 1].map(|p| sorted(rounds.iter().map(|round| round[p][k])));
-        let ratio = sorted(rounds.iter().map(|round| round[0][k] / round[1][k]));
-        println!(
-            "{name:8} one thread {} s, two {} s, ratio {}",
-            said(&one),
-            said(&two),
-            said(&ratio)
-        );
+        let [one, two] = [0, 1].map(|p| Sorted::new(rounds.iter().map(|round| round[p][k])));
+        let ratio = Sorted::new(rounds.iter().map(|round| round[0][k] / round[1][k]));
+        println!("{name:8} one thread {one:.3} s, two {two:.3} s, ratio {ratio}");
     }
-}
-
-fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_unstable_by(f64::total_cmp);
-    values
-}
-
-/// Median and range.
-fn said(sorted: &[f64]) -> String {
-    let [least, median, most] = [0, sorted.len() / 2, sorted.len() - 1].map(|k| sorted[k]);
-    format!("{median:.3} ({least:.3}–{most:.3})")
 }

@@ -3,7 +3,7 @@
 //! `cargo bench --bench spectrum` prints one time per line, on a pool of one thread and of two. One thread is timed by
 //! its processor time.
 
-#[path = "products/clock.rs"]
+#[path = "timing/clock.rs"]
 mod clock;
 
 use criterion::{Bencher, BenchmarkId, Criterion, SamplingMode};

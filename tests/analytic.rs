@@ -1,11 +1,14 @@
 //! Claim: cracks slide and open as their closed forms say, as well as a coarse mesh can, and better on a finer one.
 #![allow(clippy::unwrap_used)]
 
+mod tips;
+
 use fracas::analytic::{InclinedCrack, LineCrack, PennyCrack, Rock};
 use fracas::contact::ContactState;
 use fracas::nonlinear::{FaceFields, Simulation, State};
 use fracas::scene::{Body, Scene, named};
 use fracas_solvers::Silent;
+use tips::fine_tips;
 
 const ROCK: Rock = Rock {
     young: 25e9,
@@ -25,15 +28,9 @@ fn inclined() -> InclinedCrack {
 
 /// A crack scene with cells of s²/2 at the tips that grow by e^s.
 fn body(scene: &str, axes: &[&str], s: f64) -> Body {
-    let sets = axes.iter().flat_map(|axis| {
-        [
-            format!("mesh.{axis}.size={} m", 0.5 * s * s),
-            format!("mesh.{axis}.growth={}", s.exp()),
-        ]
-    });
-    let sets: Vec<String> = sets.collect();
     let scene = named(scene).unwrap().scene().unwrap();
-    scene.with_overrides(&sets).unwrap().build().unwrap()
+    let scene = scene.with_overrides(&fine_tips(axes, s)).unwrap();
+    scene.build().unwrap()
 }
 
 fn equilibrium(body: &Body) -> (State, FaceFields) {

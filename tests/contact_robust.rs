@@ -1,6 +1,6 @@
 //! Claim: whatever the friction, contrast, steps and crossings, a run converges or ends with a typed reason and a good last
-//! state; few rounds of the active set do; a Newton step in slip or opening
-//! takes at most half again as many Krylov iterations as one in stick.
+//! state; few rounds of the active set do; a Newton step in slip or opening takes at most half again as many Krylov iterations
+//! as one in stick.
 #![allow(clippy::unwrap_used)]
 
 use fracas::nonlinear::{Failure, Simulation};
@@ -145,8 +145,18 @@ struct Tally {
     setups: usize,
 }
 
-fn digits(tolerance: f64) -> f64 {
-    -tolerance.log10()
+/// What the systems of a run took, all together.
+#[derive(Default)]
+struct Work {
+    systems: f64,
+    iterations: f64,
+    digits: f64,
+}
+
+/// The value that a share of the sorted values does not exceed.
+fn quantile<T: Copy>(sorted: &[T], share: f64) -> T {
+    assert!(!sorted.is_empty(), "no value");
+    sorted[(share * sorted.len() as f64) as usize]
 }
 
 fn run(seed: u64, tally: &mut Tally) {
@@ -161,8 +171,7 @@ fn run(seed: u64, tally: &mut Tally) {
     };
     let mut simulation = Simulation::new(&body).unwrap();
     let mut state = simulation.initial_state();
-    // systems, iterations, digits: of all-stick systems and of the others
-    let mut work = [[0.0; 3]; 2];
+    let (mut stick, mut other) = (Work::default(), Work::default());
     while state.step == 0 || !simulation.is_finished(&state) {
         let mut changes = 0;
         let mut count = |step: &Step| {
@@ -172,14 +181,14 @@ fn run(seed: u64, tally: &mut Tally) {
         match simulation.advance(&state, &mut count) {
             Ok(done) => {
                 for l in &done.linear {
-                    let which = usize::from(l.faces[1..] != [0, 0, 0]);
-                    let digits = digits(l.relative_residual.max(1e-16));
-                    for (sum, v) in work[which]
-                        .iter_mut()
-                        .zip([1.0, l.iterations as f64, digits])
-                    {
-                        *sum += v;
-                    }
+                    let work = if l.faces[1..] == [0, 0, 0] {
+                        &mut stick
+                    } else {
+                        &mut other
+                    };
+                    work.systems += 1.0;
+                    work.iterations += l.iterations as f64;
+                    work.digits -= l.relative_residual.max(1e-16).log10();
                     tally.solves += 1;
                     tally.iterations += l.iterations;
                     tally.setups += usize::from(l.setup);
@@ -215,11 +224,12 @@ fn run(seed: u64, tally: &mut Tally) {
         }
     }
     tally.finished += 1;
-    let [stick, other] = work;
-    if stick[0] > 0.0 && other[0] > 0.0 {
-        let growth = |per: usize| other[1] / other[per] / (stick[1] / stick[per]);
-        tally.growth.push(growth(0));
-        tally.growth_per_digit.push(growth(2));
+    if stick.systems > 0.0 && other.systems > 0.0 {
+        let growth = |per: fn(&Work) -> f64| {
+            (other.iterations / per(&other)) / (stick.iterations / per(&stick))
+        };
+        tally.growth.push(growth(|work| work.systems));
+        tally.growth_per_digit.push(growth(|work| work.digits));
     }
 }
 
@@ -229,11 +239,6 @@ fn sweep(seeds: std::ops::Range<u64>) -> Tally {
     tally.changes.sort_unstable();
     tally.growth.sort_by(f64::total_cmp);
     tally.growth_per_digit.sort_by(f64::total_cmp);
-    let at = |v: &[f64], q: f64| {
-        v.get((q * v.len() as f64) as usize)
-            .copied()
-            .unwrap_or(f64::NAN)
-    };
     for (seed, reason) in &tally.failed {
         println!("seed {seed}: {reason}");
     }
@@ -246,13 +251,13 @@ fn sweep(seeds: std::ops::Range<u64>) -> Tally {
         tally.steps,
         tally.cut,
         tally.cycles,
-        tally.changes[tally.changes.len() / 2],
-        tally.changes[tally.changes.len() * 95 / 100],
+        quantile(&tally.changes, 0.5),
+        quantile(&tally.changes, 0.95),
         tally.changes[tally.changes.len() - 1],
-        at(&tally.growth, 0.5),
-        at(&tally.growth, 0.95),
-        at(&tally.growth_per_digit, 0.5),
-        at(&tally.growth_per_digit, 0.95),
+        quantile(&tally.growth, 0.5),
+        quantile(&tally.growth, 0.95),
+        quantile(&tally.growth_per_digit, 0.5),
+        quantile(&tally.growth_per_digit, 0.95),
         tally.iterations,
         tally.solves,
         tally.setups,
@@ -272,13 +277,13 @@ fn ends_well(tally: &Tally) {
         20 * other <= runs,
         "{other} of {runs} runs end for another reason than a loose body"
     );
-    let changes = tally.changes[tally.changes.len() * 95 / 100];
+    let changes = quantile(&tally.changes, 0.95);
     assert!(
         changes <= 10,
         "{changes} rounds with changes in 95 % of the steps"
     );
     // slip is solved to fewer digits than stick
-    let growth = tally.growth[tally.growth.len() * 95 / 100];
+    let growth = quantile(&tally.growth, 0.95);
     assert!(
         growth <= 1.51,
         "{growth} times the iterations of stick in 95 % of the runs"

@@ -3,11 +3,13 @@
 #![allow(clippy::unwrap_used)]
 
 mod plane_strain;
+mod tips;
 
 use fracas::analytic::{InclinedCrack, Rock};
 use fracas::contact::ContactState;
 use fracas::scene::{Body, named};
 use plane_strain::{Piece, pieces, solved};
+use tips::fine_tips;
 
 /// A crack of 2 m at ψ to 100 MPa along z.
 fn crack(inclination_deg: f64, friction_deg: f64, cohesion: f64) -> InclinedCrack {
@@ -45,10 +47,7 @@ fn body(exact: &InclinedCrack, side: f64, more: &[&str]) -> Body {
         format!("material.rock.young={} Pa", exact.rock.young),
         format!("material.rock.poisson={}", exact.rock.poisson),
     ];
-    for axis in ["x", "z"] {
-        sets.push(format!("mesh.{axis}.size={} m", 0.5 * STEP * STEP));
-        sets.push(format!("mesh.{axis}.growth={}", STEP.exp()));
-    }
+    sets.extend(fine_tips(&["x", "z"], STEP));
     sets.extend(more.iter().map(|s| s.to_string()));
     let scene = named("inclined_crack").unwrap().scene().unwrap();
     scene.with_overrides(&sets).unwrap().build().unwrap()

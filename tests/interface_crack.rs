@@ -2,11 +2,13 @@
 #![allow(clippy::unwrap_used)]
 
 mod plane_strain;
+mod tips;
 
 use fracas::analytic::{LineCrack, Rock};
 use fracas::contact::ContactState;
 use fracas::scene::Scene;
 use plane_strain::{Piece, pieces, solved};
+use tips::fine_tips;
 
 const PRESSURE: f64 = 2e6;
 
@@ -39,15 +41,9 @@ fn crack(lower: Rock, s: f64) -> Vec<Piece> {
         1,
     );
     assert!(scene.contains("lower"));
-    let sets = ["x", "z"].map(|axis| {
-        [
-            format!("mesh.{axis}.size={} m", 0.5 * s * s),
-            format!("mesh.{axis}.growth={}", s.exp()),
-        ]
-    });
     let scene = Scene::from_toml(&scene, "scene.toml").unwrap();
     let body = scene
-        .with_overrides(&sets.concat())
+        .with_overrides(&fine_tips(&["x", "z"], s))
         .unwrap()
         .build()
         .unwrap();

@@ -3,11 +3,13 @@
 #![allow(clippy::unwrap_used)]
 
 mod plane_strain;
+mod tips;
 
 use fracas::analytic::{LineCrack, PennyCrack, Rock};
 use fracas::contact::ContactState;
 use fracas::scene::{Body, named};
 use plane_strain::{pieces, solved};
+use tips::fine_tips;
 
 const ROCK: Rock = Rock {
     young: 25e9,
@@ -19,13 +21,7 @@ const THICKNESS: f64 = 0.2;
 
 /// A crack scene with cells of s²/2 at the tips that grow by e^s, closed by a stress, opened by a pressure [Pa].
 fn body(scene: &str, axes: &[&str], s: f64, closing: f64, pressure: f64) -> Body {
-    let sizes = axes.iter().flat_map(|axis| {
-        [
-            format!("mesh.{axis}.size={} m", 0.5 * s * s),
-            format!("mesh.{axis}.growth={}", s.exp()),
-        ]
-    });
-    let mut sets: Vec<String> = sizes.collect();
+    let mut sets = fine_tips(axes, s);
     sets.push(format!("fracture.0.pressure={pressure} Pa"));
     for component in ["xx", "yy", "zz"] {
         sets.push(format!("initial_stress.constant.{component}=-{closing} Pa"));

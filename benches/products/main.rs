@@ -3,9 +3,10 @@
 //! `cargo bench --bench products` prints one table per scalar and number of threads. Bytes are the least that one
 //! product must move (matrix once, x read once, y read and written once); the roofline is the larger of bytes over
 //! read bandwidth and operations over the peak of fused multiply-adds. One thread is timed by its processor time.
-//! `CELLS=69 cargo bench --bench products` takes 69 cells per axis, a million unknowns.
+//! `cargo bench --bench million` repeats what matters there on a million unknowns.
 
 mod ceilings;
+#[path = "../timing/clock.rs"]
 mod clock;
 #[path = "../../src/elasticity/sample.rs"]
 mod sample;
@@ -20,12 +21,8 @@ use fracas_operators::{LinearOperator, Real};
 use rayon::ThreadPool;
 use std::time::Duration;
 
-/// Cells per axis where `CELLS` does not say: 353k unknowns.
+/// Cells per axis: 353k unknowns.
 const CELLS: usize = 48;
-
-fn cells() -> usize {
-    std::env::var("CELLS").map_or(CELLS, |cells| cells.parse().expect("CELLS: a whole number"))
-}
 
 const ROCKS: [Elastic; 2] = [
     Elastic {
@@ -48,7 +45,7 @@ struct Subject<R> {
 fn subjects<R: Real>() -> Vec<Subject<R>> {
     let sample = |distortion| {
         sample::mesh(sample::Sample {
-            cells: [cells(); 3],
+            cells: [CELLS; 3],
             distortion,
             regions: 2,
             ..sample::Sample::default()

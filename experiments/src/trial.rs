@@ -41,6 +41,7 @@ impl Problem {
         let saddle = MatrixFreeSaddle::in_traction_unit(&system, unit)?;
         let racp = settings.ready(&saddle, &system, &mut Silent)?;
         Ok(Ready {
+            relaxation: racp.inverse.relaxation(),
             inverse: Box::new(racp.inverse),
             hierarchy: Some(racp.hierarchy),
             parts: Some(racp.cost),

@@ -60,6 +60,9 @@ pub trait Lanes<R>:
     fn repeat(from: &[R], start: usize) -> Self;
 }
 
+/// Bytes that memory moves at once.
+pub const CACHE_LINE: usize = 64;
+
 /// Asks for the cache line of `data[index]`, which may lie behind the end; changes nothing but time.
 #[inline(always)]
 pub fn prefetch<T>(data: &[T], index: usize) {

@@ -42,6 +42,8 @@ pub struct Ready {
     pub hierarchy: Option<amg::Summary>,
     /// What C and S̃_u cost, where both are parts of the method.
     pub parts: Option<PartCost>,
+    /// γ of the [`Relaxation`](super::Relaxation) that is applied, less than asked for where C does not dominate H; 0 without.
+    pub relaxation: f64,
 }
 
 /// Time and flops of the two parts of RACP.
@@ -74,6 +76,7 @@ impl From<Box<dyn Preconditioner<f64>>> for Ready {
             inverse,
             hierarchy: None,
             parts: None,
+            relaxation: 0.0,
         }
     }
 }
@@ -92,6 +95,7 @@ impl From<AmgInverse> for Ready {
             hierarchy: Some(inverse.summary()),
             inverse: Box::new(inverse),
             parts: None,
+            relaxation: 0.0,
         }
     }
 }

@@ -224,6 +224,7 @@ impl SaddleSettings for Racp {
             Some(elimination) => {
                 let (inner, hierarchy, parts) = racp(elimination.kept())?;
                 Ready {
+                    relaxation: inner.relaxation(),
                     inverse: Box::new(EliminatedInverse::new(elimination, inner)),
                     hierarchy,
                     parts,
@@ -232,6 +233,7 @@ impl SaddleSettings for Racp {
             None => {
                 let (inverse, hierarchy, parts) = racp(blocks)?;
                 Ready {
+                    relaxation: inverse.relaxation(),
                     inverse: Box::new(inverse),
                     hierarchy,
                     parts,

@@ -15,6 +15,8 @@ const TASKS: usize = 64;
 pub(super) enum Nodes {
     /// Neighbours along x on four lines of consecutive nodes: the first node of each line, `[along y][along z]`.
     Lines([[u32; 2]; 2]),
+    /// The same of so many elements, fewer than a register has lanes.
+    Short([[u32; 2]; 2], u8),
     /// Any elements: the place of the first in the list of nodes by element.
     Any(usize),
 }
@@ -24,24 +26,24 @@ pub(super) struct Group {
     pub(super) elements: Vec<usize>,
     /// How many of them, at the beginning, belong to the group before and count nothing here.
     pub(super) repeated: usize,
+    /// First nodes of their node lines, if they are neighbours along x.
     pub(super) lines: Option<[[u32; 2]; 2]>,
 }
 
 /// Groups of `width` elements with nodes in lexicographic order: neighbours on node lines where they follow each other in
 /// the mesh, the others as they come. What is left of a line of neighbours, if it fills more than a quarter of a group, makes one
-/// with the last of the group before.
+/// with the last of the group before, or by itself where there is none.
 pub(super) fn groups(elements: &[[u32; 8]], width: usize) -> Vec<Group> {
     let (mut groups, mut others, mut e) = (Vec::new(), Vec::new(), 0);
     // one behind the last element of the last whole group on node lines
     let mut lined = 0;
     while e < elements.len() {
-        let lines = lines(&elements[e..elements.len().min(e + width)], width);
-        if lines.is_some() {
-            let elements = (e..e + width).collect();
+        let run = run(&elements[e..elements.len().min(e + width)]);
+        if run == width {
             groups.push(Group {
-                elements,
+                elements: (e..e + width).collect(),
                 repeated: 0,
-                lines,
+                lines: Some(lines(&elements[e])),
             });
             e += width;
             lined = e;
@@ -49,14 +51,24 @@ pub(super) fn groups(elements: &[[u32; 8]], width: usize) -> Vec<Group> {
         }
         if lined == e
             && e > 0
-            && let Some((rest, lines)) = overlapping(elements, e, width)
+            && let Some(rest) = overlapping(elements, e, width)
         {
+            let first = e + rest - width;
             groups.push(Group {
-                elements: (e + rest - width..e + rest).collect(),
+                elements: (first..e + rest).collect(),
                 repeated: width - rest,
-                lines: Some(lines),
+                lines: Some(lines(&elements[first])),
             });
             e += rest;
+            continue;
+        }
+        if run > width / 4 {
+            groups.push(Group {
+                elements: (e..e + run).collect(),
+                repeated: 0,
+                lines: Some(lines(&elements[e])),
+            });
+            e += run;
             continue;
         }
         others.push(e);
@@ -66,7 +78,7 @@ pub(super) fn groups(elements: &[[u32; 8]], width: usize) -> Vec<Group> {
             groups.push(Group {
                 elements,
                 repeated: 0,
-                lines,
+                lines: None,
             });
         }
     }
@@ -80,27 +92,32 @@ pub(super) fn groups(elements: &[[u32; 8]], width: usize) -> Vec<Group> {
     groups
 }
 
-/// How many elements from e on continue the node lines of those before, if they are more than a quarter of `width`, and the
-/// lines of the last `width`.
-fn overlapping(elements: &[[u32; 8]], e: usize, width: usize) -> Option<(usize, [[u32; 2]; 2])> {
+/// How many elements from e on continue the node lines of those before, if they are more than a quarter of `width`.
+fn overlapping(elements: &[[u32; 8]], e: usize, width: usize) -> Option<usize> {
     let most = width.min(elements.len() - e + 1);
-    (width / 4 + 1..most).rev().find_map(|rest| {
-        let lines = lines(&elements[e + rest - width..e + rest], width)?;
-        Some((rest, lines))
-    })
+    let follow = |rest: &usize| run(&elements[e + rest - width..e + rest]) == width;
+    (width / 4 + 1..most).rev().find(follow)
 }
 
-/// The four node lines of `width` elements if each is the neighbour along x of the one before and no lines overlap.
-fn lines(elements: &[[u32; 8]], width: usize) -> Option<[[u32; 2]; 2]> {
-    let first = elements[0];
-    let neighbours = elements.len() == width
-        && elements.iter().enumerate().all(|(l, nodes)| {
-            (0..8).all(|m| nodes[m] as usize == first[m & !1] as usize + l + (m & 1))
-        });
+/// How many elements, from the first on, are each the neighbour along x of the one before, on four node lines that do not overlap.
+fn run(elements: &[[u32; 8]]) -> usize {
+    let first = &elements[0];
+    let follows = |l: usize, nodes: &[u32; 8]| {
+        (0..8).all(|m| nodes[m] as usize == first[m & !1] as usize + l + (m & 1))
+    };
+    let neighbours = elements
+        .iter()
+        .enumerate()
+        .take_while(|(l, nodes)| follows(*l, nodes));
     let mut starts = [0, 2, 4, 6].map(|m| first[m]);
     starts.sort_unstable();
-    let apart = starts.windows(2).all(|s| (s[1] - s[0]) as usize > width);
-    (neighbours && apart).then(|| [0, 1].map(|y| [0, 1].map(|z| first[2 * y + 4 * z])))
+    let apart = starts.windows(2).map(|s| (s[1] - s[0]) as usize).min();
+    neighbours.count().min(apart.unwrap_or(0).saturating_sub(1))
+}
+
+/// First nodes of the four node lines of an element: `[along y][along z]`.
+fn lines(first: &[u32; 8]) -> [[u32; 2]; 2] {
+    [0, 1].map(|y| [0, 1].map(|z| first[2 * y + 4 * z]))
 }
 
 /// Consecutive groups in tasks, coloured first come first served; the colours depend on the groups

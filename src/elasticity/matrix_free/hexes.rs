@@ -14,8 +14,8 @@ use fracas_operators::{AdjointOperator, LinearOperator, Real, Shape};
 /// The stiffness `A` of a mesh of arbitrary hexahedra, in full numbering.
 ///
 /// Gauss points are recomputed in registers from the shape of each element, 21 numbers. Elements that follow each other
-/// along x on lines of consecutive nodes are read line by line, the last of a line perhaps a second time; the others through
-/// node numbers.
+/// along x on lines of consecutive nodes are read line by line, the last of a line perhaps a second time, a few of them through a
+/// padded copy; the others through node numbers.
 ///
 /// # Cost
 /// Per element: 1557 flops; 23 scalars, and 32 bytes of node numbers where it is not on node lines.
@@ -67,6 +67,9 @@ impl<R: Real> Hexes<R> {
         let mut places = Vec::with_capacity(groups.len());
         for (group, numbers) in groups.iter().zip(numbers.chunks_exact_mut(NUMBERS * width)) {
             places.push(match group.lines {
+                Some(lines) if group.elements.len() < width => {
+                    Nodes::Short(lines, group.elements.len() as u8)
+                }
                 Some(lines) => Nodes::Lines(lines),
                 None => Nodes::Any(elements.len()),
             });

@@ -12,13 +12,10 @@ use super::hexes::{Hexes, NUMBERS};
 use super::line;
 use super::modes::{across, to_both};
 use fracas_operators::Real;
-use fracas_operators::simd::{Kernel, Lanes, MAX_WIDTH, prefetch};
+use fracas_operators::simd::{CACHE_LINE, Kernel, Lanes, MAX_WIDTH, prefetch};
 
 /// Groups for which memory is asked ahead of the group that is read.
 const AHEAD: usize = 2;
-
-/// Bytes.
-const CACHE_LINE: usize = 64;
 
 /// One task of one product: a range of groups.
 pub(super) struct Product<'a, R> {
@@ -40,16 +37,27 @@ struct Stage<L> {
     faces: [Face<L>; 2],
 }
 
-/// Values at the corners of a group that is not on node lines: `[component][lexicographic corner][element]`; aligned so
-/// that no register straddles two cache lines.
+/// Scalars of a padded node line, at least 3 (`MAX_WIDTH` + 1).
+const LINE: usize = 4 * MAX_WIDTH;
+
+/// Values at the nodes of a group that does not fill its node lines, or is on none; aligned so that no register straddles two
+/// cache lines.
 #[repr(align(64))]
-struct Corners<R>([[[R; MAX_WIDTH]; 8]; 3]);
+struct Aside<R> {
+    /// Of any elements: `[component][lexicographic corner][element]`.
+    corners: [[[R; MAX_WIDTH]; 8]; 3],
+    /// Of lines that are too short, padded: `[along y][along z]`.
+    lines: [[[R; LINE]; 2]; 2],
+}
 
 impl<R: Real> Kernel<R> for Product<'_, R> {
     #[inline(always)]
     fn run<L: Lanes<R>>(self) {
         let zero = L::splat(R::zero());
-        let empty = || Corners([[[R::zero(); MAX_WIDTH]; 8]; 3]);
+        let empty = || Aside {
+            corners: [[[R::zero(); MAX_WIDTH]; 8]; 3],
+            lines: [[[R::zero(); LINE]; 2]; 2],
+        };
         let (mut gathered, mut scattered) = (empty(), empty());
         let nothing = [[[zero; 4]; 3]; 3];
         let mut even = Stage {
@@ -198,13 +206,15 @@ impl<R: Real> Product<'_, R> {
     /// Asks for the node lines of a group that will come.
     #[inline(always)]
     fn ask<L: Lanes<R>>(&self, group: usize) {
-        let Some(Nodes::Lines(lines)) = self.hexes.groups.get(group) else {
-            return;
+        let (lines, elements) = match self.hexes.groups.get(group) {
+            Some(Nodes::Lines(lines)) => (lines, L::WIDTH),
+            Some(Nodes::Short(lines, elements)) => (lines, usize::from(*elements)),
+            _ => return,
         };
         let cache_line = CACHE_LINE / size_of::<R>();
         for first in lines.as_flattened() {
             let mut at = 3 * *first as usize;
-            let end = at + 3 * L::WIDTH;
+            let end = at + 3 * elements;
             while at < end {
                 prefetch(self.x, at);
                 self.y.prefetch(at);
@@ -215,17 +225,21 @@ impl<R: Real> Product<'_, R> {
 
     /// Modes of the displacements on the face at low or high y.
     #[inline(always)]
-    fn read<L: Lanes<R>>(&self, group: usize, y: usize, gathered: &Corners<R>) -> Face<L> {
+    fn read<L: Lanes<R>>(&self, group: usize, y: usize, gathered: &Aside<R>) -> Face<L> {
         match self.hexes.groups[group] {
             Nodes::Lines(lines) => {
                 let [low, high] = lines[y];
                 line::read(&self.x[3 * low as usize..], &self.x[3 * high as usize..])
             }
+            Nodes::Short(..) => {
+                let [low, high] = &gathered.lines[y];
+                line::read(low, high)
+            }
             Nodes::Any(_) => {
                 let mut corners = [[L::splat(R::zero()); 4]; 3];
                 for c in 0..3 {
                     for m in 0..4 {
-                        corners[c][m] = L::load(&gathered.0[c][corner(m, y)]);
+                        corners[c][m] = L::load(&gathered.corners[c][corner(m, y)]);
                     }
                 }
                 to_face(&corners)
@@ -233,18 +247,31 @@ impl<R: Real> Product<'_, R> {
         }
     }
 
-    /// Displacements of a group that is not on node lines, well ahead of `read`: by then the scalars have
+    /// Displacements of a group that does not fill its node lines, or is on none, well ahead of `read`: by then the scalars have
     /// left the store queue.
     #[inline(always)]
-    fn gather<L: Lanes<R>>(&self, group: usize, gathered: &mut Corners<R>) {
-        let Nodes::Any(first) = self.hexes.groups[group] else {
-            return;
-        };
-        for (lane, nodes) in self.hexes.elements[first..][..L::WIDTH].iter().enumerate() {
-            for (m, node) in nodes.iter().enumerate() {
-                let x = &self.x[3 * *node as usize..][..3];
-                for c in 0..3 {
-                    gathered.0[c][m][lane] = x[c];
+    fn gather<L: Lanes<R>>(&self, group: usize, gathered: &mut Aside<R>) {
+        match self.hexes.groups[group] {
+            Nodes::Lines(_) => {}
+            Nodes::Short(lines, elements) => {
+                let len = 3 * (usize::from(elements) + 1);
+                for (padded, first) in gathered
+                    .lines
+                    .as_flattened_mut()
+                    .iter_mut()
+                    .zip(lines.as_flattened())
+                {
+                    padded[..len].copy_from_slice(&self.x[3 * *first as usize..][..len]);
+                }
+            }
+            Nodes::Any(first) => {
+                for (lane, nodes) in self.hexes.elements[first..][..L::WIDTH].iter().enumerate() {
+                    for (m, node) in nodes.iter().enumerate() {
+                        let x = &self.x[3 * *node as usize..][..3];
+                        for c in 0..3 {
+                            gathered.corners[c][m][lane] = x[c];
+                        }
+                    }
                 }
             }
         }
@@ -252,7 +279,7 @@ impl<R: Real> Product<'_, R> {
 
     /// `y += α F` on the face at low or high y.
     #[inline(always)]
-    fn add<L: Lanes<R>>(&self, group: usize, y: usize, face: &Face<L>, scattered: &mut Corners<R>) {
+    fn add<L: Lanes<R>>(&self, group: usize, y: usize, face: &Face<L>, scattered: &mut Aside<R>) {
         match self.hexes.groups[group] {
             Nodes::Lines(lines) => {
                 let [low, high] = lines[y];
@@ -264,20 +291,30 @@ impl<R: Real> Product<'_, R> {
                         self.y.part(3 * high as usize, len),
                     )
                 };
-                let mut carried = [[L::splat(R::zero()); 2]; 3];
-                line::add(face, &mut carried, self.alpha, low, high);
-                for c in 0..3 {
-                    let (sum, difference) = (line::last(carried[c][0]), line::last(carried[c][1]));
-                    low[3 * L::WIDTH + c] += self.alpha * (sum - difference);
-                    high[3 * L::WIDTH + c] += self.alpha * (sum + difference);
-                }
+                self.add_to_lines(face, low, high);
+            }
+            Nodes::Short(lines, elements) => {
+                let len = 3 * (usize::from(elements) + 1);
+                let [a, b] = &mut scattered.lines[y];
+                // SAFETY: both lines belong to this task and are different.
+                let (low, high) = unsafe {
+                    (
+                        self.y.part(3 * lines[y][0] as usize, len),
+                        self.y.part(3 * lines[y][1] as usize, len),
+                    )
+                };
+                a[..len].copy_from_slice(low);
+                b[..len].copy_from_slice(high);
+                self.add_to_lines(face, a, b);
+                low.copy_from_slice(&a[..len]);
+                high.copy_from_slice(&b[..len]);
             }
             Nodes::Any(first) => {
                 let corners = to_corners(face);
                 let alpha = L::splat(self.alpha);
                 for c in 0..3 {
                     for m in 0..4 {
-                        (alpha * corners[c][m]).store(&mut scattered.0[c][corner(m, y)]);
+                        (alpha * corners[c][m]).store(&mut scattered.corners[c][corner(m, y)]);
                     }
                 }
                 for (lane, nodes) in self.hexes.elements[first..][..L::WIDTH].iter().enumerate() {
@@ -286,11 +323,22 @@ impl<R: Real> Product<'_, R> {
                         // SAFETY: the node belongs to this task.
                         let y = unsafe { self.y.part(3 * nodes[m] as usize, 3) };
                         for c in 0..3 {
-                            y[c] += scattered.0[c][m][lane];
+                            y[c] += scattered.corners[c][m][lane];
                         }
                     }
                 }
             }
+        }
+    }
+    /// `y += α F` on the `WIDTH + 1` nodes of the low and the high line of a face.
+    #[inline(always)]
+    fn add_to_lines<L: Lanes<R>>(&self, face: &Face<L>, low: &mut [R], high: &mut [R]) {
+        let mut carried = [[L::splat(R::zero()); 2]; 3];
+        line::add(face, &mut carried, self.alpha, low, high);
+        for c in 0..3 {
+            let (sum, difference) = (line::last(carried[c][0]), line::last(carried[c][1]));
+            low[3 * L::WIDTH + c] += self.alpha * (sum - difference);
+            high[3 * L::WIDTH + c] += self.alpha * (sum + difference);
         }
     }
 }

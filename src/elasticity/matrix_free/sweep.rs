@@ -5,7 +5,7 @@ use super::bricks::{Bricks, SplitElement, Task};
 use super::colours::Shared;
 use super::line;
 use fracas_operators::Real;
-use fracas_operators::simd::{Kernel, Lanes, MAX_WIDTH, prefetch};
+use fracas_operators::simd::{CACHE_LINE, Kernel, Lanes, MAX_WIDTH, prefetch};
 
 /// Element lines of one task along y and z. Two neighbouring tasks share node lines, so they have different colours;
 /// long enough that the lines computed twice are few, short enough that a sweep's lines stay in the first-level cache
@@ -182,7 +182,7 @@ impl<R: Real> Product<'_, R> {
     /// Asks for the nodes of a register on one line of both vectors, and for the materials of its elements.
     #[inline(always)]
     fn ask(&self, nodes: usize, materials: usize) {
-        let cache_line = 64 / size_of::<R>();
+        let cache_line = CACHE_LINE / size_of::<R>();
         for i in 0..4 {
             prefetch(self.x, nodes + i * cache_line);
             self.y.prefetch(nodes + i * cache_line);

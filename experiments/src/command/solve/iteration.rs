@@ -20,6 +20,8 @@ pub(super) struct Names {
     pub(super) method: String,
     pub(super) augmentation: Option<String>,
     pub(super) inner: Option<String>,
+    /// γ, 0 without.
+    pub(super) relaxation: f64,
 }
 
 /// Explains a solve that took so many seconds.
@@ -149,6 +151,7 @@ impl Solve {
                 Some(double) => Some(double.inner.clone()),
                 None => built.names.inner.clone(),
             },
+            relaxation: built.names.relaxation,
             krylov: krylov.to_string(),
             rhs: built.rhs,
             tolerance: self.tolerance,

@@ -87,6 +87,7 @@ impl Solve {
                         (Precision::F32, None) => "geometric".into(),
                         _ => GEOMETRIC_F64.into(),
                     }),
+                    relaxation: inverse.relaxation(),
                 },
                 rhs,
                 b: &b,

@@ -143,6 +143,7 @@ impl Solve {
                 inverse: preconditioner,
                 hierarchy,
                 parts,
+                relaxation,
             },
             lost,
         ) = precision::ready(method, blocks)
@@ -182,6 +183,7 @@ impl Solve {
                         true => precision::name_in_double(method),
                         false => method.inner().map(|inner| inner.to_string()),
                     },
+                    relaxation,
                 },
                 rhs,
                 b: &b,

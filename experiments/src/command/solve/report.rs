@@ -20,6 +20,8 @@ pub(super) struct SolveReport {
     pub(super) method: String,
     pub(super) augmentation: Option<String>,
     pub(super) inner: Option<String>,
+    /// γ of the relaxation of H as applied; 0 = none.
+    pub(super) relaxation: f64,
     pub(super) krylov: String,
     pub(super) rhs: RightHandSide,
     pub(super) tolerance: f64,
@@ -93,11 +95,27 @@ impl SolveReport {
         }
     }
 
+    /// The method and its parts.
+    fn parts(&self) -> String {
+        let mut parts = self.method.clone();
+        if let Some(c) = &self.augmentation {
+            parts += &format!(", C = {c}");
+        }
+        if self.relaxation > 0.0 {
+            parts += &format!(", γ = {:.3}", self.relaxation);
+        }
+        if let Some(inner) = &self.inner {
+            parts += &format!(", inner {inner}");
+        }
+        parts
+    }
+
     pub(super) fn print(&self, out: &mut dyn Write) -> anyhow::Result<()> {
         let optional =
             |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |v| format!("{v:.2}"));
         let mut rows = vec![
             ("outcome", self.outcome.to_owned()),
+            ("method", self.parts()),
             ("krylov", self.krylov.clone()),
             ("n_it", self.iterations.to_string()),
             (
