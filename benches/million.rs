@@ -1,28 +1,27 @@
 //! Stiffness products with a million unknowns: bricks and general hexahedra of the gallery beside CSR, f32 beside f64, one
 //! thread and two in turn.
 //!
-//! `cargo bench --bench million` prints medians and ranges of nine rounds, ratios from within a round. One thread is timed
-//! by its processor time. The first lines are the control: what the machine gives two threads that share nothing.
+//! `cargo bench --bench million` prints medians and ranges of nine rounds, of wall time; a ratio is one of times within a round.
+//! The control is what the machine gives two threads that share nothing, or memory alone.
 
-#[path = "products/ceilings.rs"]
-mod ceilings;
-#[path = "timing/clock.rs"]
-mod clock;
 #[path = "timing/rounds.rs"]
 mod rounds;
 
-use ceilings::Ceilings;
 use fracas::elasticity::{matrix_free, stiffness};
 use fracas::scene::{Body, named};
 use fracas_operators::laws::probe;
+use fracas_operators::simd::{Kernel, Lanes, Level};
 use fracas_operators::sparse::Csr;
+use fracas_operators::vector::{axpby, for_each_task};
 use fracas_operators::{LinearOperator, Real};
 use rounds::Sorted;
+use std::hint::black_box;
+use std::time::Instant;
 
 const ROUNDS: usize = 9;
 
-/// Products per round, of which the median counts.
-const PRODUCTS: usize = 15;
+/// Repetitions per round, of which the median counts.
+const REPETITIONS: usize = 15;
 
 /// Scenes of the gallery with the overrides that give a million displacements.
 const BODIES: [(&str, &str, [&str; 3]); 2] = [
@@ -47,35 +46,60 @@ fn body(scene: &str, cells: &[&str]) -> Body {
         .expect("valid scene")
 }
 
-/// Seconds of one product, in the current pool.
-type Timed<'a> = Box<dyn FnMut() -> f64 + Send + 'a>;
+/// Work that is timed, the same on any number of threads.
+type Work<'a> = Box<dyn FnMut() + Send + 'a>;
 
-fn timed<'a, R: Real>(operator: &'a dyn LinearOperator<R>) -> Timed<'a> {
+fn product<'a, R: Real>(operator: &'a dyn LinearOperator<R>) -> Work<'a> {
     let n = operator.shape().rows;
     let x = probe::<R>(n, 1);
     let (mut y, mut work) = (vec![R::zero(); n], vec![R::zero(); operator.work_len()]);
-    Box::new(move || {
-        let product = |_| {
-            let start = clock::now();
-            operator.apply_add(R::of(1e-12), &x, &mut y, &mut work);
-            (clock::now() - start).as_secs_f64()
-        };
-        Sorted::new((0..PRODUCTS).map(product)).median()
-    })
+    Box::new(move || operator.apply_add(R::of(1e-12), &x, &mut y, &mut work))
+}
+
+/// Multiply-adds in registers, twice some milliseconds.
+fn arithmetic() -> Work<'static> {
+    Box::new(|| for_each_task(0..2, &|_| Level::best().run::<f64>(Chains)))
+}
+
+/// `y ← α x + β y` on vectors larger than any cache.
+fn memory() -> Work<'static> {
+    let (x, mut y) = (vec![1.0f64; 16 << 20], vec![1.0; 16 << 20]);
+    Box::new(move || axpby(0.5, &x, 0.5, &mut y))
+}
+
+/// Independent chains of multiply-adds, enough to hide their latency.
+struct Chains;
+
+impl<R: Real> Kernel<R> for Chains {
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) {
+        let (factor, term) = (L::splat(R::of(0.999)), L::splat(R::of(1e-3)));
+        let mut chains = [L::splat(black_box(R::one())); 16];
+        for _ in 0..1_000_000 {
+            for chain in &mut chains {
+                *chain = chain.mul_add(factor, term);
+            }
+        }
+        let mut out = [R::zero(); 16];
+        for chain in chains {
+            chain.store(&mut out);
+            black_box(&out);
+        }
+    }
+}
+
+/// Milliseconds, in the current pool.
+fn timed(work: &mut Work<'_>) -> f64 {
+    let time = |_| {
+        let start = Instant::now();
+        work();
+        1e3 * start.elapsed().as_secs_f64()
+    };
+    Sorted::new((0..REPETITIONS).map(time)).median()
 }
 
 fn main() {
     let pools = rounds::pools();
-    let control: Vec<[Ceilings; 2]> = (0..ROUNDS)
-        .map(|_| [0, 1].map(|p| pools[p].install(ceilings::measure::<f64>)))
-        .collect();
-    let over = |of: &dyn Fn(&Ceilings) -> f64| {
-        Sorted::new(control.iter().map(|[one, two]| of(two) / of(one)))
-    };
-    println!("two threads over one, {ROUNDS} rounds:");
-    println!("  multiply-adds  {}", over(&|c| c.flops));
-    println!("  bytes read     {}", over(&|c| c.read));
-    println!("  bytes streamed {}", over(&|c| c.stream));
     for (name, scene, cells) in BODIES {
         let body = body(scene, &cells);
         let (mesh, materials) = (&body.mesh, &body.materials);
@@ -83,35 +107,39 @@ fn main() {
         let single = matrix_free::<f32>(mesh, materials).expect("valid mesh");
         let csr = Csr::new(stiffness(mesh, materials).expect("valid mesh").to_csr());
         println!(
-            "{name}: {scene} {}, {} displacements",
+            "{name}: {scene} {}, {} displacements, ms",
             cells.join(" "),
             3 * mesh.nodes.len()
         );
         let mut subjects = [
-            ("CSR f64", timed::<f64>(&csr)),
-            ("f64", timed::<f64>(&*double)),
-            ("f32", timed::<f32>(&*single)),
+            ("CSR f64", product::<f64>(&csr)),
+            ("f64", product::<f64>(&*double)),
+            ("f32", product::<f32>(&*single)),
+            ("arithmetic alone", arithmetic()),
+            ("memory alone", memory()),
         ];
-        let mut seconds = Vec::new();
-        for _ in 0..ROUNDS {
-            seconds.push(
-                subjects
-                    .each_mut()
-                    .map(|(_, product)| [0, 1].map(|p| pools[p].install(&mut *product))),
-            );
+        let mut times = Vec::new();
+        for round in 0..ROUNDS {
+            times.push(subjects.each_mut().map(|(_, work)| {
+                let mut times = [0.0; 2];
+                // neither is always the first
+                for p in [round % 2, 1 - round % 2] {
+                    times[p] = pools[p].install(|| timed(work));
+                }
+                times
+            }));
         }
+        let ratio = |a: (usize, usize), b: (usize, usize)| {
+            Sorted::new(times.iter().map(|round| round[a.0][a.1] / round[b.0][b.1]))
+        };
         for (k, (name, _)) in subjects.iter().enumerate() {
-            let [one, two] =
-                [0, 1].map(|p| Sorted::new(seconds.iter().map(|round| 1e3 * round[k][p])));
-            let ratio = Sorted::new(seconds.iter().map(|round| round[k][0] / round[k][1]));
-            println!("  {name:8} one thread {one} ms, two {two} ms, two over one {ratio}");
+            let [one, two] = [0, 1].map(|p| Sorted::new(times.iter().map(|round| round[k][p])));
+            let speedup = ratio((k, 0), (k, 1));
+            println!("  {name:16} one thread {one}, two {two}, speed-up {speedup}");
         }
-        let ratio =
-            |a: usize, b: usize| Sorted::new(seconds.iter().map(|round| round[a][0] / round[b][0]));
+        let (csr, single) = (ratio((0, 0), (1, 0)), ratio((1, 0), (2, 0)));
         println!(
-            "  one thread: f64 over CSR {}, f32 over f64 {}",
-            ratio(0, 1),
-            ratio(1, 2)
+            "  on one thread f64 is {csr} times as fast as CSR, f32 {single} times as fast as f64"
         );
     }
 }

@@ -155,7 +155,7 @@ struct Work {
 
 /// The value that a share of the sorted values does not exceed.
 fn quantile<T: Copy>(sorted: &[T], share: f64) -> T {
-    assert!(!sorted.is_empty(), "no value");
+    assert!(!sorted.is_empty() && share < 1.0, "no value");
     sorted[(share * sorted.len() as f64) as usize]
 }
 

@@ -103,6 +103,39 @@ fn a_restart_from_the_checkpoint_before_takes_a_step_back() {
 }
 
 #[test]
+fn a_restart_with_another_setting_says_so() {
+    let (folder, scene) = scene("settings");
+    let out = folder.join("out");
+    done(&run(&scene, &out, &["--steps", "1"]));
+    let from = out.display().to_string();
+    let more = |more: &[&str]| {
+        let ran = fracas(&[&["run", &scene, "--restart", &from, "--steps", "1"], more].concat());
+        done(&ran);
+        let logged = read(out.join("log.jsonl"));
+        let warnings = logged.lines().filter(|line| line.contains("\"warning\""));
+        (ran.stderr, warnings.count())
+    };
+    let (said, warnings) = more(&[]);
+    assert!(!said.contains("from here on"), "{said}");
+    let (said, now) = more(&["--set", "solver.tolerance=1e-7"]);
+    let expected =
+        "warning: solver.tolerance is 1e-7 from here on, resolved.toml beside the checkpoint says ";
+    assert!(said.contains(expected), "{said}");
+    assert_eq!(now, warnings + 1);
+    // what only one of the scenes has
+    let set = [
+        "--set",
+        "solver.tolerance=1e-7",
+        "--set",
+        "solver.racp.relaxation=0.1",
+    ];
+    let (said, _) = more(&set);
+    assert!(said.contains("checkpoint says not given"), "{said}");
+    let (said, _) = more(&set[..2]);
+    assert!(said.contains("warning: solver.racp is not given"), "{said}");
+}
+
+#[test]
 fn a_folder_has_one_process_and_a_checkpoint_an_end_after_it() {
     let (folder, scene) = scene("owner");
     let out = folder.join("out");

@@ -40,6 +40,7 @@ fn the_solution_solves_the_system_and_the_report_has_its_keys() {
             "relative_residual",
             "method",
             "inner",
+            "relaxation",
             "krylov",
             "n_u",
             "n_t",

@@ -14,8 +14,8 @@ use fracas_operators::{AdjointOperator, LinearOperator, Real, Shape};
 /// The stiffness `A` of a mesh of arbitrary hexahedra, in full numbering.
 ///
 /// Gauss points are recomputed in registers from the shape of each element, 21 numbers. Elements that follow each other
-/// along x on lines of consecutive nodes are read line by line, the last of a line perhaps a second time, a few of them through a
-/// padded copy; the others through node numbers.
+/// along x on lines of consecutive nodes are read line by line: the last of a line perhaps a second time, runs shorter than a
+/// register through a padded copy; the others through node numbers.
 ///
 /// # Cost
 /// Per element: 1557 flops; 23 scalars, and 32 bytes of node numbers where it is not on node lines.
@@ -108,7 +108,7 @@ impl<R: Real> Hexes<R> {
 impl<R> Hexes<R> {
     /// Bytes held.
     pub(crate) fn bytes(&self) -> usize {
-        size_of_val(&*self.elements) + size_of_val(&*self.groups)
+        size_of_val(&*self.numbers) + size_of_val(&*self.elements) + size_of_val(&*self.groups)
     }
 }
 

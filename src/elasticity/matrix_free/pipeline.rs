@@ -37,16 +37,16 @@ struct Stage<L> {
     faces: [Face<L>; 2],
 }
 
-/// Scalars of a padded node line, at least 3 (`MAX_WIDTH` + 1).
+/// Scalars of a padded node line.
 const LINE: usize = 4 * MAX_WIDTH;
+const _: () = assert!(LINE >= 3 * (MAX_WIDTH + 1));
 
-/// Values at the nodes of a group that does not fill its node lines, or is on none; aligned so that no register straddles two
-/// cache lines.
+/// Values at the nodes of a group that is not on whole node lines.
 #[repr(align(64))]
-struct Aside<R> {
-    /// Of any elements: `[component][lexicographic corner][element]`.
+struct Buffers<R> {
+    /// Of any elements: `[component][lexicographic corner][element]`; no register straddles two cache lines.
     corners: [[[R; MAX_WIDTH]; 8]; 3],
-    /// Of lines that are too short, padded: `[along y][along z]`.
+    /// Of lines shorter than a register, padded: `[along y][along z]`.
     lines: [[[R; LINE]; 2]; 2],
 }
 
@@ -54,7 +54,7 @@ impl<R: Real> Kernel<R> for Product<'_, R> {
     #[inline(always)]
     fn run<L: Lanes<R>>(self) {
         let zero = L::splat(R::zero());
-        let empty = || Aside {
+        let empty = || Buffers {
             corners: [[[R::zero(); MAX_WIDTH]; 8]; 3],
             lines: [[[R::zero(); LINE]; 2]; 2],
         };
@@ -225,7 +225,7 @@ impl<R: Real> Product<'_, R> {
 
     /// Modes of the displacements on the face at low or high y.
     #[inline(always)]
-    fn read<L: Lanes<R>>(&self, group: usize, y: usize, gathered: &Aside<R>) -> Face<L> {
+    fn read<L: Lanes<R>>(&self, group: usize, y: usize, gathered: &Buffers<R>) -> Face<L> {
         match self.hexes.groups[group] {
             Nodes::Lines(lines) => {
                 let [low, high] = lines[y];
@@ -250,7 +250,7 @@ impl<R: Real> Product<'_, R> {
     /// Displacements of a group that does not fill its node lines, or is on none, well ahead of `read`: by then the scalars have
     /// left the store queue.
     #[inline(always)]
-    fn gather<L: Lanes<R>>(&self, group: usize, gathered: &mut Aside<R>) {
+    fn gather<L: Lanes<R>>(&self, group: usize, gathered: &mut Buffers<R>) {
         match self.hexes.groups[group] {
             Nodes::Lines(_) => {}
             Nodes::Short(lines, elements) => {
@@ -262,6 +262,8 @@ impl<R: Real> Product<'_, R> {
                     .zip(lines.as_flattened())
                 {
                     padded[..len].copy_from_slice(&self.x[3 * *first as usize..][..len]);
+                    // what an earlier group left may not be finite
+                    padded[len..3 * (L::WIDTH + 1)].fill(R::zero());
                 }
             }
             Nodes::Any(first) => {
@@ -279,12 +281,12 @@ impl<R: Real> Product<'_, R> {
 
     /// `y += α F` on the face at low or high y.
     #[inline(always)]
-    fn add<L: Lanes<R>>(&self, group: usize, y: usize, face: &Face<L>, scattered: &mut Aside<R>) {
+    fn add<L: Lanes<R>>(&self, group: usize, y: usize, face: &Face<L>, scattered: &mut Buffers<R>) {
         match self.hexes.groups[group] {
             Nodes::Lines(lines) => {
                 let [low, high] = lines[y];
                 let len = 3 * (L::WIDTH + 1);
-                // SAFETY: both lines belong to this task and are different.
+                // SAFETY: both lines belong to this task and do not overlap (`groups::run`).
                 let (low, high) = unsafe {
                     (
                         self.y.part(3 * low as usize, len),
@@ -296,7 +298,7 @@ impl<R: Real> Product<'_, R> {
             Nodes::Short(lines, elements) => {
                 let len = 3 * (usize::from(elements) + 1);
                 let [a, b] = &mut scattered.lines[y];
-                // SAFETY: both lines belong to this task and are different.
+                // SAFETY: both lines belong to this task and do not overlap (`groups::run`).
                 let (low, high) = unsafe {
                     (
                         self.y.part(3 * lines[y][0] as usize, len),

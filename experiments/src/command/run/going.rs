@@ -4,7 +4,8 @@ use super::Run;
 use super::lock::Lock;
 use super::manifest::{Manifest, Outcome};
 use super::page;
-use super::tree::Tree;
+use super::settings;
+use super::tree::{RESOLVED, Tree};
 use crate::command::progress::Progress;
 use crate::report::format_real;
 use fracas::io::Fields;
@@ -33,7 +34,9 @@ pub(super) struct Going<'a> {
 impl Going<'_> {
     /// Everything that is there before the first step; the checkpoint is the last of it.
     pub(super) fn begin(&mut self, state: &State, checkpoint: Option<&Path>) -> anyhow::Result<()> {
-        self.tree.file("resolved.toml", &self.scene.to_toml()?)?;
+        // before they are written over
+        let changed = checkpoint.map_or_else(Vec::new, |path| settings::changed(path, self.scene));
+        self.tree.file(RESOLVED, &self.scene.to_toml()?)?;
         self.stands(state, Outcome::Running, None)?;
         let from = checkpoint.map(|path| path.display().to_string());
         let event = if from.is_some() { "restart" } else { "start" };
@@ -45,7 +48,13 @@ impl Going<'_> {
         let remarks = friction_remarks(self.body)
             .into_iter()
             .map(|r| r.to_string());
-        for remark in self.undetermined.take().into_iter().chain(remarks) {
+        for remark in self
+            .undetermined
+            .take()
+            .into_iter()
+            .chain(remarks)
+            .chain(changed)
+        {
             self.progress.say(&format!("warning: {remark}"));
             self.tree
                 .log(state.step, "warning", json!({ "text": remark }))?;

@@ -8,6 +8,7 @@ mod lines;
 mod lock;
 mod manifest;
 mod page;
+mod settings;
 mod tree;
 
 use super::progress::Progress;
@@ -137,10 +138,7 @@ impl Run {
 
     /// Where the results go.
     fn folder(&self, checkpoint: Option<&Path>) -> PathBuf {
-        let of_run = checkpoint
-            .and_then(Path::parent)
-            .filter(|folder| folder.ends_with(tree::CHECKPOINT))
-            .and_then(Path::parent);
+        let of_run = checkpoint.and_then(tree::run_of);
         let own = self.out.as_deref().or(of_run).unwrap_or(Path::new(OUT));
         if own.as_os_str().is_empty() {
             ".".into()

@@ -82,8 +82,17 @@ pub(super) fn require_free(out: &Path) -> anyhow::Result<()> {
     Err(refused.into())
 }
 
+/// The scene of a run as it was read.
+pub(super) const RESOLVED: &str = "resolved.toml";
+
 /// Subfolder of the checkpoints.
 pub(super) const CHECKPOINT: &str = "checkpoint";
+
+/// The folder of the run that a checkpoint belongs to, as its path says.
+pub(super) fn run_of(checkpoint: &Path) -> Option<&Path> {
+    let folder = checkpoint.parent();
+    folder.filter(|f| f.ends_with(CHECKPOINT))?.parent()
+}
 
 /// The checkpoint that was asked for: a file, or the last one of a run folder or of its `checkpoint`.
 pub(super) fn checkpoint(path: &Path) -> anyhow::Result<PathBuf> {

@@ -1,6 +1,7 @@
 //! The report: keys of its JSON, lines for people.
 
 use super::{RightHandSide, explain, output};
+use crate::report::format_real;
 use fracas_solvers::amg::Summary;
 use fracas_solvers::krylov::{Breakdown, Outcome, Report};
 use fracas_solvers::spectrum::Explanation;
@@ -102,7 +103,7 @@ impl SolveReport {
             parts += &format!(", C = {c}");
         }
         if self.relaxation > 0.0 {
-            parts += &format!(", γ = {:.3}", self.relaxation);
+            parts += &format!(", γ = {}", format_real(self.relaxation));
         }
         if let Some(inner) = &self.inner {
             parts += &format!(", inner {inner}");
