@@ -4,18 +4,18 @@
 //! `cargo bench --bench million` prints medians and ranges of nine rounds, of wall time; a ratio is one of times within a round.
 //! The control is what the machine gives two threads that share nothing, or memory alone.
 
+#[path = "timing/fused.rs"]
+mod fused;
 #[path = "timing/rounds.rs"]
 mod rounds;
 
 use fracas::elasticity::{matrix_free, stiffness};
 use fracas::scene::{Body, named};
 use fracas_operators::laws::probe;
-use fracas_operators::simd::{Kernel, Lanes, Level};
 use fracas_operators::sparse::Csr;
-use fracas_operators::vector::{axpby, for_each_task};
+use fracas_operators::vector::axpby;
 use fracas_operators::{LinearOperator, Real};
 use rounds::Sorted;
-use std::hint::black_box;
 use std::time::Instant;
 
 const ROUNDS: usize = 9;
@@ -56,36 +56,15 @@ fn product<'a, R: Real>(operator: &'a dyn LinearOperator<R>) -> Work<'a> {
     Box::new(move || operator.apply_add(R::of(1e-12), &x, &mut y, &mut work))
 }
 
-/// Multiply-adds in registers, twice some milliseconds.
+/// Multiply-adds in registers, as much for one thread as for two.
 fn arithmetic() -> Work<'static> {
-    Box::new(|| for_each_task(0..2, &|_| Level::best().run::<f64>(Chains)))
+    Box::new(|| fused::run::<f64>(2))
 }
 
 /// `y ← α x + β y` on vectors larger than any cache.
 fn memory() -> Work<'static> {
     let (x, mut y) = (vec![1.0f64; 16 << 20], vec![1.0; 16 << 20]);
     Box::new(move || axpby(0.5, &x, 0.5, &mut y))
-}
-
-/// Independent chains of multiply-adds, enough to hide their latency.
-struct Chains;
-
-impl<R: Real> Kernel<R> for Chains {
-    #[inline(always)]
-    fn run<L: Lanes<R>>(self) {
-        let (factor, term) = (L::splat(R::of(0.999)), L::splat(R::of(1e-3)));
-        let mut chains = [L::splat(black_box(R::one())); 16];
-        for _ in 0..1_000_000 {
-            for chain in &mut chains {
-                *chain = chain.mul_add(factor, term);
-            }
-        }
-        let mut out = [R::zero(); 16];
-        for chain in chains {
-            chain.store(&mut out);
-            black_box(&out);
-        }
-    }
 }
 
 /// Milliseconds, in the current pool.
@@ -138,8 +117,10 @@ fn main() {
             println!("  {name:16} one thread {one}, two {two}, speed-up {speedup}");
         }
         let (csr, single) = (ratio((0, 0), (1, 0)), ratio((1, 0), (2, 0)));
+        let arithmetic = Sorted::new(times.iter().map(|round| round[3][0]));
+        let peak = 2e-6 * fused::operations::<f64>() / arithmetic.median();
         println!(
-            "  on one thread f64 is {csr} times as fast as CSR, f32 {single} times as fast as f64"
+            "  on one thread f64 is {csr} times as fast as CSR, f32 {single} times as fast as f64, registers do {peak:.0} GFLOP/s"
         );
     }
 }

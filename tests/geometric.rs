@@ -365,3 +365,42 @@ fn a_number_that_is_none_goes_through() {
     );
     assert!(z.iter().all(|z| *z == 0.0));
 }
+
+/// Every block keeps the corners of its coarse cell: grids that go on below the blocks would end singular, and in f32 before that.
+#[test]
+fn blocks_smaller_than_a_coarse_cell_are_no_obstacle() {
+    let cut = |axes: &str, every: usize| {
+        let plane =
+            |a: char| format!("{{name='c{a}',plane='{a}',every={every},friction_angle='30 deg'}}");
+        let planes: Vec<String> = axes.chars().map(plane).collect();
+        format!("fracture=[{}]", planes.join(","))
+    };
+    let floating = named("floating").unwrap().scene().unwrap();
+    // cubes of 2³ and of 3³ cells, columns, a bar of slices
+    for (cells, axes, every) in [
+        ([8, 8, 8], "xyz", 2),
+        ([18, 12, 12], "xyz", 3),
+        ([16, 8, 16], "xz", 2),
+        ([120, 12, 4], "x", 2),
+    ] {
+        let mut sets = vec![cut(axes, every)];
+        for (axis, n) in ["x", "y", "z"].into_iter().zip(cells) {
+            sets.push(format!("mesh.{axis}.to={n} m"));
+            sets.push(format!("mesh.{axis}.cells={n}"));
+        }
+        let body = floating.with_overrides(&sets).unwrap().build().unwrap();
+        let sample = of_body(body, AugmentationChoice::LocalH);
+        let iterations = [Precision::F32, Precision::F64].map(|precision| {
+            sample.iterations(Geometric {
+                precision,
+                ..Geometric::default()
+            })
+        });
+        println!("{cells:?} cut in {axes} every {every}: {iterations:?}");
+        assert!(iterations[1] <= 20, "{cells:?} {axes}: {iterations:?}");
+        assert!(
+            iterations[0] <= iterations[1] + 2,
+            "{cells:?} {axes}: {iterations:?}"
+        );
+    }
+}

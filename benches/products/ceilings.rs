@@ -1,9 +1,8 @@
 //! What this machine can do: streaming bandwidth and fused multiply-adds per second.
 
-use crate::clock;
+use crate::{clock, fused};
 use fracas_operators::Real;
-use fracas_operators::simd::{Kernel, Lanes, Level};
-use fracas_operators::vector::{axpby, dot, for_each_task};
+use fracas_operators::vector::{axpby, dot};
 use std::hint::black_box;
 
 /// Ceilings of the current thread pool.
@@ -41,41 +40,10 @@ pub(crate) fn measure<R: Real>() -> Ceilings {
         black_box(dot(&x, &y));
     });
     let threads = rayon::current_num_threads();
-    let fused = best(|| for_each_task(0..threads, &|_| Level::best().run::<R>(Fused)));
+    let fused = best(|| fused::run::<R>(threads));
     Ceilings {
         stream: 3.0 * bytes * STREAMED as f64 / stream,
         read: 2.0 * bytes * STREAMED as f64 / read,
-        flops: threads as f64
-            * (Fused::ROUNDS * Fused::CHAINS * 2 * Level::best().width::<R>()) as f64
-            / fused,
-    }
-}
-
-/// Independent chains of multiply-adds, enough to hide their latency.
-struct Fused;
-
-impl Fused {
-    const CHAINS: usize = 16;
-    const ROUNDS: usize = 4_000_000;
-}
-
-impl<R: Real> Kernel<R> for Fused {
-    #[inline(always)]
-    fn run<L: Lanes<R>>(self) {
-        let (factor, term) = (L::splat(R::of(0.999)), L::splat(R::of(1e-3)));
-        let mut chains = [L::splat(R::zero()); Self::CHAINS];
-        for (i, chain) in chains.iter_mut().enumerate() {
-            *chain = L::splat(black_box(R::of(i as f64)));
-        }
-        for _ in 0..Self::ROUNDS {
-            for chain in &mut chains {
-                *chain = chain.mul_add(factor, term);
-            }
-        }
-        let mut out = [R::zero(); 16];
-        for chain in chains {
-            chain.store(&mut out);
-            black_box(&out);
-        }
+        flops: threads as f64 * fused::operations::<R>() / fused,
     }
 }

@@ -8,6 +8,8 @@
 mod ceilings;
 #[path = "../timing/clock.rs"]
 mod clock;
+#[path = "../timing/fused.rs"]
+mod fused;
 #[path = "../../src/elasticity/sample.rs"]
 mod sample;
 

@@ -1,4 +1,4 @@
-//! Below the coarsest grid: a direct solver where it is small, algebraic multigrid where it no longer halves.
+//! Below the coarsest grid: a direct solver, algebraic multigrid where a large grid no longer shrinks.
 
 use super::grid::Grid;
 use super::hierarchy::position;
@@ -8,6 +8,10 @@ use fracas_operators::sparse::{Block3, SparseMatrix};
 use fracas_solvers::DofCoordinate;
 use fracas_solvers::amg::{Amg, Precision, Summary};
 use fracas_solvers::multigrid::Bottom;
+
+/// Unknowns up to which a level that no grid coarsens is factorized: algebraic multigrid takes more iterations the more blocks hang on
+/// each other.
+pub(super) const DIRECT: usize = 20_000;
 
 /// The solver of the coarsest level with its summary.
 pub(super) fn bottom(
@@ -49,7 +53,7 @@ pub(super) fn bottom(
         })
         .collect();
     let algebraic = Amg::default();
-    let is_direct = free.len() <= settings.coarsest;
+    let is_direct = free.len() <= settings.coarsest.max(DIRECT);
     let amg = Amg {
         coarsest: if is_direct {
             free.len()

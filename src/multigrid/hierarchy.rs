@@ -1,6 +1,6 @@
 //! From a body to all levels.
 
-use super::bottom::bottom;
+use super::bottom::{DIRECT, bottom};
 use super::coarse_lines::{CoarseLines, Next};
 use super::coarsening::coarsen;
 use super::elements::Elements;
@@ -36,12 +36,39 @@ struct Current<'a> {
     remainder: Option<Block3<f64>>,
 }
 
+/// When levels that lose few nodes are coarsened no further.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stop {
+    /// As soon as they can be factorized.
+    Late,
+    /// At once; algebraic multigrid takes over where they are large.
+    Early,
+}
+
 /// All levels of `S_u / scale`, and a summary of what is below them. `materials` and `c_inverse` are divided by the scale.
+///
+/// Grids take fewer iterations than algebraic multigrid, so that comes first only where the functions of small blocks on coarse
+/// cells have become the same to rounding.
 pub(super) fn hierarchy<R: Real>(
     settings: &Geometric,
     system: &StickSystem<'_>,
     materials: &[Elastic],
     c_inverse: &[[[f64; 3]; 3]],
+) -> Result<(Hierarchy<R>, Summary), GeometricError> {
+    match levels(settings, system, materials, c_inverse, Stop::Late) {
+        Err(GeometricError::Bottom(_)) => {
+            levels(settings, system, materials, c_inverse, Stop::Early)
+        }
+        done => done,
+    }
+}
+
+fn levels<R: Real>(
+    settings: &Geometric,
+    system: &StickSystem<'_>,
+    materials: &[Elastic],
+    c_inverse: &[[[f64; 3]; 3]],
+    stop: Stop,
 ) -> Result<(Hierarchy<R>, Summary), GeometricError> {
     let mut current = Current {
         grid: Grid::of_mesh(system.mesh).ok_or(GeometricError::NoGrid)?,
@@ -63,8 +90,8 @@ pub(super) fn hierarchy<R: Real>(
         let owners = Owners::new(&current.grid, &coarsening);
         let fixed_coarse = fixed::coarse(&current.fixed, &owners, coarse);
         let last = 3 * coarse.nodes <= settings.coarsest
-            || matches!(lines.next(coarse), Next::Nothing)
-            || levels.len() + 1 == MOST_LEVELS;
+            || levels.len() + 1 == MOST_LEVELS
+            || !shrinks(coarse, &lines, stop);
         let kinds = if last {
             vec![Elements::NONE; coarse.elements.len()]
         } else {
@@ -109,6 +136,24 @@ pub(super) fn hierarchy<R: Real>(
             remainder: Some(remainder),
         };
     }
+}
+
+/// True if the next grid has few enough nodes. Where fractures cut blocks smaller than a coarse cell, each block keeps the corners of
+/// its cell: no fewer nodes, and functions that differ ever less on the block. With e the share of nodes that would be left without
+/// fractures, a level that can be factorized is coarsened if √e of them are left or fewer, a larger one, to stop late, if (1 + e)/2.
+fn shrinks(grid: &Grid<'_>, lines: &CoarseLines, stop: Stop) -> bool {
+    let Next::Lines(starts) = lines.next(grid) else {
+        return false;
+    };
+    let coarse = coarsen(grid, starts).coarse;
+    let vertices = |grid: &Grid<'_>| grid.cells.iter().map(|n| n + 1).product::<usize>() as f64;
+    let whole = vertices(&coarse) / vertices(grid);
+    let most = if stop == Stop::Early || 3 * grid.nodes <= DIRECT {
+        whole.sqrt()
+    } else {
+        0.5 * (1.0 + whole)
+    };
+    coarse.nodes as f64 <= most * grid.nodes as f64
 }
 
 impl Current<'_> {

@@ -119,7 +119,7 @@ impl MeshSection {
             (None, None) => axis
                 .size_field()
                 .and_then(|field| field.cells(0).ok())
-                .map_or(0, |cells| cells as u128 + 1),
+                .map_or(0, |cells| (cells as u128).saturating_add(1)),
         };
         count(&self.x)
             .saturating_mul(count(&self.y))

@@ -51,7 +51,7 @@ pub(super) fn work_len<R: Real>(system: &System<R>, vectors: usize) -> usize {
 /// Runs `cycle(run, x, r = b − A x, work)` from the true residual until that residual meets the tolerance.
 ///
 /// A cycle that believes in convergence where the true residual disagrees is started again from the current x, and
-/// what it costs is counted; if the residual did not even halve, it has stagnated at rounding.
+/// what it costs is counted; if what the residual exceeds the tolerance by did not even halve, it has stagnated at rounding.
 pub(super) fn drive<R: Real>(
     method: &'static str,
     system: &System<R>,
@@ -94,7 +94,8 @@ pub(super) fn drive<R: Real>(
         }
         match end {
             Some(End::Stopped) => return Ok(run.report(Outcome::Stopped, relative)),
-            Some(End::Believed) if rho > 0.5 * run.start => {
+            // counted above the target: a cycle that begins close to it cannot halve all of its residual
+            Some(End::Believed) if rho - run.target() > 0.5 * (run.start - run.target()) => {
                 return Err(Breakdown::Stagnation {
                     method,
                     iteration: run.iterations,
@@ -254,5 +255,56 @@ pub(super) fn require_linear<R: Real>(
         Ok(())
     } else {
         Err(Breakdown::NonlinearPreconditioner { method })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Silent;
+    use fracas_operators::Identity;
+
+    /// Outcome where cycles that believe in convergence leave these true residuals, in units of the target.
+    fn outcome(residuals: &[f64]) -> Result<Report, Breakdown> {
+        let identity = Identity { n: 1 };
+        let system = System {
+            operator: &identity,
+            preconditioner: &identity,
+            rhs: &[1.0],
+        };
+        let criteria = Criteria {
+            relative_tolerance: 1e-8,
+            max_iterations: 100,
+        };
+        let mut work = vec![0.0; work_len(&system, 0)];
+        let mut left = residuals.iter();
+        let cycle = |run: &mut Run<'_, f64>, x: &mut [f64], _: &mut [f64], _: &mut [f64]| {
+            run.iterations += 1;
+            x[0] = 1.0 - 1e-8 * left.next().expect("another cycle");
+            Ok(End::Believed)
+        };
+        drive(
+            "test",
+            &system,
+            &criteria,
+            &mut [0.0],
+            &mut Silent,
+            &mut work,
+            cycle,
+        )
+    }
+
+    #[test]
+    fn a_cycle_that_begins_close_to_the_target_need_not_halve_its_residual() {
+        let report = outcome(&[1.6, 1.2, 1.0003, 0.9]).expect("progress in every cycle");
+        assert_eq!((report.outcome, report.iterations), (Outcome::Converged, 4));
+    }
+
+    #[test]
+    fn a_cycle_without_progress_has_stagnated() {
+        for residuals in [&[1.6, 1.5][..], &[1e7, 0.9e7], &[1.6, 1.2, 1.15]] {
+            let stagnated = matches!(outcome(residuals), Err(Breakdown::Stagnation { .. }));
+            assert!(stagnated, "{residuals:?}");
+        }
     }
 }
