@@ -263,12 +263,13 @@ mod tests {
     use super::*;
     use crate::Silent;
     use fracas_operators::Identity;
+    use fracas_operators::sparse::{Csr, SparseMatrix};
 
     /// Outcome where cycles that believe in convergence leave these true residuals, in units of the target.
     fn outcome(residuals: &[f64]) -> Result<Report, Breakdown> {
         let identity = Identity { n: 1 };
         let system = System {
-            operator: &identity,
+            operator: &Csr::new(SparseMatrix::new((1, 1), vec![0, 1], vec![0], vec![1.0])),
             preconditioner: &identity,
             rhs: &[1.0],
         };
