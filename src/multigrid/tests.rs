@@ -223,7 +223,7 @@ fn every_operator_is_the_galerkin_product_of_the_assembled_one() {
         let blocks = faces::inverse_blocks(&c, 1.0).unwrap();
         let (h, _) = hierarchy::<f64>(&settings, &system, &body.materials, &blocks).unwrap();
         // the first coarse grid of columns two cells wide is the last
-        assert!(h.levels().len() >= 2 || scene == "analogue_c", "{scene}");
+        assert!(h.levels().len() >= 2 || *scene == "analogue_c", "{scene}");
         // the finest operator is A + B C⁻¹Bᵀ
         let assembled = system
             .assemble(&vec![0.0; body.constraints.full_len()])
