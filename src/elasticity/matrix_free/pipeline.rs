@@ -332,6 +332,7 @@ impl<R: Real> Product<'_, R> {
             }
         }
     }
+
     /// `y += α F` on the `WIDTH + 1` nodes of the low and the high line of a face.
     #[inline(always)]
     fn add_to_lines<L: Lanes<R>>(&self, face: &Face<L>, low: &mut [R], high: &mut [R]) {
