@@ -5,6 +5,7 @@
 
 use fracas::nonlinear::{Failure, Simulation};
 use fracas::scene::Scene;
+use fracas_operators::random::splitmix64;
 use fracas_solvers::Step;
 use std::ops::ControlFlow;
 
@@ -13,11 +14,9 @@ struct Random(u64);
 
 impl Random {
     fn next(&mut self) -> f64 {
+        let bits = splitmix64(self.0);
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+        (bits >> 11) as f64 / (1u64 << 53) as f64
     }
 
     fn between(&mut self, low: f64, high: f64) -> f64 {

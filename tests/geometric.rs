@@ -254,16 +254,16 @@ fn one_and_two_threads_give_the_same_bits_and_f32_the_digits_of_f32() {
 fn racp_converges_wherever_fractures_run_and_whatever_the_rock_is() {
     // a fifth above what was found; in thin soft layers (contrast 1000) C is not good even with exact S_u
     for (scene, most) in [
-        ("crossing", 20),
-        ("inclined", 22),
-        ("tee", 20),
-        ("floating", 15),
+        ("crossing", 17),
+        ("inclined", 21),
+        ("tee", 18),
+        ("floating", 14),
         ("analogue_a", 16),
         ("analogue_b", 18),
-        ("analogue_c", 24),
-        ("incompressible", 26),
+        ("analogue_c", 20),
+        ("incompressible", 14),
         ("stretched", 17),
-        ("layered", 38),
+        ("layered", 30),
     ] {
         let sample = sample(scene, &[], AugmentationChoice::LocalH);
         let single = sample.iterations(Geometric::default());
@@ -305,6 +305,31 @@ fn iterations_stay_when_the_mesh_is_refined() {
         });
         let most = counts.iter().max().unwrap();
         assert!(most - counts[0] <= 4, "{scene}: {counts:?}");
+    }
+}
+
+/// λ → ∞ makes a diagonal block blind to waves that keep the volume; the polynomial reaches them all the same.
+#[test]
+fn rock_that_hardly_changes_its_volume_takes_few_iterations_more() {
+    let iterations = |stiff: f64, soft: f64, cells: usize| {
+        let mut sets = vec![
+            format!("material.stiff.poisson={stiff}"),
+            format!("material.soft.poisson={soft}"),
+        ];
+        sets.extend(["x", "y", "z"].map(|axis| format!("mesh.{axis}.cells={cells}")));
+        let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
+        let sample = sample("layered_crossing", &sets, AugmentationChoice::LocalH);
+        sample.iterations(Geometric::default())
+    };
+    let usual = iterations(0.25, 0.3, 16);
+    for [stiff, soft] in [[0.49, 0.3], [0.25, 0.49], [0.49; 2], [0.495; 2]] {
+        let found = [16, 24].map(|cells| iterations(stiff, soft, cells));
+        println!("{stiff}, {soft}: {found:?}, usually {usual}");
+        assert!(
+            found[0] <= usual + usual / 2,
+            "{stiff}, {soft}: {found:?}, usually {usual}"
+        );
+        assert!(found[1] <= found[0] + 3, "{stiff}, {soft}: {found:?}");
     }
 }
 

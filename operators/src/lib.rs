@@ -19,6 +19,7 @@ pub mod laws;
 pub mod matrix_market;
 pub mod operator;
 pub mod preconditioner;
+pub mod random;
 pub mod real;
 pub mod shape;
 pub mod simd;

@@ -1,6 +1,7 @@
 //! Maps that move the nodes of a box grid before its fractures are split.
 
 use super::MeshError;
+use fracas_operators::random::{signed, splitmix64};
 
 /// What a map may need to know of the grid.
 #[derive(Clone, Debug)]
@@ -47,18 +48,9 @@ pub struct Distort {
     pub planar: bool,
 }
 
-/// Sebastiano Vigna's splitmix64, as a hash of its argument.
-fn splitmix(value: u64) -> u64 {
-    let mut z = value.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
-}
-
-/// Uniform in [−1, 1), from the upper 53 bits.
+/// Uniform in [−1, 1).
 fn noise(seed: u64, a: u64, b: u64) -> f64 {
-    let bits = splitmix(splitmix(splitmix(seed) ^ a) ^ b) >> 11;
-    bits as f64 / (1u64 << 52) as f64 - 1.0
+    signed(splitmix64(splitmix64(seed) ^ a) ^ b)
 }
 
 impl Distort {

@@ -9,10 +9,6 @@ use fracas_solvers::DofCoordinate;
 use fracas_solvers::amg::{Amg, Precision, Summary};
 use fracas_solvers::multigrid::Bottom;
 
-/// Unknowns up to which a level that no grid coarsens is factorized: algebraic multigrid takes more iterations the more blocks hang on
-/// each other.
-pub(super) const DIRECT: usize = 20_000;
-
 /// The solver of the coarsest level with its summary.
 pub(super) fn bottom(
     settings: &Geometric,
@@ -53,7 +49,7 @@ pub(super) fn bottom(
         })
         .collect();
     let algebraic = Amg::default();
-    let is_direct = free.len() <= settings.coarsest.max(DIRECT);
+    let is_direct = free.len() <= settings.coarsest.max(settings.direct);
     let amg = Amg {
         coarsest: if is_direct {
             free.len()

@@ -1,8 +1,8 @@
 //! From a body to all levels.
 
-use super::bottom::{DIRECT, bottom};
+use super::bottom::bottom;
 use super::coarse_lines::{CoarseLines, Next};
-use super::coarsening::coarsen;
+use super::coarsening::{Coarsening, coarsen};
 use super::elements::Elements;
 use super::faces::{self, FractureTerm};
 use super::fixed;
@@ -11,6 +11,7 @@ use super::interpolation::{Interpolation, Owners};
 use super::operators::{Coarse, Finest};
 use super::pattern::Pattern;
 use super::remainder::{Rows, Step};
+use super::smoothing::polynomial;
 use super::{Geometric, GeometricError};
 use crate::elasticity::{Bricks, Elastic, Hexes};
 use crate::system::StickSystem;
@@ -78,21 +79,24 @@ fn levels<R: Real>(
         remainder: None,
     };
     let lines = CoarseLines::new(system.mesh, materials);
+    let starts = match lines.next(&current.grid) {
+        Next::Lines(starts) => starts,
+        // a small body: its coarse grid is the grid itself
+        Next::Nothing => current.grid.all_lines(),
+    };
+    let mut coarsening = coarsen(&current.grid, starts);
     let mut levels = Vec::new();
     loop {
-        let starts = match lines.next(&current.grid) {
-            Next::Lines(starts) => starts,
-            // the finest grid of a small body: its coarse grid is the grid itself
-            Next::Nothing => current.grid.all_lines(),
-        };
-        let coarsening = coarsen(&current.grid, starts);
         let coarse = &coarsening.coarse;
         let owners = Owners::new(&current.grid, &coarsening);
         let fixed_coarse = fixed::coarse(&current.fixed, &owners, coarse);
-        let last = 3 * coarse.nodes <= settings.coarsest
-            || levels.len() + 1 == MOST_LEVELS
-            || !shrinks(coarse, &lines, stop);
-        let kinds = if last {
+        let is_small = 3 * coarse.nodes <= settings.coarsest || levels.len() + 1 == MOST_LEVELS;
+        let next = if is_small {
+            None
+        } else {
+            smaller(coarse, &lines, stop, settings.direct)
+        };
+        let kinds = if next.is_none() {
             vec![Elements::NONE; coarse.elements.len()]
         } else {
             let bits = [&*current.fixed, &*fixed_coarse];
@@ -120,13 +124,14 @@ fn levels<R: Real>(
         let transfer = Interpolation::new(&owners, coarse);
         drop(owners);
         levels.push(current.level(system, materials, c_inverse, levels.len(), transfer)?);
-        if last {
+        let Some(next) = next else {
             let (bottom, below) = bottom(settings, system.mesh, coarse, &remainder, &fixed_coarse)?;
-            let hierarchy = Hierarchy::new(levels, bottom, settings.cycle, settings.degree);
+            let smoothing = polynomial(settings, materials, &system.mesh.regions, !is_small);
+            let hierarchy = Hierarchy::new(levels, bottom, settings.cycle, smoothing);
             return Ok((hierarchy, below));
-        }
+        };
         current = Current {
-            grid: coarsening.coarse,
+            grid: std::mem::replace(&mut coarsening, next).coarse,
             elements: Elements::Bricks {
                 kinds: Cow::Owned(kinds),
                 materials,
@@ -138,22 +143,23 @@ fn levels<R: Real>(
     }
 }
 
-/// True if the next grid has few enough nodes. Where fractures cut blocks smaller than a coarse cell, each block keeps the corners of
+/// The next grid, if it has few enough nodes. Where fractures cut blocks smaller than a coarse cell, each block keeps the corners of
 /// its cell: no fewer nodes, and functions that differ ever less on the block. With e the share of nodes that would be left without
-/// fractures, a level that can be factorized is coarsened if √e of them are left or fewer, a larger one, to stop late, if (1 + e)/2.
-fn shrinks(grid: &Grid<'_>, lines: &CoarseLines, stop: Stop) -> bool {
+/// fractures, a level of up to `direct` unknowns is coarsened if √e of them are left or fewer, a larger one, to stop late, if (1 + e)/2.
+fn smaller(grid: &Grid<'_>, lines: &CoarseLines, stop: Stop, direct: usize) -> Option<Coarsening> {
     let Next::Lines(starts) = lines.next(grid) else {
-        return false;
+        return None;
     };
-    let coarse = coarsen(grid, starts).coarse;
+    let next = coarsen(grid, starts);
+    let coarse = &next.coarse;
     let vertices = |grid: &Grid<'_>| grid.cells.iter().map(|n| n + 1).product::<usize>() as f64;
-    let whole = vertices(&coarse) / vertices(grid);
-    let most = if stop == Stop::Early || 3 * grid.nodes <= DIRECT {
+    let whole = vertices(coarse) / vertices(grid);
+    let most = if stop == Stop::Early || 3 * grid.nodes <= direct {
         whole.sqrt()
     } else {
         0.5 * (1.0 + whole)
     };
-    coarse.nodes as f64 <= most * grid.nodes as f64
+    (coarse.nodes as f64 <= most * grid.nodes as f64).then_some(next)
 }
 
 impl Current<'_> {

@@ -15,6 +15,7 @@
 //! | `Σ P_eᵀ K_e P_e`, `Pᵀ R P` | `remainder`, `pattern` |
 //! | `B C⁻¹Bᵀ` and `Pᵀ b_f C_f⁻¹ b_fᵀ P` | `faces` |
 //! | S_u on a level | `operators` |
+//! | degree of the polynomial that smooths | `smoothing` |
 //! | all levels | `hierarchy`, `bottom` |
 
 mod bottom;
@@ -32,6 +33,7 @@ mod operators;
 mod pattern;
 mod remainder;
 mod settings;
+mod smoothing;
 #[cfg(test)]
 mod tests;
 

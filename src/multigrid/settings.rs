@@ -9,14 +9,18 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Geometric {
-    /// Degree of the Chebyshev polynomial before and after the coarse correction.
+    /// Degree of the Chebyshev polynomial before and after the coarse correction in rock of ν ≤ 0.3; it grows towards ν = ½, and by
+    /// one where blocks smaller than a coarse cell end the hierarchy.
     pub degree: usize,
     /// How often a level visits the next one.
     pub cycle: Cycle,
     /// Scalars that the hierarchy is applied in; it is computed in f64.
     pub precision: Precision,
-    /// Unknowns at which a direct solver takes over.
+    /// Unknowns at which coarsening ends.
     pub coarsest: usize,
+    /// Unknowns up to which a grid that coarsens no further is factorized; algebraic multigrid, which takes more iterations the more
+    /// blocks hang on each other, solves larger ones.
+    pub direct: usize,
     /// Factor on the result: RACP gains from eigenvalues of `S̃_u⁻¹S_u` *around* 1, a V-cycle leaves them in (0, 1].
     pub over_correction: f64,
 }
@@ -28,6 +32,7 @@ impl Default for Geometric {
             cycle: Cycle::default(),
             precision: Precision::default(),
             coarsest: 1000,
+            direct: 20_000,
             over_correction: 1.0,
         }
     }

@@ -2,6 +2,7 @@
 
 use super::sweeps::SweepMatrix;
 use fracas_operators::Real;
+use fracas_operators::random::signed;
 use fracas_operators::vector::{axpy, dot, xpby};
 
 /// Lanczos steps: three digits of an outer eigenvalue that is well separated from nothing.
@@ -65,11 +66,11 @@ pub(crate) fn largest_generalized<R: Real>(
     f64::max(SAFETY * theta, theta + residual(theta, &diagonal, &off))
 }
 
-/// A vector r with a part in every eigenvector, the same on every machine: noise with the weight √D at every node. Without
-/// it stiff regions, whose share of `rᵀD⁻¹r` falls with their stiffness, would not be heard in ten steps.
+/// A vector r with a part in every eigenvector, the same on every machine: white noise with the weight √D at every node. A wave would
+/// be nearly an eigenvector on a regular grid; without the weight stiff regions, whose share of `rᵀD⁻¹r` falls with their stiffness,
+/// would not be heard in ten steps.
 fn start<R: Real>(n: usize, diagonal_solve: impl Fn(&[R], &mut [R]), z: &mut [R]) -> Vec<R> {
-    let noise = |i: usize| R::of(0.1 + (1.0 + i as f64 * 1.618).sin());
-    let mut r: Vec<R> = (0..n).map(noise).collect();
+    let mut r: Vec<R> = (0..n as u64).map(|i| R::of(signed(i))).collect();
     diagonal_solve(&r, z);
     let norm = |v: &[R]| dot(v, v).to_f64_exact().sqrt();
     for (r, z) in r.chunks_mut(3).zip(z.chunks(3)) {

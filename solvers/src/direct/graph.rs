@@ -1,5 +1,6 @@
 //! The undirected graph of a sparse pattern.
 
+use fracas_operators::random::splitmix64;
 use fracas_operators::sparse::SparseMatrix;
 
 /// Compressed adjacency of an undirected graph without loops; neighbours are sorted.
@@ -162,12 +163,9 @@ fn merge(
     }
 }
 
-/// SplitMix64: spreads node numbers so that sums of them rarely collide (a collision costs a comparison, no more).
+/// Spreads node numbers so that sums of them rarely collide (a collision costs a comparison, no more).
 fn scrambled(i: usize) -> u64 {
-    let mut z = (i as u64).wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
+    splitmix64(i as u64)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! V and W cycles.
 
 use super::bottom::Bottom;
-use super::level::Level;
+use super::level::{Chebyshev, Level};
 use crate::amg::{LevelSummary, Smoother, Smoothing, Summary};
 use fracas_operators::Real;
 use fracas_operators::vector::axpy;
@@ -26,12 +26,13 @@ pub struct Hierarchy<R> {
     levels: Vec<Level<R>>,
     bottom: Bottom,
     cycle: Cycle,
-    degree: usize,
+    smoothing: Chebyshev,
 }
 
 impl<R: Real> Hierarchy<R> {
-    /// A cycle that smooths by polynomials of `degree` (at least 1) on every level.
-    pub fn new(levels: Vec<Level<R>>, bottom: Bottom, cycle: Cycle, degree: usize) -> Self {
+    /// A cycle that smooths by the same polynomial on every level.
+    pub fn new(levels: Vec<Level<R>>, bottom: Bottom, cycle: Cycle, smoothing: Chebyshev) -> Self {
+        assert!(smoothing.degree > 0, "a smoother smooths");
         assert!(!levels.is_empty(), "a hierarchy has a finest level");
         for (k, level) in levels.iter().enumerate() {
             let below = levels.get(k + 1).map_or(bottom.size(), Level::size);
@@ -41,7 +42,7 @@ impl<R: Real> Hierarchy<R> {
             levels,
             bottom,
             cycle,
-            degree: degree.max(1),
+            smoothing,
         }
     }
 
@@ -92,7 +93,7 @@ impl<R: Real> Hierarchy<R> {
         let (r_c, work) = work.split_at_mut(m);
         let (x_c, work) = work.split_at_mut(m);
         // x ← p(D⁻¹A) D⁻¹ b,  r ← b − A x
-        level.smooth::<true>(self.degree, x, r, d, work);
+        level.smooth::<true>(self.smoothing, x, r, d, work);
         level.subtract_product(d, r, work);
         level.clear_fixed(r);
         // x_c ≈ A_c⁻¹ Pᵀ r
@@ -108,7 +109,7 @@ impl<R: Real> Hierarchy<R> {
         level.transfer.prolong(x_c, d);
         level.clear_fixed(d);
         level.correct(d, x, r, work);
-        level.smooth::<false>(self.degree, x, r, d, work);
+        level.smooth::<false>(self.smoothing, x, r, d, work);
         if residual {
             level.subtract_product(d, r, work);
         }
@@ -121,7 +122,7 @@ impl<R: Real> Hierarchy<R> {
         };
         let below = self.flops(k + 1);
         let visits = if self.twice(k) { 2 } else { 1 };
-        level.flops(self.degree) + visits * below
+        level.flops(self.smoothing.degree) + visits * below
     }
 
     /// Levels and memory; `nnz` counts half the flops of a product, which is the stored entries where there are any.

@@ -6,8 +6,14 @@ use fracas_operators::sparse::Block3;
 use fracas_operators::vector::axpy;
 use fracas_operators::{LinearOperator, Real};
 
-/// Smallest over largest eigenvalue of the interval on which a Chebyshev polynomial smooths. Unit: 1.
-const SMOOTHED_SHARE: f64 = 1.0 / 20.0;
+/// A Chebyshev polynomial in D⁻¹A, D the 3×3 diagonal blocks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Chebyshev {
+    /// Products with D⁻¹ per smoothing, at least 1.
+    pub degree: usize,
+    /// Smallest over largest eigenvalue of the interval on which it smooths. Unit: 1.
+    pub share: f64,
+}
 
 /// P and Pᵀ between a level and the next one.
 pub trait Transfer<R: Real>: Send + Sync {
@@ -126,21 +132,21 @@ impl<R: Real> Level<R> {
         self.subtract_product(d, r, work);
     }
 
-    /// `x ← x + p(D⁻¹A) D⁻¹ r`, p of degree `degree − 1` by the three-term recurrence on `[λ_max/20, λ_max]`; from x = 0
-    /// if `FROM_ZERO`. r arrives as the residual of x and leaves as it was before the last step, which is d:
+    /// `x ← x + p(D⁻¹A) D⁻¹ r`, p of degree `degree − 1` by the three-term recurrence on `[share·λ_max, λ_max]`; from
+    /// x = 0 if `FROM_ZERO`. r arrives as the residual of x and leaves as it was before the last step, which is d:
     /// `b − A x = r − A d`.
     ///
     /// # Source
     /// Adams, Brezina, Hu, Tuminaro, J. Comput. Phys. 188 (2003).
     pub(super) fn smooth<const FROM_ZERO: bool>(
         &self,
-        degree: usize,
+        polynomial: Chebyshev,
         x: &mut [R],
         r: &mut [R],
         d: &mut [R],
         work: &mut [R],
     ) {
-        let (high, low) = (self.lambda_max, SMOOTHED_SHARE * self.lambda_max);
+        let (high, low) = (self.lambda_max, polynomial.share * self.lambda_max);
         let (centre, radius) = (0.5 * (high + low), 0.5 * (high - low));
         let sigma = centre / radius;
         let mut rho = 1.0 / sigma;
@@ -150,7 +156,7 @@ impl<R: Real> Level<R> {
         } else {
             self.jacobi.restart(first, r, d, x);
         }
-        for _ in 1..degree {
+        for _ in 1..polynomial.degree {
             self.subtract_product(d, r, work);
             let next = 1.0 / (2.0 * sigma - rho);
             // d ← ρ' ρ d + 2 ρ'/δ D⁻¹ r

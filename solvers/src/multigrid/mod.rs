@@ -24,4 +24,4 @@ pub use block_jacobi::{BlockJacobi, NoInverse, Symmetric};
 pub use bottom::Bottom;
 pub use cycle::{Cycle, Hierarchy};
 pub use inverse::{MultigridInverse, SomeHierarchy};
-pub use level::{Level, Transfer};
+pub use level::{Chebyshev, Level, Transfer};

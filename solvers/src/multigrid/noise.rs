@@ -2,6 +2,7 @@
 
 use super::cycle::Hierarchy;
 use fracas_operators::Real;
+use fracas_operators::random::signed;
 use fracas_operators::vector::norm2;
 
 impl<R: Real> Hierarchy<R> {
@@ -28,12 +29,8 @@ impl<R: Real> Hierarchy<R> {
         let work_len = self.work_len().max(level.operator().work_len());
         let mut work = vec![R::zero(); work_len];
         self.solve(&mut b, &mut z, &mut work);
-        // splitmix64
-        let mut state = 0_u64;
-        for z in &mut z {
-            state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-            let mixed = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            if mixed >> 63 == 1 {
+        for (i, z) in z.iter_mut().enumerate() {
+            if signed(i as u64) < 0.0 {
                 *z = -*z;
             }
         }

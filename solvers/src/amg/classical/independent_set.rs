@@ -1,6 +1,7 @@
 //! Coarse nodes: a maximal independent set.
 
 use super::strength::Strength;
+use fracas_operators::random::splitmix64;
 
 /// A fine node in the numbering of the coarse ones.
 pub(super) const FINE: u32 = u32::MAX;
@@ -31,7 +32,7 @@ pub(super) struct Splitting {
 /// H. De Sterck, U. M. Yang, J. J. Heys, SIAM J. Matrix Anal. Appl. 27 (2006) 1019–1039.
 pub(super) fn splitting(graph: &Strength) -> Splitting {
     let n = graph.len();
-    let weight = |i: usize| (graph.neighbours(i).len(), hash(i as u64), i);
+    let weight = |i: usize| (graph.neighbours(i).len(), splitmix64(i as u64), i);
     let mut state: Vec<State> = (0..n)
         .map(|i| match graph.neighbours(i) {
             [] => State::Fine,
@@ -61,15 +62,4 @@ pub(super) fn splitting(graph: &Strength) -> Splitting {
         number[*i as usize] = k as u32;
     }
     Splitting { nodes, number }
-}
-
-/// Scrambled bits of a number.
-///
-/// # Source
-/// The finalizer of SplitMix64 (Steele, Lea, Flood, OOPSLA 2014).
-fn hash(i: u64) -> u64 {
-    let mut z = i.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
 }

@@ -1,0 +1,78 @@
+//! The polynomial that smooths.
+
+use super::Geometric;
+use crate::elasticity::Elastic;
+use fracas_solvers::multigrid::Chebyshev;
+
+/// Smallest over largest eigenvalue of the interval on which the polynomial of rocks with ν = ¼ smooths. Unit: 1.
+const SHARE: f64 = 1.0 / 20.0;
+
+/// Power of the volumetric stiffness that the degree grows with. Unit: 1.
+const POWER: f64 = 0.4;
+
+/// The polynomial for the rock among `regions` (material of each element) that resists a change of volume most.
+///
+/// A diagonal block of a cube is a multiple of λ + 4G: it overestimates waves that keep the volume, whose stiffness is a multiple of
+/// G, by `q = (λ+4G)/5G`, 1 for ν = ¼. To damp those as well at every ν takes an interval that begins q times lower, and √q times the
+/// degree, since a Chebyshev polynomial reduces by the same factor on intervals of equal degree²·share. Part of those waves is for no
+/// smoother, as coarse functions do not keep the volume; the least time on `layered_crossing` with 32³ cells is about where the degree
+/// is `3 q^0.4` (ν = 0.45, 0.49, 0.495, 0.499: 4, 8, 10, 19; iterations 18, 22, 24, 29 in place of 23, 47, 66, 140).
+///
+/// Blocks smaller than a coarse cell, at which the hierarchy ends early, bend in ways that their coarse functions do not have: one degree
+/// more, beside a solver of the bottom that costs more than the smoothing (columns of one cell, `analogue_c`: 28 iterations for 33).
+pub(super) fn polynomial(
+    settings: &Geometric,
+    materials: &[Elastic],
+    regions: &[u16],
+    ends_early: bool,
+) -> Chebyshev {
+    let mut present = vec![false; materials.len()];
+    regions.iter().for_each(|r| present[usize::from(*r)] = true);
+    let volumetric = |m: &Elastic| (m.lambda() + 4.0 * m.shear()) / (5.0 * m.shear());
+    let most = materials
+        .iter()
+        .zip(present)
+        .filter(|(_, present)| *present)
+        .map(|(m, _)| volumetric(m))
+        .fold(1.0, f64::max);
+    let asked = settings.degree.max(1) + usize::from(ends_early);
+    let degree = (asked as f64 * most.powf(POWER)).round() as usize;
+    let times = asked as f64 / degree as f64;
+    Chebyshev {
+        degree,
+        share: SHARE * times * times,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rock(poisson: f64) -> Elastic {
+        Elastic {
+            young: 1.0,
+            poisson,
+        }
+    }
+
+    #[test]
+    fn the_degree_grows_with_the_stiffness_against_a_change_of_volume() {
+        let settings = Geometric::default();
+        let degrees = [-0.4, 0.0, 0.25, 0.3, 0.4, 0.45, 0.49, 0.495, 0.499]
+            .map(|nu| polynomial(&settings, &[rock(nu)], &[0], false).degree);
+        assert_eq!(degrees, [3, 3, 3, 3, 4, 4, 8, 10, 19]);
+    }
+
+    #[test]
+    fn only_rocks_of_the_body_count_and_every_polynomial_reduces_by_the_same() {
+        let settings = Geometric::default();
+        let rocks = [rock(0.25), rock(0.499)];
+        let of = |regions: &[u16]| polynomial(&settings, &rocks, regions, false);
+        assert_eq!(of(&[0, 0]).degree, 3);
+        assert_eq!(of(&[0, 1]).degree, 19);
+        for p in [of(&[0]), of(&[1])] {
+            let squared = (p.degree * p.degree) as f64 * p.share;
+            assert!((squared - 9.0 * SHARE).abs() < 1e-14);
+        }
+    }
+}
