@@ -10,6 +10,13 @@ use crate::mesh::HexMesh;
 /// Ratio of shear moduli from which an interface is kept. Unit: 1.
 const CONTRAST: f64 = 8.0;
 
+/// Largest ratio of mean spacings up to which an axis is halved together with the finest one. Beyond √2 cells are nearer to cubes if only
+/// the finest is: cells of 1:2 (`layered_crossing`, 64 × 32 × 32) take 16 iterations in place of 25, ν = 0.49 there 18 of 36. Unit: 1.
+const SAME_SPACING: f64 = 1.5;
+
+/// The same where interfaces leave the finest axes as they are. Unit: 1.
+const SIMILAR_SPACING: f64 = 2.0;
+
 /// Share of the cells of an axis that may remain; more is no coarsening. Unit: 1.
 const REMAINING: f64 = 0.75;
 
@@ -63,8 +70,8 @@ impl CoarseLines {
 
     /// The lines of the next grid: every second one, and interfaces where that still coarsens.
     pub(super) fn next(&self, grid: &Grid<'_>) -> Next {
-        let halved = grid.axes_to_halve();
-        let choose = |drop: bool| {
+        let choose = |ratio: f64, drop: bool| {
+            let halved = grid.finest_axes(ratio);
             [0, 1, 2].map(|d: usize| {
                 let all = || (0..=grid.cells[d]).collect();
                 if !halved[d] {
@@ -84,14 +91,15 @@ impl CoarseLines {
             })
         };
         let fewer = |lines: &[Vec<usize>; 3]| (0..3).any(|d| lines[d].len() <= grid.cells[d]);
-        for drop in [false, true] {
-            let lines = choose(drop);
+        for ratio in [SAME_SPACING, SIMILAR_SPACING] {
+            let lines = choose(ratio, false);
             if fewer(&lines) {
                 return Next::Lines(lines);
             }
-            if 3 * grid.nodes <= HYBRID {
-                break;
-            }
+        }
+        let lines = choose(SIMILAR_SPACING, true);
+        if 3 * grid.nodes > HYBRID && fewer(&lines) {
+            return Next::Lines(lines);
         }
         Next::Nothing
     }

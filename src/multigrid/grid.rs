@@ -23,9 +23,6 @@ pub(super) const ACROSS: [[[usize; 2]; 4]; 3] = [
     [[4, 0], [5, 1], [6, 2], [7, 3]],
 ];
 
-/// Largest ratio of mean spacings up to which an axis is coarsened together with the finest one. Unit: 1.
-const SAME_SPACING: f64 = 2.0;
-
 /// A box of cells; a cell that fractures cut holds one element per side, each with its own corner nodes.
 ///
 /// Nodes are numbered as vertices, x fastest; further copies of a vertex come behind all of those.
@@ -115,8 +112,8 @@ impl<'a> Grid<'a> {
         [0, 1, 2].map(|d: usize| self.lines[d][at[d] + 1] - self.lines[d][at[d]])
     }
 
-    /// The axes to halve next: those whose mean spacing is about the finest.
-    pub(super) fn axes_to_halve(&self) -> [bool; 3] {
+    /// The axes whose mean spacing is at most `ratio` times the finest.
+    pub(super) fn finest_axes(&self, ratio: f64) -> [bool; 3] {
         let spacing = [0, 1, 2].map(|d: usize| {
             let lines = &self.lines[d];
             match self.cells[d] {
@@ -125,7 +122,7 @@ impl<'a> Grid<'a> {
             }
         });
         let finest = spacing.iter().copied().fold(f64::INFINITY, f64::min);
-        spacing.map(|h| h.is_finite() && h <= SAME_SPACING * finest)
+        spacing.map(|h| h.is_finite() && h <= ratio * finest)
     }
 
     /// Every line of every axis.
