@@ -13,7 +13,8 @@ use fracas_solvers::direct::DirectChoice;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
 use fracas_solvers::multigrid::Cycle;
 use fracas_solvers::saddle::{
-    AugmentationChoice, AugmentationMatrix, RacpInverse, SaddleBlocks, SaddleOperator, schur,
+    AugmentationChoice, AugmentationMatrix, RELAXATION, RacpInverse, SaddleBlocks, SaddleOperator,
+    schur,
 };
 use fracas_solvers::{SetupError, Silent};
 
@@ -30,6 +31,19 @@ fn sample(scene: &str, overrides: &[&str], augmentation: AugmentationChoice) -> 
         scene.with_overrides(overrides).unwrap().build().unwrap(),
         augmentation,
     )
+}
+
+/// With so many cells per axis, and other overrides.
+fn with_cells(
+    scene: &str,
+    cells: [usize; 3],
+    mut overrides: Vec<String>,
+    augmentation: AugmentationChoice,
+) -> Sample {
+    let axes = ["x", "y", "z"].into_iter().zip(cells);
+    overrides.extend(axes.map(|(axis, n)| format!("mesh.{axis}.cells={n}")));
+    let overrides: Vec<&str> = overrides.iter().map(String::as_str).collect();
+    sample(scene, &overrides, augmentation)
 }
 
 fn of_body(body: Body, augmentation: AugmentationChoice) -> Sample {
@@ -61,7 +75,7 @@ impl Sample {
     /// Iterations of GMRES around RACP with H relaxed once on either side.
     fn iterations_relaxed(&self, settings: Geometric) -> usize {
         let h = Csr::new(self.blocks.h.clone().unwrap());
-        self.iterations_around(self.racp(settings).relaxed(Box::new(h), 4.0 / 27.0))
+        self.iterations_around(self.racp(settings).relaxed(Box::new(h), RELAXATION))
     }
 
     fn racp(&self, settings: Geometric) -> RacpInverse<GeometricInverse> {
@@ -306,13 +320,9 @@ fn racp_converges_wherever_fractures_run_and_whatever_the_rock_is() {
 fn iterations_stay_when_the_mesh_is_refined() {
     for scene in ["crossing", "inclined"] {
         let counts = [8, 16, 24].map(|n| {
-            let refined = [
-                format!("mesh.x.cells={n}"),
-                format!("mesh.y.cells={}", n / 2),
-                format!("mesh.z.cells={n}"),
-            ];
-            let overrides: Vec<&str> = refined.iter().map(String::as_str).collect();
-            sample(scene, &overrides, AugmentationChoice::LocalH).iterations(exact())
+            let cells = [n, n / 2, n];
+            let sample = with_cells(scene, cells, Vec::new(), AugmentationChoice::LocalH);
+            sample.iterations(exact())
         });
         let most = counts.iter().max().unwrap();
         assert!(most - counts[0] <= 4, "{scene}: {counts:?}");
@@ -323,10 +333,8 @@ fn iterations_stay_when_the_mesh_is_refined() {
 #[test]
 fn cells_of_one_to_two_take_the_iterations_of_cubes() {
     let iterations = |cells: [usize; 3]| {
-        let axes = ["x", "y", "z"].into_iter().zip(cells);
-        let sets: Vec<String> = axes.map(|(a, n)| format!("mesh.{a}.cells={n}")).collect();
-        let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
-        let sample = sample("layered_crossing", &sets, AugmentationChoice::HalfH);
+        let c = AugmentationChoice::HalfH;
+        let sample = with_cells("layered_crossing", cells, Vec::new(), c);
         sample.iterations_relaxed(Geometric::default())
     };
     let cubes = iterations([16; 3]);
@@ -341,13 +349,12 @@ fn cells_of_one_to_two_take_the_iterations_of_cubes() {
 #[test]
 fn rock_that_hardly_changes_its_volume_takes_few_iterations_more() {
     let iterations = |stiff: f64, soft: f64, cells: usize| {
-        let mut sets = vec![
+        let rocks = vec![
             format!("material.stiff.poisson={stiff}"),
             format!("material.soft.poisson={soft}"),
         ];
-        sets.extend(["x", "y", "z"].map(|axis| format!("mesh.{axis}.cells={cells}")));
-        let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
-        let sample = sample("layered_crossing", &sets, AugmentationChoice::LocalH);
+        let c = AugmentationChoice::LocalH;
+        let sample = with_cells("layered_crossing", [cells; 3], rocks, c);
         sample.iterations(Geometric::default())
     };
     let usual = iterations(0.25, 0.3, 16);

@@ -29,15 +29,6 @@ pub(super) struct CoarseLines {
     kept: [Vec<bool>; 3],
 }
 
-/// What comes below a grid.
-#[derive(Debug)]
-pub(super) enum Next {
-    /// A grid with these lines per axis.
-    Lines([Vec<usize>; 3]),
-    /// No grid.
-    Nothing,
-}
-
 impl CoarseLines {
     pub(super) fn new(mesh: &HexMesh, materials: &[Elastic]) -> Self {
         let Some(grid) = &mesh.grid else {
@@ -68,8 +59,8 @@ impl CoarseLines {
         Self { kept }
     }
 
-    /// The lines of the next grid: every second one, and interfaces where that still coarsens.
-    pub(super) fn next(&self, grid: &Grid<'_>) -> Next {
+    /// The lines of the next grid, if there is one: every second one, and interfaces where that still coarsens.
+    pub(super) fn next(&self, grid: &Grid<'_>) -> Option<[Vec<usize>; 3]> {
         let choose = |ratio: f64, drop: bool| {
             let halved = grid.finest_axes(ratio);
             [0, 1, 2].map(|d: usize| {
@@ -91,17 +82,16 @@ impl CoarseLines {
             })
         };
         let fewer = |lines: &[Vec<usize>; 3]| (0..3).any(|d| lines[d].len() <= grid.cells[d]);
-        for ratio in [SAME_SPACING, SIMILAR_SPACING] {
-            let lines = choose(ratio, false);
-            if fewer(&lines) {
-                return Next::Lines(lines);
-            }
-        }
-        let lines = choose(SIMILAR_SPACING, true);
-        if 3 * grid.nodes > HYBRID && fewer(&lines) {
-            return Next::Lines(lines);
-        }
-        Next::Nothing
+        let is_large = 3 * grid.nodes > HYBRID;
+        [
+            (SAME_SPACING, false),
+            (SIMILAR_SPACING, false),
+            (SIMILAR_SPACING, true),
+        ]
+        .into_iter()
+        .filter(|(_, drop)| is_large || !drop)
+        .map(|(ratio, drop)| choose(ratio, drop))
+        .find(fewer)
     }
 }
 

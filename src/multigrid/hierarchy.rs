@@ -1,7 +1,7 @@
 //! From a body to all levels.
 
 use super::bottom::bottom;
-use super::coarse_lines::{CoarseLines, Next};
+use super::coarse_lines::CoarseLines;
 use super::coarsening::{Coarsening, coarsen};
 use super::elements::Elements;
 use super::faces::{self, FractureTerm};
@@ -79,11 +79,9 @@ fn levels<R: Real>(
         remainder: None,
     };
     let lines = CoarseLines::new(system.mesh, materials);
-    let starts = match lines.next(&current.grid) {
-        Next::Lines(starts) => starts,
-        // a small body: its coarse grid is the grid itself
-        Next::Nothing => current.grid.all_lines(),
-    };
+    // the coarse grid of a small body is the grid itself
+    let starts = lines.next(&current.grid);
+    let starts = starts.unwrap_or_else(|| current.grid.all_lines());
     let mut coarsening = coarsen(&current.grid, starts);
     let mut levels = Vec::new();
     loop {
@@ -147,10 +145,7 @@ fn levels<R: Real>(
 /// its cell: no fewer nodes, and functions that differ ever less on the block. With e the share of nodes that would be left without
 /// fractures, a level of up to `direct` unknowns is coarsened if √e of them are left or fewer, a larger one, to stop late, if (1 + e)/2.
 fn smaller(grid: &Grid<'_>, lines: &CoarseLines, stop: Stop, direct: usize) -> Option<Coarsening> {
-    let Next::Lines(starts) = lines.next(grid) else {
-        return None;
-    };
-    let next = coarsen(grid, starts);
+    let next = coarsen(grid, lines.next(grid)?);
     let coarse = &next.coarse;
     let vertices = |grid: &Grid<'_>| grid.cells.iter().map(|n| n + 1).product::<usize>() as f64;
     let whole = vertices(coarse) / vertices(grid);

@@ -1,7 +1,7 @@
 //! Interpolation reproduces the motions of every body; coarse operators are Galerkin.
 #![allow(clippy::unwrap_used)]
 
-use super::coarse_lines::{CoarseLines, Next};
+use super::coarse_lines::CoarseLines;
 use super::coarsening::coarsen;
 use super::faces;
 use super::grid::Grid;
@@ -98,7 +98,7 @@ fn every_body_keeps_its_own_linear_motions_on_every_level() {
         let mut label = of.clone();
         let mut levels = 0;
         let lines = CoarseLines::new(&body.mesh, &body.materials);
-        while let Next::Lines(starts) = lines.next(&grid) {
+        while let Some(starts) = lines.next(&grid) {
             let coarsening = coarsen(&grid, starts);
             let coarse = &coarsening.coarse;
             let owners = Owners::new(&grid, &coarsening);
@@ -158,14 +158,14 @@ fn lines_between_stiff_and_soft_rock_are_kept() {
     let body = body("layered", &["mesh.z.cells=24"]);
     let lines = CoarseLines::new(&body.mesh, &body.materials);
     let grid = Grid::of_mesh(&body.mesh).unwrap();
-    let Next::Lines(starts) = lines.next(&grid) else {
+    let Some(starts) = lines.next(&grid) else {
         panic!("24 lines can be halved");
     };
     assert_eq!(starts[2], (0..=24).step_by(2).collect::<Vec<_>>());
     let body = super::tests::body("layered", &["mesh.z.cells=18"]);
     let lines = CoarseLines::new(&body.mesh, &body.materials);
     let grid = Grid::of_mesh(&body.mesh).unwrap();
-    let Next::Lines(starts) = lines.next(&grid) else {
+    let Some(starts) = lines.next(&grid) else {
         panic!("layers of three cells can become two");
     };
     assert_eq!(starts[2], [0, 2, 3, 5, 6, 8, 9, 11, 12, 14, 16, 18]);
