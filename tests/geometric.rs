@@ -257,7 +257,11 @@ fn one_and_two_threads_give_the_same_bits_and_f32_the_digits_of_f32() {
             precision: Precision::F32,
             ..exact()
         };
-        for settings in [single, exact()] {
+        let steps = Geometric {
+            cycle: Cycle::K,
+            ..single
+        };
+        for settings in [single, exact(), steps] {
             let [one, two] = [1, 2].map(|threads| build(threads, settings));
             assert!(
                 one.iter()
@@ -326,6 +330,48 @@ fn iterations_stay_when_the_mesh_is_refined() {
         });
         let most = counts.iter().max().unwrap();
         assert!(most - counts[0] <= 4, "{scene}: {counts:?}");
+    }
+}
+
+/// Between the levels of a K-cycle stands a nonlinear iteration: GMRES becomes FGMRES, and needs as few iterations.
+#[test]
+fn a_k_cycle_takes_no_more_iterations_than_a_v_cycle() {
+    for (scene, augmentation) in [
+        ("crossing", AugmentationChoice::LocalH),
+        ("inclined", AugmentationChoice::FaceBlock),
+        ("floating", AugmentationChoice::LocalH),
+        ("layered", AugmentationChoice::LocalH),
+    ] {
+        let sample = sample(scene, &[], augmentation);
+        let of = |cycle| Geometric { cycle, ..exact() };
+        let built = sample.build(of(Cycle::K));
+        assert!(!built.is_linear() && sample.build(of(Cycle::W)).is_linear());
+        check_preconditioner(scene, &built, None, 0.0).unwrap();
+        let [v, k] = [Cycle::V, Cycle::K].map(|cycle| sample.iterations(of(cycle)));
+        let single = sample.iterations(Geometric {
+            precision: Precision::F32,
+            ..of(Cycle::K)
+        });
+        println!("{scene}: V {v}, K {k}, in f32 {single}");
+        assert!(k <= v, "{scene}: K {k}, V {v}");
+        assert!(single <= k + 2, "{scene}: f32 {single}, f64 {k}");
+    }
+}
+
+#[test]
+fn a_name_says_cycle_and_precision() {
+    for settings in Geometric::all() {
+        assert_eq!(Geometric::of_name(&settings.to_string()), Some(settings));
+    }
+    let k = Geometric {
+        cycle: Cycle::K,
+        precision: Precision::F64,
+        ..Geometric::default()
+    };
+    assert_eq!(Geometric::of_name("geometric:k:f64"), Some(k));
+    assert_eq!(Geometric::of_name("geometric"), Some(Geometric::default()));
+    for wrong in ["geometric:", "geometric:f64:k", "geometric:x", "k", ""] {
+        assert_eq!(Geometric::of_name(wrong), None, "{wrong}");
     }
 }
 

@@ -140,6 +140,10 @@ impl Preconditioner<f64> for GeometricInverse {
         self.cycle.flops()
     }
 
+    fn is_linear(&self) -> bool {
+        self.cycle.is_linear()
+    }
+
     fn is_single(&self) -> bool {
         self.cycle.is_single()
     }

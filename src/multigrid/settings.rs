@@ -4,6 +4,7 @@ use fracas_solvers::amg::Precision;
 use fracas_solvers::multigrid::Cycle;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// Geometric multigrid of S_u.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -35,5 +36,41 @@ impl Default for Geometric {
             direct: 20_000,
             over_correction: 1.0,
         }
+    }
+}
+
+impl Geometric {
+    /// The settings that a name can ask for: every cycle in f32 and in f64.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let cycles = [Cycle::VThenW, Cycle::V, Cycle::W, Cycle::K];
+        cycles.into_iter().flat_map(|cycle| {
+            [Precision::F32, Precision::F64].map(|precision| Self {
+                cycle,
+                precision,
+                ..Self::default()
+            })
+        })
+    }
+
+    /// The settings of this name.
+    pub fn of_name(name: &str) -> Option<Self> {
+        Self::all().find(|settings| settings.to_string() == name)
+    }
+}
+
+/// `geometric`, with the cycle and the precision behind it where they are not the default: `geometric:k:f64`.
+impl fmt::Display for Geometric {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let cycle = match self.cycle {
+            Cycle::VThenW => "",
+            Cycle::V => ":v",
+            Cycle::W => ":w",
+            Cycle::K => ":k",
+        };
+        let precision = match self.precision {
+            Precision::F32 => "",
+            Precision::F64 => ":f64",
+        };
+        write!(f, "geometric{cycle}{precision}")
     }
 }

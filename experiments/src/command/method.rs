@@ -3,7 +3,7 @@
 use clap::Args;
 use fracas::matrix_free::MatrixFreeRacp;
 use fracas::multigrid::Geometric;
-use fracas_solvers::amg::{Amg, Precision};
+use fracas_solvers::amg::Amg;
 use fracas_solvers::saddle::inner::UnknownInner;
 use fracas_solvers::saddle::{AugmentationChoice, InnerChoice, Racp, SaddleMethod};
 use std::str::FromStr;
@@ -18,9 +18,9 @@ pub(super) struct Method {
     #[arg(long, value_name = "C")]
     augmentation: Option<AugmentationChoice>,
     /// Solver of the displacement block, in methods that have one: exact, amg, amg:gauss_seidel, amg:fsai, amg:chebyshev,
-    /// fsai, fsai:static, jacobi, ssor; for `solve` of a scene on a grid also geometric (in f32; geometric:f64), which
-    /// assembles no A; auto takes
-    /// geometric for such a scene and amg for a mesh from a file or a system folder.
+    /// fsai, fsai:static, jacobi, ssor; for `solve` of a scene on a grid also geometric, which assembles no A (behind it :v, :w
+    /// or :k for another cycle, :f64 for f64 inside); auto takes geometric for such a scene and amg for a mesh from a file or
+    /// a system folder.
     #[arg(long, value_name = "M")]
     inner: Option<Inner>,
 }
@@ -31,7 +31,7 @@ enum Inner {
     /// What fits the system.
     Auto,
     /// Geometric multigrid, without an assembled A.
-    Geometric(Precision),
+    Geometric(Geometric),
     /// Made from assembled blocks.
     Assembled(InnerChoice),
 }
@@ -40,18 +40,19 @@ impl FromStr for Inner {
     type Err = UnknownInnerName;
 
     fn from_str(name: &str) -> Result<Self, Self::Err> {
-        match name {
-            "auto" => Ok(Self::Auto),
-            "geometric" => Ok(Self::Geometric(Precision::F32)),
-            "geometric:f64" => Ok(Self::Geometric(Precision::F64)),
-            _ => name.parse().map(Self::Assembled).map_err(UnknownInnerName),
+        if name == "auto" {
+            return Ok(Self::Auto);
+        }
+        match Geometric::of_name(name) {
+            Some(geometric) => Ok(Self::Geometric(geometric)),
+            None => name.parse().map(Self::Assembled).map_err(UnknownInnerName),
         }
     }
 }
 
 /// A name that no inner solver has.
 #[derive(Debug, thiserror::Error)]
-#[error("{0}; or geometric, geometric:f64, or auto")]
+#[error("{0}; or geometric, behind it :v, :w or :k and :f64 (geometric:k:f64), or auto")]
 struct UnknownInnerName(UnknownInner);
 
 /// All names.
@@ -111,15 +112,12 @@ enum NotGeometric {
     Entries(&'static str),
 }
 
-/// RACP with these settings around geometric multigrid.
-fn matrix_free(racp: Racp, precision: Precision) -> MatrixFreeRacp {
+/// RACP with these settings around this geometric multigrid.
+fn matrix_free(racp: Racp, inner: Geometric) -> MatrixFreeRacp {
     MatrixFreeRacp {
         augmentation: racp.augmentation,
         relaxation: racp.relaxation,
-        inner: Geometric {
-            precision,
-            ..Geometric::default()
-        },
+        inner,
     }
 }
 
@@ -164,7 +162,7 @@ impl Parts {
         match self.inner {
             None => self.assembled(None, None),
             Some(Inner::Assembled(inner)) => self.assembled(Some(inner), None),
-            Some(Inner::Geometric(precision)) => {
+            Some(Inner::Geometric(geometric)) => {
                 let Some(racp) = self.racp() else {
                     return Err(NotGeometric::Method(self.method.name()).into());
                 };
@@ -175,7 +173,7 @@ impl Parts {
                     Asked::Scene => {
                         racp.augmentation.require_local()?;
                         Ok(Chosen {
-                            route: Route::MatrixFree(matrix_free(racp, precision)),
+                            route: Route::MatrixFree(matrix_free(racp, geometric)),
                             reason: None,
                         })
                     }
@@ -199,7 +197,7 @@ impl Parts {
                 let c = racp.augmentation;
                 if c.is_local() {
                     return Ok(Chosen {
-                        route: Route::MatrixFree(matrix_free(racp, Precision::F32)),
+                        route: Route::MatrixFree(matrix_free(racp, Geometric::default())),
                         reason: Some("geometric, because the mesh of the scene is a grid".into()),
                     });
                 }

@@ -168,6 +168,41 @@ fn the_solution_is_that_of_the_assembled_path() {
 }
 
 #[test]
+fn every_cycle_gives_the_solution_and_one_that_is_not_linear_needs_a_flexible_iteration() {
+    let file = scratch("geometric-cycles").join("x.mtx");
+    let run = |inner| solved(&["solve", "layered_crossing", "--inner", inner], &file);
+    let (_, y) = run("exact");
+    for inner in [
+        "geometric:v",
+        "geometric:w:f64",
+        "geometric:k",
+        "geometric:k:f64",
+    ] {
+        let (report, x) = run(inner);
+        assert_eq!(report["inner"], inner);
+        let is_flexible = report["krylov"].as_str().unwrap().starts_with("fgmres");
+        assert_eq!(is_flexible, inner != "geometric:w:f64");
+        let difference = deviation(&x, &y);
+        assert!(difference < 1e-6, "{inner}: {difference:e}");
+    }
+    let ran = fracas(&[
+        "solve",
+        "layered_crossing",
+        "--inner",
+        "geometric:k",
+        "--krylov",
+        "sqmr",
+    ]);
+    assert_eq!(ran.status, 3);
+    let why = "sqmr needs a linear preconditioner; take fgmres";
+    assert!(ran.stdout.contains(why), "{}", ran.stdout);
+    assert!(!ran.stdout.contains("precision"), "{}", ran.stdout);
+    let ran = fracas(&["solve", "crossing", "--inner", "geometric:x"]);
+    assert_eq!(ran.status, 2);
+    assert!(ran.stderr.contains("geometric:k:f64"), "{}", ran.stderr);
+}
+
+#[test]
 fn results_do_not_depend_on_the_number_of_threads() {
     let folder = scratch("geometric-threads");
     let bits = |threads: &str| {

@@ -20,7 +20,7 @@ pub struct Fitted {
 
 impl KrylovChoice {
     /// GMRES where `vectors` of the length of the system hold 40 steps of it; else SQMR (7 vectors), if both the matrix and
-    /// the preconditioner are symmetric; else GMRES with as long a restart as fits. `None` where nothing fits.
+    /// the preconditioner are `symmetric` and the latter is a linear map; else GMRES with as long a restart as fits. `None` where nothing fits.
     ///
     /// A preconditioner rounded to 32 bits makes it FGMRES, with two vectors per step.
     pub fn fitted(
@@ -41,7 +41,7 @@ impl KrylovChoice {
             });
         }
         let full = per_step * FULL + 4;
-        let choice = if symmetric && vectors >= 8 {
+        let choice = if symmetric && preconditioner.is_linear() && vectors >= 8 {
             Self::Sqmr(Sqmr {})
         } else if steps >= SHORT {
             Self::Gmres(Gmres::restarted(steps)).flexible_for(preconditioner)
@@ -82,6 +82,24 @@ mod tests {
         }
     }
 
+    /// The identity, said to be no linear map.
+    struct Nonlinear;
+
+    impl Preconditioner<f64> for Nonlinear {
+        fn size(&self) -> usize {
+            3
+        }
+        fn solve(&self, r: &[f64], z: &mut [f64], _: &mut [f64]) {
+            z.copy_from_slice(r);
+        }
+        fn flops(&self) -> u64 {
+            0
+        }
+        fn is_linear(&self) -> bool {
+            false
+        }
+    }
+
     fn name(vectors: usize, symmetric: bool, m: &dyn Preconditioner<f64>) -> Option<String> {
         Some(
             KrylovChoice::fitted(vectors, symmetric, m)?
@@ -100,6 +118,7 @@ mod tests {
         assert_eq!(name(104, false, &Single), some("fgmres:50"));
         assert_eq!(name(60, true, &Single), some("sqmr"));
         assert_eq!(name(60, false, &Single), some("fgmres:28"));
+        assert_eq!(name(60, true, &Nonlinear), some("fgmres:28"));
         assert_eq!(name(30, true, &m), some("sqmr"));
         assert_eq!(name(30, false, &m), some("gmres:26"));
         assert_eq!(name(7, true, &m), None);

@@ -44,6 +44,10 @@ impl Bottom {
         (entries + 1) * (size_of::<f64>() / size_of::<R>())
     }
 
+    pub(super) fn is_linear(&self) -> bool {
+        self.inverse.is_linear()
+    }
+
     pub(super) fn flops(&self) -> u64 {
         self.inverse.flops()
     }

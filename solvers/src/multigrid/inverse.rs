@@ -163,6 +163,13 @@ impl Preconditioner<f64> for MultigridInverse {
         }
     }
 
+    fn is_linear(&self) -> bool {
+        match &self.hierarchy {
+            SomeHierarchy::Single(h) => h.is_linear(),
+            SomeHierarchy::Double(h) => h.is_linear(),
+        }
+    }
+
     fn is_single(&self) -> bool {
         matches!(self.hierarchy, SomeHierarchy::Single(_))
     }

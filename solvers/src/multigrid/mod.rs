@@ -8,7 +8,7 @@
 //! | `d ← c₁ d + c₂ D⁻¹ r, x ← x + d` in one pass | `block_jacobi` |
 //! | one block for nodes that hardly differ | `groups` |
 //! | a level, λ_max, smoothing | `level` |
-//! | V and W | `cycle` |
+//! | V, W and K | `cycle` |
 //! | digits that a cycle in f32 loses | `noise` |
 //! | f64 outside, f32 or f64 inside, free unknowns outside, all of them inside | `inverse` |
 

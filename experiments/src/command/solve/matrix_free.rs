@@ -7,12 +7,8 @@ use super::{Solve, Status, memory};
 use crate::command::progress::Progress;
 use anyhow::Context;
 use fracas::matrix_free::{MatrixFreeRacp, MatrixFreeSaddle, RacpParts};
-use fracas_solvers::amg::Precision;
 use std::io::Write;
 use std::time::Instant;
-
-/// Geometric multigrid in f64, as the report calls it.
-const GEOMETRIC_F64: &str = "geometric:f64";
 
 impl Solve {
     /// Nothing is assembled but H, C and the coarse levels.
@@ -65,13 +61,12 @@ impl Solve {
             // the body was given back: it is made again
             let body = assembly.mesh(scene, memory::MATRIX_FREE, progress)?;
             let system = body.stick_system(assembly.stabilization());
-            let ready = racp
-                .in_double()
-                .ready(&equations.saddle, &system, progress)?;
+            let racp = racp.in_double();
+            let ready = racp.ready(&equations.saddle, &system, progress)?;
             Ok(Double {
                 preconditioner: Box::new(ready.inverse),
                 hierarchy: Some(ready.hierarchy),
-                inner: GEOMETRIC_F64.into(),
+                inner: racp.inner.to_string(),
             })
         };
         let setup_s = start.elapsed().as_secs_f64();
@@ -83,9 +78,9 @@ impl Solve {
                 names: Names {
                     method: "racp".into(),
                     augmentation: Some(racp.augmentation.to_string()),
-                    inner: Some(match (racp.inner.precision, lost) {
-                        (Precision::F32, None) => "geometric".into(),
-                        _ => GEOMETRIC_F64.into(),
+                    inner: Some(match lost {
+                        None => racp.inner.to_string(),
+                        Some(_) => racp.in_double().inner.to_string(),
                     }),
                     relaxation: inverse.relaxation(),
                 },
