@@ -333,20 +333,36 @@ fn iterations_stay_when_the_mesh_is_refined() {
     }
 }
 
-/// Between the levels of a K-cycle stands a nonlinear iteration: GMRES becomes FGMRES, and needs as few iterations.
+/// Between the levels of a K-cycle stands a nonlinear iteration: GMRES becomes FGMRES, and needs as few iterations. On 24³ cells of
+/// contrast 4·10³ and ν = 0.49 coarse cycles are poor, and steps beyond 2 would take hundreds.
 #[test]
 fn a_k_cycle_takes_no_more_iterations_than_a_v_cycle() {
-    for (scene, augmentation) in [
-        ("crossing", AugmentationChoice::LocalH),
-        ("inclined", AugmentationChoice::FaceBlock),
-        ("floating", AugmentationChoice::LocalH),
-        ("layered", AugmentationChoice::LocalH),
+    let soft = ["soft.young='10 MPa'", "stiff.poisson=0.49"].map(|s| format!("material.{s}"));
+    let local_h = AugmentationChoice::LocalH;
+    for (scene, sample) in [
+        ("crossing", sample("crossing", &[], local_h)),
+        (
+            "inclined",
+            sample("inclined", &[], AugmentationChoice::FaceBlock),
+        ),
+        ("floating", sample("floating", &[], local_h)),
+        ("layered", sample("layered", &[], local_h)),
+        (
+            "unlike",
+            with_cells("layered_crossing", [24; 3], soft.into(), local_h),
+        ),
     ] {
-        let sample = sample(scene, &[], augmentation);
         let of = |cycle| Geometric { cycle, ..exact() };
         let built = sample.build(of(Cycle::K));
         assert!(!built.is_linear() && sample.build(of(Cycle::W)).is_linear());
-        check_preconditioner(scene, &built, None, 0.0).unwrap();
+        // not linear, but the same map every time, whatever its scratch contains
+        let r = probe::<f64>(built.size(), 4);
+        let solved = |dirt: f64| {
+            let (mut z, mut work) = (vec![dirt; r.len()], vec![dirt; built.work_len()]);
+            built.solve(&r, &mut z, &mut work);
+            z
+        };
+        assert_eq!(solved(f64::NAN), solved(3.0), "{scene}");
         let [v, k] = [Cycle::V, Cycle::K].map(|cycle| sample.iterations(of(cycle)));
         let single = sample.iterations(Geometric {
             precision: Precision::F32,
@@ -354,7 +370,7 @@ fn a_k_cycle_takes_no_more_iterations_than_a_v_cycle() {
         });
         println!("{scene}: V {v}, K {k}, in f32 {single}");
         assert!(k <= v, "{scene}: K {k}, V {v}");
-        assert!(single <= k + 2, "{scene}: f32 {single}, f64 {k}");
+        assert!(single <= k + 2 + k / 20, "{scene}: f32 {single}, f64 {k}");
     }
 }
 
@@ -389,6 +405,44 @@ fn cells_of_one_to_two_take_the_iterations_of_cubes() {
         println!("{cells:?}: {found}, cubes {cubes}");
         assert!(found <= cubes + 2, "{cells:?}: {found}, cubes {cubes}");
     }
+}
+
+/// A body that reaches 20 times as far as the fractures, cells that grow by 1.4 away from them: small neighbours become one first.
+#[test]
+fn graded_cells_take_few_iterations_more_than_cubes() {
+    let across = "{from='-40 m',to='40 m',near=['-2 m','0 m','2 m'],size='0.1 m',growth=1.4}";
+    let along = "{from='0 m',to='4 m',near='0 m',size='0.1 m',growth=1.4}";
+    let axes = [("x", across), ("y", along), ("z", across)];
+    let axes = axes.map(|(axis, lines)| format!("mesh.{axis}={lines}"));
+    let graded = named("crossing").unwrap().scene().unwrap();
+    let graded = graded.with_overrides(&axes).unwrap().build().unwrap();
+    let graded = of_body(graded, AugmentationChoice::HalfH);
+    let cubes = sample("crossing", &[], AugmentationChoice::HalfH);
+    let [graded, cubes] =
+        [graded, cubes].map(|sample| sample.iterations_relaxed(Geometric::default()));
+    println!("graded {graded}, cubes {cubes}");
+    assert!(graded <= 2 * cubes, "graded {graded}, cubes {cubes}");
+}
+
+/// Columns of one cell on an intact base: the grid on which the base joins them all is no coarse grid of theirs.
+#[test]
+fn columns_are_not_lost_on_the_coarsest_grid() {
+    let wide = ["x", "y"].into_iter().flat_map(|axis| {
+        [
+            format!("mesh.{axis}.to='24 m'"),
+            format!("mesh.{axis}.cells=24"),
+        ]
+    });
+    let scene = named("analogue_c").unwrap().scene().unwrap();
+    let wide: Vec<String> = wide.collect();
+    let body = scene.with_overrides(&wide).unwrap().build().unwrap();
+    let sample = of_body(body, AugmentationChoice::HalfH);
+    let levels = sample.build(Geometric::default()).summary().levels;
+    let coarsest = levels.last().unwrap().n;
+    assert!(coarsest > 24 * 24, "{coarsest} unknowns for 576 columns");
+    let found = sample.iterations_relaxed(Geometric::default());
+    println!("{found} iterations, {coarsest} unknowns at the bottom");
+    assert!(found <= 60, "{found} iterations");
 }
 
 /// λ → ∞ makes a diagonal block blind to waves that keep the volume; the polynomial reaches them all the same.

@@ -69,6 +69,29 @@ fn variants() -> Vec<Amg> {
 }
 
 #[test]
+fn a_matrix_of_up_to_coarsest_unknowns_is_factorized_however_large_it_is() {
+    let n = 30_300;
+    let mut chain = Triplets::new((n, n));
+    for i in 0..n as u32 {
+        chain.add_triplet(i as usize, i as usize, 2.5);
+        for j in [i.wrapping_sub(3), i + 3] {
+            if (j as usize) < n {
+                chain.add_triplet(i as usize, j as usize, -1.0);
+            }
+        }
+    }
+    let a: SparseMatrix<f64> = chain.to_csr();
+    let coarsest = Amg {
+        coarsest: n,
+        over_correction: 1.0,
+        ..exact()
+    };
+    let m = coarsest.build(&a, None).unwrap();
+    assert_eq!(m.summary().levels.len(), 1);
+    check_preconditioner("chain", &m, Some(&Csr::new(a)), 1e-9).unwrap();
+}
+
+#[test]
 fn every_variant_is_a_symmetric_positive_map_and_no_eigenvalue_exceeds_one() {
     for scene in ["crossing", "floating", "layered"] {
         let blocks = blocks(scene, &[]);

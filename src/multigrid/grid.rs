@@ -109,20 +109,12 @@ impl<'a> Grid<'a> {
 
     /// Edge lengths of a cell, before any map.
     pub(super) fn size(&self, at: [usize; 3]) -> [f64; 3] {
-        [0, 1, 2].map(|d: usize| self.lines[d][at[d] + 1] - self.lines[d][at[d]])
+        [0, 1, 2].map(|d: usize| self.spacing(d, at[d]))
     }
 
-    /// The axes whose mean spacing is at most `ratio` times the finest.
-    pub(super) fn finest_axes(&self, ratio: f64) -> [bool; 3] {
-        let spacing = [0, 1, 2].map(|d: usize| {
-            let lines = &self.lines[d];
-            match self.cells[d] {
-                1 => f64::INFINITY,
-                n => (lines[n] - lines[0]) / n as f64,
-            }
-        });
-        let finest = spacing.iter().copied().fold(f64::INFINITY, f64::min);
-        spacing.map(|h| h.is_finite() && h <= ratio * finest)
+    /// Length of cell i of an axis, before any map.
+    pub(super) fn spacing(&self, axis: usize, i: usize) -> f64 {
+        self.lines[axis][i + 1] - self.lines[axis][i]
     }
 
     /// Every line of every axis.

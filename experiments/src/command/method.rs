@@ -97,7 +97,7 @@ pub(super) struct Chosen {
 #[derive(Debug, thiserror::Error)]
 enum NotGeometric {
     #[error(
-        "--inner geometric belongs to --method racp; {0} takes exact, amg, fsai, fsai:static, jacobi or ssor"
+        "--inner geometric belongs to --method racp; {0} takes exact, amg (also amg:gauss_seidel, amg:fsai, amg:chebyshev), fsai, fsai:static, jacobi or ssor"
     )]
     Method(&'static str),
     #[error(
@@ -162,6 +162,10 @@ impl Parts {
         match self.inner {
             None => self.assembled(None, None),
             Some(Inner::Assembled(inner)) => self.assembled(Some(inner), None),
+            // refused, as every inner solver is
+            Some(Inner::Geometric(_)) if self.method.inner().is_none() => {
+                self.assembled(Some(InnerChoice::default()), None)
+            }
             Some(Inner::Geometric(geometric)) => {
                 let Some(racp) = self.racp() else {
                     return Err(NotGeometric::Method(self.method.name()).into());

@@ -17,7 +17,7 @@ use fracas_operators::Real;
 /// Levels beyond which coarsening has plainly failed.
 const MOST_LEVELS: usize = 30;
 
-/// Unknowns up to which a level that does not get coarser is solved directly after all.
+/// Unknowns up to which a level that does not get coarser is solved directly after all, where no larger one was asked for.
 const LARGEST_DIRECT: usize = 30_000;
 
 /// One level that smooths.
@@ -203,7 +203,7 @@ impl<R: Real> Hierarchy<R> {
         let mut names = Representatives::new(first.rows(), about.unknown);
         let mut levels = Vec::new();
         let Some((step, lambda_max)) = steps.next(settings, 0, &first) else {
-            return Self::ending(levels, &first, &names, about);
+            return Self::ending(settings, levels, &first, &names, about);
         };
         let values = step.values::<R, R>(&first, &defect, lambda_max);
         let values = values.map_err(|e| names.indefinite::<N>(e, step.frame(), 1))?;
@@ -229,17 +229,18 @@ impl<R: Real> Hierarchy<R> {
             names.descend(step.frame(), [next, next]);
             matrix = values.matrix;
         }
-        Self::ending(levels, &matrix, &names, about)
+        Self::ending(settings, levels, &matrix, &names, about)
     }
 
     fn ending<S: Real>(
+        settings: &Amg,
         levels: Vec<Level<R>>,
         last: &SweepMatrix<S>,
         names: &Representatives<'_>,
         about: &About<'_>,
     ) -> Result<Self, SetupError> {
         let n = 3 * last.rows();
-        if n > LARGEST_DIRECT {
+        if n > LARGEST_DIRECT.max(settings.coarsest) {
             return Err(SetupError::NotApplicable {
                 method: "amg",
                 reason: format!(

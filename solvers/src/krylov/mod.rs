@@ -142,6 +142,11 @@ impl KrylovChoice {
         }
     }
 
+    /// True for the method that takes a preconditioner which is no linear map.
+    pub fn is_flexible(self) -> bool {
+        matches!(self, Self::Fgmres(_))
+    }
+
     /// GMRES becomes FGMRES with the same restart where `preconditioner` is not linear, or only to the digits of f32;
     /// nothing else changes.
     pub fn flexible_for<R: Real>(self, preconditioner: &dyn Preconditioner<R>) -> Self {

@@ -58,7 +58,15 @@ impl Solve {
     /// The iteration that was asked for, or the one that fits.
     fn krylov(&self, built: &Built<'_>) -> anyhow::Result<(KrylovChoice, Option<String>)> {
         if let Some(asked) = self.krylov {
-            return Ok((asked.flexible_for(built.preconditioner), None));
+            let choice = asked.flexible_for(built.preconditioner);
+            if !built.preconditioner.is_linear() && !choice.is_flexible() {
+                let krylov = choice.name();
+                let inner = built.names.inner.as_deref().unwrap_or_default();
+                anyhow::bail!(
+                    "--krylov {krylov} needs a linear preconditioner, and --inner {inner} is none; take gmres or fgmres"
+                );
+            }
+            return Ok((choice, None));
         }
         let fitted = memory::krylov_that_fits(
             built.equations.operator(),

@@ -124,14 +124,13 @@ pub(super) fn iterations_of(result: &Result<Report, Breakdown>) -> usize {
     }
 }
 
-/// Why f32 may have failed; an iteration that met its limit while its residual fell has not, nor one that takes no such
-/// preconditioner in f64 either.
+/// Why f32 may have failed; an iteration that met its limit while its residual fell has not.
 fn failure(result: &Result<Report, Breakdown>, flat: Option<f64>) -> Option<String> {
     match (result, flat) {
         (Ok(report), Some(residual)) if report.outcome == Outcome::Stopped => Some(format!(
             "at {residual:.1e} the residual did not halve in {PLATEAU} iterations"
         )),
-        (Ok(_) | Err(Breakdown::NonlinearPreconditioner { .. }), _) => None,
+        (Ok(_), _) => None,
         (Err(breakdown), _) => Some(breakdown.to_string()),
     }
 }

@@ -6,7 +6,8 @@ use crate::Silent;
 use crate::krylov::{Cg, Criteria, KrylovMethod, Outcome, System};
 use crate::multigrid::Transfer;
 use fracas_operators::laws::probe;
-use fracas_operators::{Dense, Identity, Preconditioner, Shape};
+use fracas_operators::{Counted, Dense, Identity, LinearOperator, Preconditioner, Shape};
+use std::sync::Arc;
 
 /// Two nodes of a level make one of the next.
 struct Pairs {
@@ -59,19 +60,25 @@ fn square(n: usize, entry: impl Fn(usize, usize) -> f64) -> Dense<f64> {
     Dense::from_fn(Shape { rows: n, cols: n }, entry)
 }
 
-fn level(nodes: usize, fixed: Vec<u32>) -> Level<f64> {
+/// A level of the chain by this operator.
+fn level_of(operator: Box<dyn LinearOperator<f64>>, fixed: Vec<u32>) -> Level<f64> {
+    let nodes = operator.shape().rows / 3;
     let diagonal = (0..nodes).map(|node| {
         let upper = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
         upper.map(|(i, j)| chain(3 * node + i, 3 * node + j))
     });
-    let operator = Box::new(square(3 * nodes, chain));
     let transfer = Box::new(Pairs { coarse: nodes / 2 });
     Level::new(operator, 0, diagonal.collect(), None, fixed, transfer).unwrap()
 }
 
-/// These levels above a poor solver of 6 nodes.
-fn above_six(levels: Vec<Level<f64>>, cycle: Cycle) -> Hierarchy<f64> {
-    let bottom = Bottom::new(Box::new(Identity { n: 18 }), (0..18).collect(), 18);
+fn level(nodes: usize, fixed: Vec<u32>) -> Level<f64> {
+    level_of(Box::new(square(3 * nodes, chain)), fixed)
+}
+
+/// These levels above a poor solver of so many nodes.
+fn above(levels: Vec<Level<f64>>, nodes: usize, cycle: Cycle) -> Hierarchy<f64> {
+    let n = 3 * nodes;
+    let bottom = Bottom::new(Box::new(Identity { n }), (0..n as u32).collect(), n);
     let smoothing = Chebyshev {
         degree: 2,
         share: 0.1,
@@ -81,7 +88,28 @@ fn above_six(levels: Vec<Level<f64>>, cycle: Cycle) -> Hierarchy<f64> {
 
 /// Levels of 24 and 12 nodes.
 fn sample(cycle: Cycle) -> Hierarchy<f64> {
-    above_six(vec![level(24, Vec::new()), level(12, vec![FIXED])], cycle)
+    above(
+        vec![level(24, Vec::new()), level(12, vec![FIXED])],
+        6,
+        cycle,
+    )
+}
+
+/// A counter that the test can read while a level owns it.
+struct Shared(Arc<Counted<Dense<f64>>>);
+
+impl LinearOperator<f64> for Shared {
+    fn shape(&self) -> Shape {
+        self.0.shape()
+    }
+
+    fn apply_add(&self, alpha: f64, x: &[f64], y: &mut [f64], work: &mut [f64]) {
+        self.0.apply_add(alpha, x, y, work);
+    }
+
+    fn flops(&self) -> u64 {
+        self.0.flops()
+    }
 }
 
 /// The cycle of level 1.
@@ -142,19 +170,77 @@ fn a_k_cycle_visits_by_two_steps_of_conjugate_gradients() {
     }
 }
 
+/// Products of a cycle with the matrix of every level, finest first.
+fn products(cycle: Cycle) -> (Vec<u64>, Hierarchy<f64>) {
+    let counters: Vec<Arc<Counted<Dense<f64>>>> = [24, 12, 6]
+        .map(|nodes| Arc::new(Counted::new(square(3 * nodes, chain))))
+        .into();
+    let levels = counters.iter().map(|operator| {
+        let operator: Box<dyn LinearOperator<f64>> = Box::new(Shared(operator.clone()));
+        level_of(operator, Vec::new())
+    });
+    let hierarchy = above(levels.collect(), 3, cycle);
+    let before: Vec<u64> = counters.iter().map(|c| c.applications()).collect();
+    let n = hierarchy.size(0);
+    let mut work = vec![f64::NAN; hierarchy.work_len()];
+    hierarchy.solve(&mut vec![1.0; n], &mut vec![0.0; n], &mut work);
+    let after = counters.iter().map(|c| c.applications());
+    let made = after.zip(before).map(|(a, b)| a - b).collect();
+    (made, hierarchy)
+}
+
 #[test]
-fn every_way_down_counts_what_it_does() {
-    let flops = |cycle| sample(cycle).flops(0);
-    let [v, w, k] = [Cycle::V, Cycle::W, Cycle::K].map(flops);
-    let level = &sample(Cycle::V).levels[1];
-    let (below, product) = (sample(Cycle::V).flops(1), level.operator.flops());
-    assert_eq!(
-        flops(Cycle::VThenW),
-        v,
-        "two levels: nothing below the first coarse one"
-    );
-    assert_eq!(w - v, below + product + 36);
-    assert_eq!(k - w, product + 18 * 36);
+fn flops_are_those_of_the_products_and_sweeps_that_are_made() {
+    // a cycle of degree 2 makes four products, and one more where it leaves its residual
+    for (cycle, visits, expected, vectors) in [
+        (Cycle::V, [1, 1, 1], [4, 4, 4], 0),
+        // 2 · 2 · 18 unknowns on the third level are more than 3/4 of the 36 on the second
+        (Cycle::VThenW, [1, 1, 1], [4, 4, 4], 0),
+        (Cycle::W, [1, 2, 4], [4, 9, 18], 2),
+        (Cycle::K, [1, 2, 4], [4, 10, 20], 19),
+    ] {
+        let (made, hierarchy) = products(cycle);
+        assert_eq!(made, expected, "{cycle:?}");
+        let mut flops = visits[2] * hierarchy.bottom.flops();
+        for (k, level) in hierarchy.levels.iter().enumerate() {
+            let sweeps = level.flops(2) - 4 * level.operator.flops();
+            flops += made[k] * level.operator.flops() + visits[k] * sweeps;
+            if k > 0 {
+                flops += visits[k - 1] * vectors * level.size() as u64;
+            }
+        }
+        assert_eq!(hierarchy.flops(0), flops, "{cycle:?}");
+    }
+}
+
+#[test]
+fn levels_that_shrink_slowly_are_visited_twice_no_more_often_than_they_can_be_afforded() {
+    let of = |sizes: &[usize]| -> String {
+        let visits = visits(Cycle::VThenW, sizes);
+        let letter = |visit: &Visit| if *visit == Visit::Twice { '2' } else { '1' };
+        visits.iter().map(letter).collect()
+    };
+    // the solver at the bottom is visited once
+    assert_eq!(of(&[4096, 512, 64, 8, 1]), "1221");
+    assert_eq!(of(&[64, 32, 16, 8, 4, 2, 1]), "112121");
+    assert_eq!(of(&[100, 90, 81, 73, 66]), "1111");
+    assert_eq!(of(&[8, 1]), "1");
+}
+
+#[test]
+fn steps_of_a_k_cycle_end_at_two() {
+    assert_eq!(step(3.0, 2.0), Some(1.5));
+    assert_eq!(step(5.0, 2.0), Some(2.0));
+    for (slope, curvature) in [
+        (1.0, 0.0),
+        (1.0, -1.0),
+        (f64::NAN, 1.0),
+        (1.0, f64::NAN),
+        (0.0, 0.0),
+    ] {
+        assert_eq!(step(slope, curvature), None);
+    }
+    assert_eq!(step(f64::INFINITY, 1.0), None);
 }
 
 #[test]
@@ -173,5 +259,5 @@ fn only_a_k_cycle_over_levels_is_no_linear_map() {
         assert!(sample(cycle).is_linear());
     }
     assert!(!sample(Cycle::K).is_linear());
-    assert!(above_six(vec![level(12, Vec::new())], Cycle::K).is_linear());
+    assert!(above(vec![level(12, Vec::new())], 6, Cycle::K).is_linear());
 }
