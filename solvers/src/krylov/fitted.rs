@@ -64,10 +64,13 @@ mod tests {
     use super::*;
     use fracas_operators::Identity;
 
-    /// The identity in 32 bits.
-    struct Single;
+    /// The identity, said to be so.
+    struct Said {
+        single: bool,
+        linear: bool,
+    }
 
-    impl Preconditioner<f64> for Single {
+    impl Preconditioner<f64> for Said {
         fn size(&self) -> usize {
             3
         }
@@ -78,25 +81,10 @@ mod tests {
             0
         }
         fn is_single(&self) -> bool {
-            true
-        }
-    }
-
-    /// The identity, said to be no linear map.
-    struct Nonlinear;
-
-    impl Preconditioner<f64> for Nonlinear {
-        fn size(&self) -> usize {
-            3
-        }
-        fn solve(&self, r: &[f64], z: &mut [f64], _: &mut [f64]) {
-            z.copy_from_slice(r);
-        }
-        fn flops(&self) -> u64 {
-            0
+            self.single
         }
         fn is_linear(&self) -> bool {
-            false
+            self.linear
         }
     }
 
@@ -111,14 +99,24 @@ mod tests {
     #[test]
     fn the_basis_shrinks_with_memory_and_short_recurrences_take_over() {
         let m = Identity { n: 3 };
+        let (single, nonlinear) = (
+            Said {
+                single: true,
+                linear: true,
+            },
+            Said {
+                single: false,
+                linear: false,
+            },
+        );
         let some = |name: &str| Some(name.to_owned());
         assert_eq!(name(1000, true, &m), some("gmres:100"));
         assert_eq!(name(64, true, &m), some("gmres:60"));
-        assert_eq!(name(1000, true, &Single), some("fgmres:100"));
-        assert_eq!(name(104, false, &Single), some("fgmres:50"));
-        assert_eq!(name(60, true, &Single), some("sqmr"));
-        assert_eq!(name(60, false, &Single), some("fgmres:28"));
-        assert_eq!(name(60, true, &Nonlinear), some("fgmres:28"));
+        assert_eq!(name(1000, true, &single), some("fgmres:100"));
+        assert_eq!(name(104, false, &single), some("fgmres:50"));
+        assert_eq!(name(60, true, &single), some("sqmr"));
+        assert_eq!(name(60, false, &single), some("fgmres:28"));
+        assert_eq!(name(60, true, &nonlinear), some("fgmres:28"));
         assert_eq!(name(30, true, &m), some("sqmr"));
         assert_eq!(name(30, false, &m), some("gmres:26"));
         assert_eq!(name(7, true, &m), None);
