@@ -33,6 +33,15 @@ fn sample(scene: &str, overrides: &[&str], augmentation: AugmentationChoice) -> 
     )
 }
 
+/// At the size of the gallery, not small.
+fn full_sample(scene: &str, overrides: &[String], augmentation: AugmentationChoice) -> Sample {
+    let scene = named(scene).unwrap().scene().unwrap();
+    of_body(
+        scene.with_overrides(overrides).unwrap().build().unwrap(),
+        augmentation,
+    )
+}
+
 /// With so many cells per axis, and other overrides.
 fn with_cells(
     scene: &str,
@@ -414,9 +423,7 @@ fn graded_cells_take_few_iterations_more_than_cubes() {
     let along = "{from='0 m',to='4 m',near='0 m',size='0.1 m',growth=1.4}";
     let axes = [("x", across), ("y", along), ("z", across)];
     let axes = axes.map(|(axis, lines)| format!("mesh.{axis}={lines}"));
-    let graded = named("crossing").unwrap().scene().unwrap();
-    let graded = graded.with_overrides(&axes).unwrap().build().unwrap();
-    let graded = of_body(graded, AugmentationChoice::HalfH);
+    let graded = full_sample("crossing", &axes, AugmentationChoice::HalfH);
     let cubes = sample("crossing", &[], AugmentationChoice::HalfH);
     let [graded, cubes] =
         [graded, cubes].map(|sample| sample.iterations_relaxed(Geometric::default()));
@@ -433,10 +440,8 @@ fn columns_are_not_lost_on_the_coarsest_grid() {
             format!("mesh.{axis}.cells=24"),
         ]
     });
-    let scene = named("analogue_c").unwrap().scene().unwrap();
     let wide: Vec<String> = wide.collect();
-    let body = scene.with_overrides(&wide).unwrap().build().unwrap();
-    let sample = of_body(body, AugmentationChoice::HalfH);
+    let sample = full_sample("analogue_c", &wide, AugmentationChoice::HalfH);
     let levels = sample.build(Geometric::default()).summary().levels;
     let coarsest = levels.last().unwrap().n;
     assert!(coarsest > 24 * 24, "{coarsest} unknowns for 576 columns");
@@ -536,7 +541,6 @@ fn blocks_smaller_than_a_coarse_cell_are_no_obstacle() {
         let planes: Vec<String> = axes.chars().map(plane).collect();
         format!("fracture=[{}]", planes.join(","))
     };
-    let floating = named("floating").unwrap().scene().unwrap();
     // cubes of 2³ and of 3³ cells, columns, a bar of slices
     for (cells, axes, every) in [
         ([8, 8, 8], "xyz", 2),
@@ -549,8 +553,7 @@ fn blocks_smaller_than_a_coarse_cell_are_no_obstacle() {
             sets.push(format!("mesh.{axis}.to={n} m"));
             sets.push(format!("mesh.{axis}.cells={n}"));
         }
-        let body = floating.with_overrides(&sets).unwrap().build().unwrap();
-        let sample = of_body(body, AugmentationChoice::LocalH);
+        let sample = full_sample("floating", &sets, AugmentationChoice::LocalH);
         let iterations = [Precision::F32, Precision::F64].map(|precision| {
             sample.iterations(Geometric {
                 precision,

@@ -74,21 +74,28 @@ impl CoarseLines {
     pub(super) fn next(&self, grid: &Grid<'_>) -> Option<[Vec<usize>; 3]> {
         let fewer = |lines: &[Vec<usize>; 3]| (0..3).any(|d| lines[d].len() <= grid.cells[d]);
         let is_large = 3 * grid.nodes > HYBRID;
-        let small = small(grid);
+        let sizes = [0, 1, 2].map(|d: usize| sizes(grid, d));
+        let small = small(&sizes);
         let beside = small * SMALL_BESIDE_INTERFACES / SMALL;
         [(small, false), (beside, false), (beside, true)]
             .into_iter()
             .filter(|(_, drop)| is_large || !drop)
-            .map(|(small, drop)| self.lines(grid, small, drop))
+            .map(|(small, drop)| self.lines(grid, &sizes, small, drop))
             .find(fewer)
     }
 
-    /// The lines that are left where cells up to `small` become one with their neighbours, across interfaces if these are to `drop`.
-    fn lines(&self, grid: &Grid<'_>, small: f64, drop: bool) -> [Vec<usize>; 3] {
+    /// The lines that are left where cells whose `sizes` are up to `small` become one with their neighbours, across interfaces if
+    /// these are to `drop`.
+    fn lines(
+        &self,
+        grid: &Grid<'_>,
+        sizes: &[Vec<f64>; 3],
+        small: f64,
+        drop: bool,
+    ) -> [Vec<usize>; 3] {
         [0, 1, 2].map(|d: usize| {
             let cells = grid.cells[d];
-            let size = sizes(grid, d);
-            let is_small = |i: usize| size[i] <= small;
+            let is_small = |i: usize| sizes[d][i] <= small;
             let apart = |i: usize| !(is_small(i - 1) && is_small(i));
             let free = every_second(cells, apart);
             if drop {
@@ -121,24 +128,17 @@ fn sizes(grid: &Grid<'_>, axis: usize) -> Vec<f64> {
     sizes
 }
 
-/// The length [m] up to which cells are small.
-fn small(grid: &Grid<'_>) -> f64 {
-    let sizes = [0, 1, 2].map(|d: usize| match grid.cells[d] {
-        1 => Vec::new(),
-        _ => sizes(grid, d),
-    });
-    let finest = sizes
-        .iter()
-        .flatten()
-        .copied()
-        .fold(f64::INFINITY, f64::min);
+/// The length [m] up to which cells are small, from the sizes of the cells of each axis; a single cell has no neighbour.
+fn small(sizes: &[Vec<f64>; 3]) -> f64 {
+    let axes: Vec<&Vec<f64>> = sizes.iter().filter(|sizes| sizes.len() > 1).collect();
+    let all = axes.iter().copied().flatten().copied();
+    let finest = all.fold(f64::INFINITY, f64::min);
     let is_enough = |small: f64| {
-        // of every axis, twice the share of cells that would be left
-        let twice = sizes.each_ref().map(|sizes| {
-            let count = sizes.len().max(1) as f64;
-            2.0 - sizes.iter().filter(|h| **h <= small).count() as f64 / count
+        let left = axes.iter().map(|sizes| {
+            let count = sizes.iter().filter(|h| **h <= small).count();
+            1.0 - 0.5 * count as f64 / sizes.len() as f64
         });
-        twice.contains(&1.0) || twice.iter().product::<f64>() <= 8.0 * LEFT
+        left.clone().any(|share| share == 0.5) || left.product::<f64>() <= LEFT
     };
     let mut small = SMALL * finest;
     while small.is_finite() && !is_enough(small) {

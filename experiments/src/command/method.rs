@@ -162,12 +162,10 @@ impl Parts {
         match self.inner {
             None => self.assembled(None, None),
             Some(Inner::Assembled(inner)) => self.assembled(Some(inner), None),
-            // refused, as every inner solver is
-            Some(Inner::Geometric(_)) if self.method.inner().is_none() => {
-                self.assembled(Some(InnerChoice::default()), None)
-            }
             Some(Inner::Geometric(geometric)) => {
                 let Some(racp) = self.racp() else {
+                    // a method without an inner solver refuses this one as any other
+                    self.method.with_parts(None, Some(InnerChoice::default()))?;
                     return Err(NotGeometric::Method(self.method.name()).into());
                 };
                 match asked {

@@ -20,7 +20,8 @@ pub struct Fitted {
 
 impl KrylovChoice {
     /// GMRES where `vectors` of the length of the system hold 40 steps of it; else SQMR (7 vectors), if both the matrix and
-    /// the preconditioner are `symmetric` and the latter is a linear map; else GMRES with as long a restart as fits. `None` where nothing fits.
+    /// the preconditioner are `symmetric` and the latter is a linear map; else GMRES with as long a restart as fits. `None` where
+    /// nothing fits.
     ///
     /// A preconditioner that is no linear map, or one rounded to 32 bits, makes it FGMRES, with two vectors per step.
     pub fn fitted(
