@@ -38,7 +38,7 @@ fn main() {
         .saddle_blocks(Some(JumpStabilization::default()))
         .expect("valid blocks");
     let direct = DirectChoice::default().solver().expect("a solver");
-    let c = AugmentationChoice::HalfH
+    let c = AugmentationChoice::FittedH
         .compute(&blocks, direct.as_ref())
         .expect("valid blocks")
         .matrix;

@@ -81,7 +81,7 @@ impl Sample {
         self.iterations_around(self.racp(settings))
     }
 
-    /// Iterations of GMRES around RACP with H relaxed once on either side.
+    /// Iterations of GMRES around RACP with H relaxed on either side.
     fn iterations_relaxed(&self, settings: Geometric) -> usize {
         let h = Csr::new(self.blocks.h.clone().unwrap());
         self.iterations_around(self.racp(settings).relaxed(Box::new(h), RELAXATION))
@@ -404,7 +404,7 @@ fn a_name_says_cycle_and_precision() {
 #[test]
 fn cells_of_one_to_two_take_the_iterations_of_cubes() {
     let iterations = |cells: [usize; 3]| {
-        let c = AugmentationChoice::HalfH;
+        let c = AugmentationChoice::FittedH;
         let sample = with_cells("layered_crossing", cells, Vec::new(), c);
         sample.iterations_relaxed(Geometric::default())
     };
@@ -416,6 +416,31 @@ fn cells_of_one_to_two_take_the_iterations_of_cubes() {
     }
 }
 
+/// Cells of 1:50: C takes as much of H as it needs, the rest is relaxed.
+#[test]
+fn cells_of_one_to_fifty_take_hardly_more_iterations_than_cubes() {
+    // flat, and long towards the fracture
+    let long = [
+        "mesh.y.from='-6 m'",
+        "mesh.y.to='6 m'",
+        "fracture.fault.y=['-4 m','4 m']",
+    ];
+    for overrides in [&[][..], &long] {
+        let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
+        let iterations = |c| {
+            let sample = with_cells("stretched", [24; 3], overrides.clone(), c);
+            sample.iterations_relaxed(Geometric::default())
+        };
+        let [half, fitted] =
+            [AugmentationChoice::HalfH, AugmentationChoice::FittedH].map(iterations);
+        println!("{overrides:?}: {fitted}, with half of H {half}");
+        assert!(
+            fitted <= 20 && fitted < half,
+            "{overrides:?}: {fitted}, {half}"
+        );
+    }
+}
+
 /// A body that reaches 20 times as far as the fractures, cells that grow by 1.4 away from them: small neighbours become one first.
 #[test]
 fn graded_cells_take_few_iterations_more_than_cubes() {
@@ -423,8 +448,8 @@ fn graded_cells_take_few_iterations_more_than_cubes() {
     let along = "{from='0 m',to='4 m',near='0 m',size='0.1 m',growth=1.4}";
     let axes = [("x", across), ("y", along), ("z", across)];
     let axes = axes.map(|(axis, lines)| format!("mesh.{axis}={lines}"));
-    let graded = full_sample("crossing", &axes, AugmentationChoice::HalfH);
-    let cubes = sample("crossing", &[], AugmentationChoice::HalfH);
+    let graded = full_sample("crossing", &axes, AugmentationChoice::FittedH);
+    let cubes = sample("crossing", &[], AugmentationChoice::FittedH);
     let [graded, cubes] =
         [graded, cubes].map(|sample| sample.iterations_relaxed(Geometric::default()));
     println!("graded {graded}, cubes {cubes}");
@@ -441,7 +466,7 @@ fn columns_are_not_lost_on_the_coarsest_grid() {
         ]
     });
     let wide: Vec<String> = wide.collect();
-    let sample = full_sample("analogue_c", &wide, AugmentationChoice::HalfH);
+    let sample = full_sample("analogue_c", &wide, AugmentationChoice::FittedH);
     let levels = sample.build(Geometric::default()).summary().levels;
     let coarsest = levels.last().unwrap().n;
     assert!(coarsest > 24 * 24, "{coarsest} unknowns for 576 columns");

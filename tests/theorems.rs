@@ -116,6 +116,7 @@ fn what_dominates_h_keeps_the_exact_spectrum_below_two() {
         for (choice, limit) in [
             (AugmentationChoice::FaceBlock, 2.0),
             (AugmentationChoice::HalfH, 4.0),
+            (AugmentationChoice::FittedH, 30.0),
             (
                 AugmentationChoice::LocalH,
                 if diagonal_blocks { 2.0 } else { 6.0 },

@@ -10,7 +10,7 @@ use fracas_solvers::spectrum::{Bounds, SpectrumReport, SpectrumRequest, Theorem,
 use fracas_solvers::{Observer, SetupError, Step};
 use std::ops::ControlFlow;
 
-/// Every C but half_h, which belongs to RACP that relaxes H (e06b).
+/// Every C but half_h and fitted_h, which belong to RACP that relaxes H (e06b).
 pub(crate) const CHOICES: [AugmentationChoice; 6] = [
     AugmentationChoice::Local,
     AugmentationChoice::Global,

@@ -100,7 +100,7 @@ fn racp<const N: usize>(
 /// The same with no row eliminated.
 fn blind(blocks: &SaddleBlocks) -> anyhow::Result<Option<Measured>> {
     let direct = fracas_solvers::direct::DirectChoice::Auto.solver()?;
-    let ready = AugmentationChoice::HalfH
+    let ready = AugmentationChoice::FittedH
         .compute(blocks, direct.as_ref())
         .and_then(|c| {
             let s_u = InnerChoice::default().prepare(blocks, &c.matrix)?.inverse;
@@ -146,7 +146,7 @@ fn solved(laboratory: &Laboratory<'_>, shares: Shares) -> anyhow::Result<Solved>
 fn table(rows: &[Solved]) -> Table {
     let mut table = Table::new(
         "e07_contact_state",
-        "Iterations to a true residual of 1e-8 against the contact state. C = half_h, H relaxed; rows with a law of their own \
+        "Iterations to a true residual of 1e-8 against the contact state. C = fitted_h, H relaxed; rows with a law of their own \
          (slip tangentially, open) are eliminated, except in the last column.",
         &[
             "slip [%]",

@@ -17,7 +17,7 @@ use std::time::Instant;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MatrixFreeRacp {
-    /// C: local, local_h, half_h or face_block.
+    /// C: local, local_h, half_h, fitted_h or face_block.
     pub augmentation: AugmentationChoice,
     /// γ of the [`Relaxation`](fracas_solvers::saddle::Relaxation) of H, from 0 (none; with C = local_h the published method) to 1.
     #[serde(deserialize_with = "fracas_solvers::saddle::relaxation::factor")]
@@ -29,7 +29,7 @@ pub struct MatrixFreeRacp {
 impl Default for MatrixFreeRacp {
     fn default() -> Self {
         Self {
-            augmentation: AugmentationChoice::HalfH,
+            augmentation: AugmentationChoice::FittedH,
             relaxation: RELAXATION,
             inner: Geometric::default(),
         }

@@ -14,7 +14,7 @@ use fracas_solvers::saddle::Relaxation;
 /// [`RacpInverse`](fracas_solvers::saddle::RacpInverse).
 ///
 /// # Cost
-/// As RACP: one solve with S̃_u, two products with B, two with H.
+/// As RACP: one solve with S̃_u, two products with B, and the relaxation of H.
 pub(super) struct StateInverse<'a> {
     b: &'a Coupling<f64>,
     rules: Vec<FaceRule>,
@@ -81,11 +81,10 @@ impl Preconditioner<f64> for StateInverse<'_> {
         for (f, rule) in self.rules.iter().enumerate() {
             x_k[3 * f..][..3].copy_from_slice(&times(&rule.kept, three(&x_t[3 * f..])));
         }
-        kept_solve(&self.rules, x_k, y_k);
         if let Some(w) = &self.relaxation {
-            w.before(y_k, x_k, work);
-            kept_solve(&self.rules, x_k, y_k);
+            w.apply_transpose(|r, z| kept_solve(&self.rules, r, z), x_k, work);
         }
+        kept_solve(&self.rules, x_k, y_k);
         // y_t = y_k + Λ⁻¹ x_l
         for (f, rule) in self.rules.iter().enumerate() {
             let l = times(&rule.law, three(&x_t[3 * f..]));
@@ -95,17 +94,13 @@ impl Preconditioner<f64> for StateInverse<'_> {
         w_u.copy_from_slice(x_u);
         self.b.apply_add(1.0, y_t, w_u, work);
         self.s_u.solve(w_u, y_u, work);
-        // y_k = W C⁻¹ (Bᵀ y_u − x_k)
+        // y_k = W C⁻¹ (Bᵀ y_u − x_k) = C⁻¹ Wᵀ (Bᵀ y_u − x_k)
         x_k.iter_mut().for_each(|x| *x = -*x);
         self.b.apply_adjoint_add(1.0, y_u, x_k, work);
-        kept_solve(&self.rules, x_k, y_k);
         if let Some(w) = &self.relaxation {
-            w.after(y_k, x_k, work);
-            for (f, rule) in self.rules.iter().enumerate() {
-                let r = times(&rule.g, three(&x_k[3 * f..]));
-                (0..3).for_each(|i| y_k[3 * f + i] -= r[i]);
-            }
+            w.apply_transpose(|r, z| kept_solve(&self.rules, r, z), x_k, work);
         }
+        kept_solve(&self.rules, x_k, y_k);
         // y_l = −Λ⁻¹ x_l − (L_ln/Λ) y_n
         for (f, rule) in self.rules.iter().enumerate() {
             let k = three(&y_k[3 * f..]);
@@ -124,10 +119,8 @@ impl Preconditioner<f64> for StateInverse<'_> {
     }
 
     fn flops(&self) -> u64 {
-        let relaxation = self
-            .relaxation
-            .as_ref()
-            .map_or(0, |w| 2 * w.flops() + 33 * self.rules.len() as u64);
+        let c_inverse = 15 * self.rules.len() as u64;
+        let relaxation = (self.relaxation.as_ref()).map_or(0, |w| 2 * w.flops(c_inverse));
         self.s_u.flops()
             + 2 * LinearOperator::flops(self.b)
             + 108 * self.rules.len() as u64

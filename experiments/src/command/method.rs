@@ -14,7 +14,7 @@ pub(super) struct Method {
     /// What preconditions the whole system.
     #[arg(long, value_name = "METHOD", help = help())]
     method: Option<SaddleMethod>,
-    /// C, in methods that have one: local, global, global_times=FACTOR, exact, local_h, half_h, exact_h, face_block.
+    /// C, in methods that have one: local, global, global_times=FACTOR, exact, local_h, half_h, fitted_h, exact_h, face_block.
     #[arg(long, value_name = "C")]
     augmentation: Option<AugmentationChoice>,
     /// Solver of the displacement block, in methods that have one: exact, amg, amg:gauss_seidel, amg:fsai, amg:chebyshev,

@@ -277,7 +277,7 @@ fn what_cannot_be_is_refused_in_one_sentence() {
         (&system[..], "needs a scene, whose mesh is a grid"),
         (
             &["crossing", "--augmentation", "exact"],
-            "exact needs all of A; take local, local_h, half_h or face_block",
+            "exact needs all of A; take local, local_h, half_h, fitted_h or face_block",
         ),
         (&["crossing", "--method", "mcp"], "belongs to --method racp"),
         (&["crossing", "--explain"], "--explain reads its entries"),

@@ -41,6 +41,7 @@ fn the_solution_solves_the_system_and_the_report_has_its_keys() {
             "method",
             "inner",
             "relaxation",
+            "relaxation_degree",
             "krylov",
             "n_u",
             "n_t",

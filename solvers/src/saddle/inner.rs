@@ -1,7 +1,7 @@
 //! The approximation of S_u⁻¹ inside RACP: the one list of all of them.
 
 use super::scaling::ScaledInverse;
-use super::{AugmentationMatrix, SaddleBlocks, schur};
+use super::{AugmentationMatrix, RelaxationSummary, SaddleBlocks, schur};
 use crate::amg::{self, Amg, AmgInverse, Smoother};
 use crate::direct::DirectChoice;
 use crate::fsai::{Fsai, FsaiKind};
@@ -42,8 +42,8 @@ pub struct Ready {
     pub hierarchy: Option<amg::Summary>,
     /// What C and S̃_u cost, where both are parts of the method.
     pub parts: Option<PartCost>,
-    /// γ of the [`Relaxation`](super::Relaxation) that is applied, less than asked for where C does not dominate H; 0 without.
-    pub relaxation: f64,
+    /// How H is relaxed.
+    pub relaxation: RelaxationSummary,
 }
 
 /// Time and flops of the two parts of RACP.
@@ -76,7 +76,7 @@ impl From<Box<dyn Preconditioner<f64>>> for Ready {
             inverse,
             hierarchy: None,
             parts: None,
-            relaxation: 0.0,
+            relaxation: RelaxationSummary::default(),
         }
     }
 }
@@ -95,7 +95,7 @@ impl From<AmgInverse> for Ready {
             hierarchy: Some(inverse.summary()),
             inverse: Box::new(inverse),
             parts: None,
-            relaxation: 0.0,
+            relaxation: RelaxationSummary::default(),
         }
     }
 }

@@ -38,6 +38,6 @@ pub use method::{NoSuchPart, SaddleMethod, SaddleSettings, UnknownSaddleMethod};
 pub use monolithic::Direct;
 pub use operator::SaddleOperator;
 pub use racp::{Racp, RacpInverse};
-pub use relaxation::{RELAXATION, Relaxation};
+pub use relaxation::{REACH, RELAXATION, Relaxation, RelaxationSummary};
 pub use simple::{Correction, Simple, SimpleInverse};
 pub use unit::unit_of_tractions;

@@ -4,7 +4,7 @@ use super::inner::{PartCost, Ready};
 use super::method::SaddleSettings;
 use super::{
     AugmentationChoice, AugmentationMatrix, EliminatedInverse, Elimination, InnerChoice,
-    RELAXATION, Relaxation, SaddleBlocks,
+    RELAXATION, Relaxation, RelaxationSummary, SaddleBlocks,
 };
 use crate::direct::DirectChoice;
 use crate::{Prepare, SetupError};
@@ -19,7 +19,7 @@ use std::time::Instant;
 /// ([`EliminatedInverse`]).
 ///
 /// # Cost
-/// One solve with S̃_u, two with C, one product with B and one with Bᵀ; relaxed, two more with C and two with H.
+/// One solve with S̃_u, two with C, one product with B and one with Bᵀ, and that of a [`Relaxation`].
 ///
 /// [`relaxed`](Self::relaxed) makes it `W M⁻¹ Wᵀ` ([`Relaxation`]).
 ///
@@ -56,7 +56,7 @@ impl<S: Preconditioner<f64>, B: AdjointOperator<f64>> RacpInverse<S, B> {
         }
     }
 
-    /// `W M⁻¹ Wᵀ`, `W = I − γ C⁻¹H`; γ = 0 leaves M⁻¹ as published.
+    /// `W M⁻¹ Wᵀ` ([`Relaxation`]); γ = 0 leaves M⁻¹ as published.
     #[must_use]
     pub fn relaxed(self, h: Box<dyn LinearOperator<f64>>, gamma: f64) -> Self {
         assert_eq!(h.shape().rows, self.c.size(), "rows of H and size of C");
@@ -64,9 +64,9 @@ impl<S: Preconditioner<f64>, B: AdjointOperator<f64>> RacpInverse<S, B> {
         Self { relaxation, ..self }
     }
 
-    /// γ, 0 without relaxation.
-    pub fn relaxation(&self) -> f64 {
-        self.relaxation.as_ref().map_or(0.0, Relaxation::gamma)
+    /// How H is relaxed.
+    pub fn relaxation(&self) -> RelaxationSummary {
+        (self.relaxation.as_ref()).map_or_else(RelaxationSummary::default, Relaxation::summary)
     }
 
     /// C.
@@ -87,11 +87,10 @@ impl<S: Preconditioner<f64>, B: AdjointOperator<f64>> Preconditioner<f64> for Ra
         let (w_t, work) = work.split_at_mut(x_t.len());
         // w_t = Wᵀ x_t, y_t = C⁻¹ Wᵀ x_t
         w_t.copy_from_slice(x_t);
-        self.c.solve(w_t, y_t, work);
         if let Some(w) = &self.relaxation {
-            w.before(y_t, w_t, work);
-            self.c.solve(w_t, y_t, work);
+            w.apply_transpose(|r, z| self.c.solve(r, z, &mut []), w_t, work);
         }
+        self.c.solve(w_t, y_t, work);
         // w_u = x_u + B C⁻¹ Wᵀ x_t
         w_u.copy_from_slice(x_u);
         self.b.apply_add(1.0, y_t, w_u, work);
@@ -100,34 +99,23 @@ impl<S: Preconditioner<f64>, B: AdjointOperator<f64>> Preconditioner<f64> for Ra
         // w_t = Bᵀ y_u − Wᵀ x_t
         w_t.iter_mut().for_each(|w| *w = -*w);
         self.b.apply_adjoint_add(1.0, y_u, w_t, work);
-        // y_t = W C⁻¹ (Bᵀ y_u − Wᵀ x_t)
-        self.c.solve(w_t, y_t, work);
+        // y_t = W C⁻¹ (Bᵀ y_u − Wᵀ x_t) = C⁻¹ Wᵀ (Bᵀ y_u − Wᵀ x_t)
         if let Some(w) = &self.relaxation {
-            let (c_inverse, work) = work.split_at_mut(x_t.len());
-            w.after(y_t, w_t, work);
-            self.c.solve(w_t, c_inverse, work);
-            y_t.iter_mut().zip(&*c_inverse).for_each(|(y, r)| *y -= r);
+            w.apply_transpose(|r, z| self.c.solve(r, z, &mut []), w_t, work);
         }
+        self.c.solve(w_t, y_t, work);
     }
 
     fn work_len(&self) -> usize {
-        let relaxation = match &self.relaxation {
-            Some(w) => self.c.size() + w.work_len(),
-            None => 0,
-        };
+        let relaxation = self.relaxation.as_ref().map_or(0, Relaxation::work_len);
         let inside = self.s_u.work_len().max(self.b.work_len());
         self.layout.len() + inside.max(relaxation)
     }
 
     fn flops(&self) -> u64 {
-        let relaxation = match &self.relaxation {
-            Some(w) => 2 * (w.flops() + Preconditioner::flops(&self.c)) + self.c.size() as u64,
-            None => 0,
-        };
-        2 * Preconditioner::flops(&self.c)
-            + self.s_u.flops()
-            + 2 * LinearOperator::flops(&self.b)
-            + relaxation
+        let c_inverse = Preconditioner::flops(&self.c);
+        let relaxation = (self.relaxation.as_ref()).map_or(0, |w| 2 * w.flops(c_inverse));
+        2 * c_inverse + self.s_u.flops() + 2 * LinearOperator::flops(&self.b) + relaxation
     }
 
     fn is_linear(&self) -> bool {
@@ -157,7 +145,7 @@ pub struct Racp {
 impl Default for Racp {
     fn default() -> Self {
         Self {
-            augmentation: AugmentationChoice::HalfH,
+            augmentation: AugmentationChoice::FittedH,
             relaxation: RELAXATION,
             inner: InnerChoice::default(),
         }

@@ -1,20 +1,22 @@
-//! One step of relaxation of the stabilization before and after a preconditioner.
+//! Relaxation of the stabilization before and after a preconditioner.
+
+mod polynomial;
 
 use super::AugmentationMatrix;
 use crate::amg::lambda::largest_generalized;
 use fracas_operators::{LinearOperator, Preconditioner};
+use polynomial::{POLYNOMIALS, Polynomial};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer};
 
 /// γ where nothing else is asked for. Unit: 1.
 ///
 /// The largest `x (1 − γx)²`, x in [0, 1/γ], is 4/(27 γ): with this γ, `WᵀHW ≤ C` wherever `H ≤ 27/4 C`, and every eigenvalue
-/// of M⁻¹𝒜 has a real part in [0, max(β_u, 1)], where without W the upper end is `max(β_u, λ_max(C⁻¹H))` (theorem in the paper).
+/// of M⁻¹𝒜 has a real part of at most max(β_u, 1), where without W the upper end is `max(β_u, λ_max(C⁻¹H))` (theorem in the paper).
 pub const RELAXATION: f64 = 4.0 / 27.0;
 
-/// Smallest factor `1 − γ λ_max(C⁻¹H)` that γ may lead to. Unit: 1. C = half_h has `λ_max ≤ 4` and keeps γ = 4/27, also with
-/// λ_max overestimated by 9 %; where C does not dominate H (local, global) γ gives way.
-const LEAST: f64 = 0.35;
+/// The largest `λ_max(C⁻¹H)` that γ = 4/27 serves. Unit: 1.
+pub const REACH: f64 = POLYNOMIALS[POLYNOMIALS.len() - 1].end;
 
 /// Reads γ.
 ///
@@ -30,30 +32,43 @@ pub fn factor<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Erro
     }
 }
 
-/// `W = I − γ C⁻¹H` of the tractions: `W M⁻¹ Wᵀ` in place of M⁻¹ (W = I for the displacements).
+/// `W = p(σ C⁻¹H)`, σ = 27γ/4, of the tractions: `W M⁻¹ Wᵀ` in place of M⁻¹ (W = I for the displacements). p is
+/// 1 − 4x/27, so that `W = I − γ C⁻¹H`, while `σ λ_max(C⁻¹H) ≤ 4.5`, and of a degree up to four where C is smaller
+/// beside H than that.
 ///
 /// A diagonal C = C_local + diag(H) is as large for jumps that vary slowly, which H does not see, as for checkerboards, for
 /// which H is up to twice its diagonal. With exact S_u, A regular, and modes that are common to `S = BᵀA⁻¹B`, H and C, with values s, h
 /// and c, `M⁻¹𝒜` has the eigenvalues 1 and
 /// ```text
 /// λ = (s + h)/(s + c)                                                            without W
-/// λ₁ λ₂ = q² (s + h)/(s + c),  λ₁ + λ₂ = (c + 2 s q + h q²)/(s + c)             with W,  q = 1 − γ h/c
+/// λ₁ λ₂ = q² (s + h)/(s + c),  λ₁ + λ₂ = (c + 2 s q + h q²)/(s + c)             with W,  q = p(σ h/c)
 /// ```
-/// Modes of large s have h ≈ 0, and q = 1 leaves their λ ≈ 1 alone; h is large where s is small, and q² takes their λ up to 2
-/// to 1 and below. So C stays diagonal, as S_u wants it, and the entries of H beside its diagonal are met none the less.
+/// Modes of large s have h ≈ 0, and q = 1 leaves their λ ≈ 1 alone; h is large where s is small, and `q² ≈ c/(σh)` takes their λ
+/// to one and below. So C stays diagonal, as S_u wants it, and may be much smaller than H: modes with s and h both below c, whose λ is
+/// small, become few.
 ///
 /// # Cost
-/// Two products with H and two more with C⁻¹ per M⁻¹.
+/// With degree d, 2d products with H and as many more with C⁻¹ per M⁻¹.
 ///
 /// # Source
 /// Derived here; `relaxation/tests.rs` checks the formula, the paper compares.
 pub struct Relaxation<H> {
     h: H,
-    gamma: f64,
+    sigma: f64,
+    polynomial: &'static Polynomial,
+}
+
+/// What a [`Relaxation`] does.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RelaxationSummary {
+    /// γ as applied; 0 = H is not relaxed.
+    pub gamma: f64,
+    /// Degree of W in C⁻¹H; 0 = H is not relaxed.
+    pub degree: usize,
 }
 
 impl<H: LinearOperator<f64>> Relaxation<H> {
-    /// γ as asked for, less where `λ_max(C⁻¹H)` would take `1 − γ λ_max` below 0.35; `None` for γ = 0.
+    /// γ as asked for, less where `27γ/4 λ_max(C⁻¹H)` would be beyond [`REACH`]; `None` for γ = 0.
     ///
     /// # Cost
     /// Ten products with H.
@@ -65,8 +80,13 @@ impl<H: LinearOperator<f64>> Relaxation<H> {
         let mut work = vec![0.0; h.work_len()];
         let product = |x: &[f64], y: &mut [f64]| h.apply(x, y, &mut work);
         let largest = largest_generalized(n, product, c_inverse);
-        let gamma = gamma.min((1.0 - LEAST) / largest);
-        Some(Self { h, gamma })
+        let sigma = (gamma / RELAXATION).min(REACH / largest);
+        let polynomial = Polynomial::up_to(sigma * largest);
+        Some(Self {
+            h,
+            sigma,
+            polynomial,
+        })
     }
 
     /// The same for a C.
@@ -74,30 +94,43 @@ impl<H: LinearOperator<f64>> Relaxation<H> {
         Self::new(h, gamma, |r, z| c.solve(r, z, &mut []))
     }
 
-    /// γ.
-    pub fn gamma(&self) -> f64 {
-        self.gamma
+    /// γ and the degree.
+    pub fn summary(&self) -> RelaxationSummary {
+        RelaxationSummary {
+            gamma: self.sigma * RELAXATION,
+            degree: self.polynomial.degree(),
+        }
     }
 
-    /// `x ← Wᵀ x = x − γ H C⁻¹ x`, given C⁻¹ x.
-    pub fn before(&self, c_inverse_x: &[f64], x: &mut [f64], work: &mut [f64]) {
-        self.h.apply_add(-self.gamma, c_inverse_x, x, work);
+    /// `r ← Wᵀ r = p(σ H C⁻¹) r`, by Horner's rule; `W C⁻¹ r` is C⁻¹ of it.
+    pub fn apply_transpose(
+        &self,
+        c_inverse: impl Fn(&[f64], &mut [f64]),
+        r: &mut [f64],
+        work: &mut [f64],
+    ) {
+        let (z, work) = work.split_at_mut(r.len());
+        let (v, work) = work.split_at_mut(r.len());
+        // p(x) = 1 + c₁x (1 + c₂/c₁ x (1 + c₃/c₂ x (…))): v ← r + c_k/c_{k−1} σ H C⁻¹ v from k = d down to 1
+        let coefficients = self.polynomial.coefficients;
+        v.copy_from_slice(r);
+        for (k, c) in coefficients.iter().enumerate().rev() {
+            let before = k.checked_sub(1).map_or(1.0, |k| coefficients[k]);
+            c_inverse(v, z);
+            v.copy_from_slice(r);
+            self.h.apply_add(self.sigma * c / before, z, v, work);
+        }
+        r.copy_from_slice(v);
     }
 
-    /// `r ← γ H y`: `W y = y − C⁻¹ r`.
-    pub fn after(&self, y: &[f64], r: &mut [f64], work: &mut [f64]) {
-        r.fill(0.0);
-        self.h.apply_add(self.gamma, y, r, work);
-    }
-
-    /// Numbers of `work` that [`before`](Self::before) and [`after`](Self::after) need.
+    /// Numbers of `work` that [`apply_transpose`](Self::apply_transpose) needs.
     pub fn work_len(&self) -> usize {
-        self.h.work_len()
+        2 * self.h.shape().rows + self.h.work_len()
     }
 
-    /// Of one product with H.
-    pub fn flops(&self) -> u64 {
-        self.h.flops()
+    /// Of Wᵀ, given those of C⁻¹.
+    pub fn flops(&self, c_inverse: u64) -> u64 {
+        self.polynomial.degree() as u64 * (self.h.flops() + c_inverse)
     }
 }
 

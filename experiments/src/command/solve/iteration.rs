@@ -10,7 +10,7 @@ use fracas_operators::Preconditioner;
 use fracas_operators::matrix_market::write_vector;
 use fracas_solvers::amg::Summary;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, System};
-use fracas_solvers::saddle::Cost;
+use fracas_solvers::saddle::{Cost, RelaxationSummary};
 use fracas_solvers::spectrum::Explanation;
 use std::io::Write;
 use std::time::Instant;
@@ -20,8 +20,7 @@ pub(super) struct Names {
     pub(super) method: String,
     pub(super) augmentation: Option<String>,
     pub(super) inner: Option<String>,
-    /// γ, 0 without.
-    pub(super) relaxation: f64,
+    pub(super) relaxation: RelaxationSummary,
 }
 
 /// Explains a solve that took so many seconds.
@@ -159,7 +158,8 @@ impl Solve {
                 Some(double) => Some(double.inner.clone()),
                 None => built.names.inner.clone(),
             },
-            relaxation: built.names.relaxation,
+            relaxation: built.names.relaxation.gamma,
+            relaxation_degree: built.names.relaxation.degree,
             krylov: krylov.to_string(),
             rhs: built.rhs,
             tolerance: self.tolerance,

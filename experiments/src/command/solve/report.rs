@@ -23,6 +23,8 @@ pub(super) struct SolveReport {
     pub(super) inner: Option<String>,
     /// γ of the relaxation of H as applied; 0 = none.
     pub(super) relaxation: f64,
+    /// Degree of the relaxation in C⁻¹H; 0 = none.
+    pub(super) relaxation_degree: usize,
     pub(super) krylov: String,
     pub(super) rhs: RightHandSide,
     pub(super) tolerance: f64,
@@ -104,6 +106,9 @@ impl SolveReport {
         }
         if self.relaxation > 0.0 {
             parts += &format!(", γ = {}", format_real(self.relaxation));
+        }
+        if self.relaxation_degree > 1 {
+            parts += &format!(", degree {}", self.relaxation_degree);
         }
         if let Some(inner) = &self.inner {
             parts += &format!(", inner {inner}");

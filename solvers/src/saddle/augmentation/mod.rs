@@ -8,6 +8,7 @@
 
 mod exact;
 mod face_block;
+mod fitted;
 mod global;
 mod local;
 mod matrix;
@@ -37,11 +38,13 @@ pub enum AugmentationChoice {
     GlobalTimes(f64),
     /// `C = Bᵀ A⁻¹ B`.
     Exact,
-    /// `C = C_local + |diag H|`: C must dominate H. The default wherever H is not relaxed ([`super::Racp`] takes half_h).
+    /// `C = C_local + |diag H|`: C must dominate H. The default wherever H is not relaxed ([`super::Racp`] takes fitted_h).
     #[default]
     LocalH,
     /// `C = C_local + |blkdiag H|/2`, 3×3 blocks, for RACP that relaxes H ([`super::Relaxation`]).
     HalfH,
+    /// `C = C_local + θ_f |H_ff|`, 3×3 blocks, θ_f = ½ in cubes and less in flat cells, for RACP that relaxes H; its default.
+    FittedH,
     /// `C = Bᵀ A⁻¹ B + H`.
     ExactH,
     /// `C_f = r(B_f)ᵀ (A|_f)⁻¹ r(B_f) + |H_ff|` for the three columns of every face.
@@ -50,12 +53,13 @@ pub enum AugmentationChoice {
 
 impl AugmentationChoice {
     /// Every choice that has a plain name.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Local,
         Self::Global,
         Self::Exact,
         Self::LocalH,
         Self::HalfH,
+        Self::FittedH,
         Self::ExactH,
         Self::FaceBlock,
     ];
@@ -69,6 +73,7 @@ impl AugmentationChoice {
             Self::Exact => "exact",
             Self::LocalH => "local_h",
             Self::HalfH => "half_h",
+            Self::FittedH => "fitted_h",
             Self::ExactH => "exact_h",
             Self::FaceBlock => "face_block",
         }
@@ -91,8 +96,9 @@ impl AugmentationChoice {
             Self::Global => global::global(blocks, 1.0)?,
             Self::GlobalTimes(factor) => global::global(blocks, factor)?,
             Self::Exact => exact::exact(blocks, &columns, direct)?,
-            Self::LocalH => stabilized::local_h(blocks, &columns, 1.0)?,
+            Self::LocalH => stabilized::local_h(blocks, &columns)?,
             Self::HalfH => stabilized::half_h(blocks, &columns)?,
+            Self::FittedH => fitted::fitted_h(blocks, &columns)?,
             Self::ExactH => stabilized::exact_h(blocks, &columns, direct)?,
             Self::FaceBlock => face_block::face_block(blocks, &columns)?,
         };
@@ -116,7 +122,7 @@ impl fmt::Display for AugmentationChoice {
 /// A name that is none of [`AugmentationChoice`]'s.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "unknown augmentation {found:?}: expected local, global, global_times=FACTOR, exact, local_h, half_h, exact_h or face_block"
+    "unknown augmentation {found:?}: expected local, global, global_times=FACTOR, exact, local_h, half_h, fitted_h, exact_h or face_block"
 )]
 pub struct UnknownAugmentation {
     /// What was given.

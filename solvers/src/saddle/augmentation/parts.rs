@@ -10,7 +10,7 @@ impl AugmentationChoice {
     pub fn is_local(self) -> bool {
         matches!(
             self,
-            Self::Local | Self::LocalH | Self::HalfH | Self::FaceBlock
+            Self::Local | Self::LocalH | Self::HalfH | Self::FittedH | Self::FaceBlock
         )
     }
 
@@ -60,7 +60,7 @@ impl AugmentationChoice {
         Err(SetupError::NotApplicable {
             method: "an augmentation without an assembled A",
             reason: format!(
-                "{} needs all of A; take local, local_h, half_h or face_block, or an inner solver of assembled matrices such as amg",
+                "{} needs all of A; take local, local_h, half_h, fitted_h or face_block, or an inner solver of assembled matrices such as amg",
                 self.name()
             ),
         })

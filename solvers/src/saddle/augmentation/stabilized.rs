@@ -4,24 +4,25 @@ use super::super::SaddleBlocks;
 use super::exact::schur_complement;
 use super::face_block::{ROUNDING, add_stabilization};
 use super::local::local;
+use super::matrix::diagonal_block;
 use super::support::Columns;
 use super::{AugmentationMatrix, Block};
 use crate::SetupError;
 use crate::direct::DirectSolver;
+use std::ops::Range;
 
-/// `C = C_local + θ |diag H|`.
+/// `C = C_local + |diag H|`.
 ///
 /// The eigenvalues with exact S_u lie in [λ_min(GᵀG), max(1, λ_max(C^{-1/2} H C^{-1/2}))]: a C that does not dominate
 /// H lets the upper end grow with the contrast of the materials.
 pub(super) fn local_h(
     blocks: &SaddleBlocks,
     columns: &Columns,
-    theta: f64,
 ) -> Result<AugmentationMatrix, SetupError> {
     let mut diagonal = local(&blocks.a, columns)?.diagonal_entries();
     if let Some(h) = &blocks.h {
         for (i, c) in diagonal.iter_mut().enumerate() {
-            *c += h.get(i, i).map_or(0.0, |h_ii| theta * h_ii.abs());
+            *c += h.get(i, i).map_or(0.0, |h_ii| h_ii.abs());
         }
     }
     Ok(AugmentationMatrix::diagonal(diagonal))
@@ -34,18 +35,33 @@ pub(super) fn half_h(
     blocks: &SaddleBlocks,
     columns: &Columns,
 ) -> Result<AugmentationMatrix, SetupError> {
-    let Some(h) = blocks
-        .h
-        .as_ref()
-        .filter(|_| columns.len().is_multiple_of(3))
-    else {
-        return local_h(blocks, columns, 0.5);
+    with_share(blocks, columns, |_| 0.5)
+}
+
+/// `C = C_local + θ |blkdiag H|`, θ a number for the rows of every face; row by row where n_t is no multiple of three.
+pub(super) fn with_share(
+    blocks: &SaddleBlocks,
+    columns: &Columns,
+    theta: impl Fn(Range<usize>) -> f64,
+) -> Result<AugmentationMatrix, SetupError> {
+    let mut local = local(&blocks.a, columns)?.diagonal_entries();
+    let Some(h) = &blocks.h else {
+        return Ok(AugmentationMatrix::diagonal(local));
     };
-    let local = local(&blocks.a, columns)?.diagonal_entries();
+    if !columns.len().is_multiple_of(3) {
+        for (i, c) in local.iter_mut().enumerate() {
+            *c += h.get(i, i).map_or(0.0, |h_ii| theta(i..i + 1) * h_ii.abs());
+        }
+        return Ok(AugmentationMatrix::diagonal(local));
+    }
     let block = |face: usize| {
-        let mut block = [[0.0; 3]; 3];
-        (0..3).for_each(|i| block[i][i] = local[3 * face + i]);
-        add_stabilization(&mut block, h, face, 0.5);
+        let rows = 3 * face..3 * face + 3;
+        let mut block = diagonal_block([
+            local[rows.start],
+            local[rows.start + 1],
+            local[rows.start + 2],
+        ]);
+        add_stabilization(&mut block, h, face, theta(rows));
         block
     };
     let faces: Vec<Block> = (0..columns.len() / 3).map(block).collect();

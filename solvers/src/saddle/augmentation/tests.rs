@@ -290,3 +290,52 @@ fn a_last_digit_between_the_triangles_of_h_does_not_cost_its_coupling() {
         "an unsymmetric H gives its diagonal"
     );
 }
+
+#[test]
+fn as_much_of_h_is_taken_as_h_exceeds_what_a_does_to_jumps() {
+    // b_iᵀ diag(A)⁻¹ b_i of the inner columns: 2·(1/2)·(1 + 1/10) = 1.1 with contrast 10
+    let mut blocks = two_chains(8, 3, 10.0, false);
+    let local = compute(AugmentationChoice::Local, &blocks).unwrap();
+    let stiff = |i: usize| -> f64 {
+        (0..blocks.n_u())
+            .filter_map(|row| Some(blocks.b1.get(row, i)?.powi(2) / blocks.a.get(row, row)?))
+            .sum()
+    };
+    let trace: f64 = (0..3).map(stiff).sum();
+    // ρ, θ: half of H up to ρ = 16, then 2/√ρ, never less than a fifteenth
+    for (rho, theta) in [
+        (2.0, 0.5),
+        (16.0, 0.5),
+        (100.0, 0.2),
+        (900.0, 1.0 / 15.0),
+        (1e6, 1.0 / 15.0),
+    ] {
+        let shape = [1.0, 2.0, 3.0];
+        let h_ii = |i: usize| rho * trace * shape[i] / 6.0;
+        let h = sparse(3, 3, |i, j| if i == j { h_ii(i) } else { 0.0 });
+        blocks.h = Some(h);
+        let c = compute(AugmentationChoice::FittedH, &blocks).unwrap();
+        for (i, c) in c.diagonal_entries().into_iter().enumerate() {
+            let expected = local.diagonal_entries()[i] + theta * h_ii(i);
+            assert!(
+                (c / expected - 1.0).abs() < 1e-12,
+                "{rho} {i}: {c} {expected}"
+            );
+        }
+    }
+    // rows that are no faces are judged one by one
+    let mut single = random(12, 5, 0.7, 11);
+    let h = sparse(5, 5, |i, j| {
+        if i == j {
+            [0.0, 1e-3, 1.0, 1e6, 1e12][i]
+        } else {
+            0.0
+        }
+    });
+    single.h = Some(h);
+    let [none, fitted] = [AugmentationChoice::Local, AugmentationChoice::FittedH]
+        .map(|choice| compute(choice, &single).unwrap().diagonal_entries());
+    assert_eq!(fitted[0], none[0]);
+    assert!(((fitted[4] - none[4]) / (1e12 / 15.0) - 1.0).abs() < 1e-9);
+    assert!((fitted[1] - none[1] - 5e-4).abs() < 1e-12);
+}

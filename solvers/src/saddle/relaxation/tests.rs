@@ -60,6 +60,47 @@ fn it_is_w_from_both_sides() {
     }
 }
 
+/// p of the degree that [0, x] needs, at x.
+fn p_at(x: f64) -> f64 {
+    // λ_max is estimated from above, by 5 % for one mode
+    value(Polynomial::up_to(1.05 * x), x)
+}
+
+/// p(x).
+fn value(p: &Polynomial, x: f64) -> f64 {
+    let powers = p.coefficients.iter().zip(1..);
+    1.0 + powers.map(|(c, k)| c * x.powi(k)).sum::<f64>()
+}
+
+#[test]
+fn polynomials_are_best_approximations_to_an_inverse_root() {
+    for (p, degree) in POLYNOMIALS.iter().zip(1..) {
+        assert_eq!(p.degree(), degree);
+        let x = |k: i32| p.end * f64::from(k) / 100_000.0;
+        let g = |x: f64| x * value(p, x) * value(p, x);
+        // x p² rises from zero through 1/2
+        let mut touched = vec![0.5];
+        for k in 1..=100_000 {
+            assert!(value(p, x(k)) > 0.0 && value(p, x(k)) < 1.0);
+            assert!(g(x(k)) <= 1.0 + 1e-9, "degree {degree}, x = {}", x(k));
+            if x(k) >= 0.63 {
+                assert!(g(x(k)) >= 0.5 - 1e-9, "degree {degree}, x = {}", x(k));
+            }
+            let bound = [0.5, 1.0].into_iter().find(|b| (g(x(k)) - b).abs() < 1e-6);
+            if bound.is_some_and(|b| touched.last() != Some(&b)) {
+                touched.extend(bound);
+            }
+        }
+        // d + 2 points, one bound and the other in turn
+        let expected = (0..degree + 2).map(|k| [0.5, 1.0][k % 2]);
+        assert_eq!(touched.len(), degree + 2, "degree {degree}: {touched:?}");
+        assert!(touched.iter().copied().eq(expected), "{touched:?}");
+    }
+    assert_eq!(Polynomial::up_to(4.0).degree(), 1);
+    assert_eq!(Polynomial::up_to(4.6).degree(), 2);
+    assert_eq!(Polynomial::up_to(1e9).degree(), 4);
+}
+
 #[test]
 fn modes_that_a_h_and_c_share_have_the_eigenvalues_of_the_formula() {
     // one displacement, one traction: S̃_u exact, A = 1, B = √s
@@ -67,6 +108,10 @@ fn modes_that_a_h_and_c_share_have_the_eigenvalues_of_the_formula() {
         (0.3f64, 1.8f64, 1.4f64, 0.2f64),
         (5.0, 0.2, 1.2, 0.2),
         (0.1, 2.0, 1.1, 0.1),
+        // degrees two to four
+        (0.1, 2.0, 0.2, RELAXATION),
+        (0.2, 3.0, 0.15, RELAXATION),
+        (0.02, 3.0, 0.1, RELAXATION),
     ] {
         let b = s.sqrt();
         let one = |v: f64| sparse(1, 1, |_, _| v);
@@ -78,7 +123,7 @@ fn modes_that_a_h_and_c_share_have_the_eigenvalues_of_the_formula() {
         let a = [[1.0, b], [b, -h]];
         let product = |i: usize, j: usize| (0..2).map(|k| m.entry(i, k) * a[k][j]).sum::<f64>();
         let determinant = product(0, 0) * product(1, 1) - product(0, 1) * product(1, 0);
-        let q = 1.0 - gamma * h / c;
+        let q = p_at(gamma / RELAXATION * h / c);
         let expected = [
             q * q * (s + h) / (s + c),
             (c + 2.0 * s * q + h * q * q) / (s + c),
@@ -110,15 +155,16 @@ impl<M: Preconditioner<f64>> Preconditioner<f64> for Third<M> {
 #[test]
 fn with_the_chosen_factor_no_real_part_exceeds_beta_u_and_one() {
     let mut beyond = 0;
-    for seed in 0..20 {
+    // H up to 4 C, and up to 10, 20 and 30 C
+    for (seed, times) in (0..20).flat_map(|seed| [4.0, 10.0, 20.0, 30.0].map(|t| (seed, t))) {
         let blocks = random(10, 5, 0.7, seed);
         let h = blocks.h.clone().unwrap();
-        // H reaches 4 C, C no multiple of I, and β_u of 3 S_u is below 2/3
+        // C is no multiple of I, and β_u of 3 S_u is below 2/3
         let shape = [1.0, 2.0, 0.5, 3.0, 0.7];
         let h_of = dense::to_dense(&h);
         let scaled = Mat::from_fn(5, 5, |i, j| h_of[(i, j)] / f64::sqrt(shape[i] * shape[j]));
         let largest = dense::symmetric_eigenvalues(scaled.as_ref()).unwrap()[4];
-        let c = shape.map(|c| 0.25 * largest * c).to_vec();
+        let c = shape.map(|c| largest / times * c).to_vec();
         let c = AugmentationMatrix::from_diagonal(c).unwrap();
         let real_parts = |gamma: f64| {
             let s_u = InnerChoice::default().prepare(&blocks, &c).unwrap().inverse;
@@ -138,15 +184,15 @@ fn with_the_chosen_factor_no_real_part_exceeds_beta_u_and_one() {
         beyond += usize::from(real_parts(0.0)[1] > 1.5);
         let [low, high] = real_parts(RELAXATION);
         assert!(
-            low > -1e-9 && high < 1.0 + 1e-9,
-            "seed {seed}: {low} {high}"
+            (low > -1e-9 || times > 4.0) && high < 1.0 + 1e-9,
+            "seed {seed}, {times}: {low} {high}"
         );
     }
-    assert!(beyond > 10, "{beyond} of 20 without relaxation");
+    assert!(beyond > 40, "{beyond} of 80 without relaxation");
 }
 
 #[test]
-fn it_gives_way_where_c_does_not_dominate_h() {
+fn its_degree_rises_as_c_falls_below_h_until_it_gives_way() {
     let h = || {
         Csr::new(sparse(4, 4, |i, j| {
             if i == j {
@@ -162,12 +208,22 @@ fn it_gives_way_where_c_does_not_dominate_h() {
     let of =
         |gamma, c: f64| Relaxation::new(h(), gamma, |r, z| (0..4).for_each(|i| z[i] = r[i] / c));
     assert!(of(0.0, 1.0).is_none());
-    assert_eq!(of(0.1, 1.0).unwrap().gamma(), 0.1);
-    let least = 0.01 * 0.65 / 3.618;
-    let gamma = of(0.2, 0.01).unwrap().gamma();
+    let summary = |gamma, c| of(gamma, c).unwrap().summary();
+    let found = summary(0.1, 1.0);
     assert!(
-        gamma > 0.9 * least && gamma < 1.0001 * least,
-        "{gamma} {least}"
+        (found.gamma - 0.1).abs() < 1e-15 && found.degree == 1,
+        "{found:?}"
+    );
+    for (c, degree) in [(1.0, 1), (0.5, 2), (0.2, 3), (0.12, 4)] {
+        let found = summary(RELAXATION, c);
+        assert_eq!((found.gamma, found.degree), (RELAXATION, degree), "C = {c}");
+    }
+    let least = 0.01 * REACH * RELAXATION / 3.618;
+    let found = summary(0.2, 0.01);
+    assert_eq!(found.degree, 4);
+    assert!(
+        found.gamma > 0.9 * least && found.gamma < 1.0001 * least,
+        "{found:?} {least}"
     );
 }
 

@@ -34,8 +34,11 @@ pub(super) fn of(facts: &Explanation, method: &SaddleMethod) -> String {
     }
     if let Some(c) = facts.c_over_h.filter(|c| c.share_below > BELOW) {
         let (part, rule) = match c.asked < 1.0 {
-            true => ("half of H", "half_h, which adds half of H to C"),
-            false => ("H", "local_h, which adds H to C"),
+            true => (
+                format!("{:.0} % of H", 100.0 * c.asked),
+                "fitted_h, which adds as much of H to C as the cells need",
+            ),
+            false => ("H".into(), "local_h, which adds H to C"),
         };
         return format!(
             "C is smaller than {part} in {:.0} % of the rows, by up to {:.1e}: take --augmentation {rule}",

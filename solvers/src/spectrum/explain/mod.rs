@@ -10,7 +10,7 @@ pub use outliers::{Outlier, Place, Seen};
 use crate::SetupError;
 use crate::amg::Summary;
 use crate::saddle::folder::rigid_motions;
-use crate::saddle::{PartCost, SaddleBlocks, SaddleMethod};
+use crate::saddle::{PartCost, REACH, SaddleBlocks, SaddleMethod};
 use fracas_operators::Preconditioner;
 use serde::Serialize;
 
@@ -38,7 +38,8 @@ pub struct Solved<'a> {
 /// `C_ii / H_ii` that a method needs.
 fn asked_of_c(method: &SaddleMethod) -> f64 {
     match method {
-        SaddleMethod::Racp(racp) if racp.relaxation > 0.0 => 0.5,
+        // H ≤ 2 blkdiag H
+        SaddleMethod::Racp(racp) if racp.relaxation > 0.0 => 2.0 / REACH,
         _ => 1.0,
     }
 }
