@@ -1,5 +1,7 @@
 //! e06b: a diagonal C and an H that couples faces.
 
+mod flat_cells;
+
 use crate::measure::{Measured, count_cell};
 use crate::plot::{Axis, Figure, Mark, Series};
 use crate::report::{Cell, Check, Experiment, Findings, Level, Table};
@@ -227,13 +229,15 @@ impl Experiment for Relaxed {
          (degree 1: W = I − γ C⁻¹H; at most 4); C = C_local + diag(H) (local_h), C_local + blkdiag(H)/2 (half_h) and C_local + θ \
          blkdiag(H) with θ = 2/√ρ in [1/15, ½], ρ = tr H_ff / tr (Bᵀ diag(A)⁻¹ B)_ff (fitted_h). `clamped`, `layered` (contrast 1000), `stretched` (cells of 1:50), \
          `layered_crossing` (60° of dip, contrast 10). GMRES(100) to a true residual of 1e-8 under the physical load and \
-         b_i = sin i, with exact S_u, and with AMG (flexible there)."
+         b_i = sin i, with exact S_u, and with AMG (flexible there). \
+         Then `stretched` with cells of 1:1 to 1:200, wide along both long axes or along one, around geometric multigrid."
     }
 
     fn expect(&self) -> &'static str {
         "For modes that S, H and C share, λ₁λ₂ = (1 − γh/c)² (s + h)/(s + c) (derived): checkerboards, where h is up to 2 diag(H) \
          and s small, come down to the others, and C may be halved, and smaller by 1/√ρ in flat cells. Fewer iterations wherever C_local is small beside H; with \
-         AMG as far as AMG is not what limits them."
+         AMG as far as AMG is not what limits them. On flat cells H exceeds what A does to jumps by ρ, and with C of the order √ρ \
+         iterations do not grow with the ratio of sides."
     }
 
     fn run(&self, level: Level, observer: &mut dyn Observer) -> anyhow::Result<Findings> {
@@ -296,6 +300,7 @@ impl Experiment for Relaxed {
             findings.checks.extend(checks(scene, &all));
         }
         findings.tables.push(table);
+        flat_cells::add(&mut findings, level, observer)?;
         Ok(findings)
     }
 }

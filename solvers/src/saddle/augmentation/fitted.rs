@@ -14,7 +14,7 @@ const CUBES: f64 = 0.5;
 /// 1.5 takes up to three iterations fewer at 1:10 and 1:20 and one or two more at 1:50, 3 up to four more.
 const FITTED: f64 = 2.0;
 
-/// Smallest share of H. Unit: 1. `λ_max(C⁻¹H) ≤ 30`: the relaxation of H is of degree four, its last. From cells of 1:30 on.
+/// Smallest share of H. Unit: 1. `λ_max(C⁻¹H) ≤ 30`: the relaxation of H is of degree four, its last. Reached at ρ = 900, cells of about 1:50.
 const LEAST: f64 = 1.0 / 15.0;
 
 /// `C_f = C_local + θ_f |H_ff|`, `θ_f = 2/√ρ_f` in [1/15, ½], `ρ_f = tr H_ff / tr (Bᵀ diag(A)⁻¹ B)_ff`.

@@ -184,7 +184,8 @@ fn with_the_chosen_factor_no_real_part_exceeds_beta_u_and_one() {
         beyond += usize::from(real_parts(0.0)[1] > 1.5);
         let [low, high] = real_parts(RELAXATION);
         assert!(
-            (low > -1e-9 || times > 4.0) && high < 1.0 + 1e-9,
+            // proved for degree one; beyond it, seen
+            low > -1e-9 && high < 1.0 + 1e-9,
             "seed {seed}, {times}: {low} {high}"
         );
     }
