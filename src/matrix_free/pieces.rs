@@ -45,7 +45,7 @@ impl MatrixFreeSaddle<f64> {
                 .map(|h| diagonal_blocks(h.matrix(), FACES * i, chunk.len()));
             Ok(piece)
         });
-        choice.compute_in_parts(pieces)
+        choice.compute_in_parts(pieces, self.stabilization().map(|h| h.matrix()))
     }
 }
 

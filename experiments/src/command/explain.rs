@@ -30,7 +30,7 @@ pub(super) fn rows(facts: &Explanation) -> Vec<(&'static str, String)> {
             || "no H, or no C in this method".to_owned(),
             |c| {
                 format!(
-                    "{:.2e} … {:.2e} … {:.2e} (min, median, max), below {} in {:.0} % of the rows",
+                    "{:.2e} … {:.2e} … {:.2e} (min, median, max), below {:.2} in {:.0} % of the rows",
                     c.min,
                     c.median,
                     c.max,

@@ -11,7 +11,7 @@ use serde::{Deserialize, Deserializer};
 
 /// γ where nothing else is asked for. Unit: 1.
 ///
-/// The largest `x (1 − γx)²`, x in [0, 1/γ], is 4/(27 γ): with this γ, `WᵀHW ≤ C` wherever `H ≤ 27/4 C`, and every eigenvalue
+/// The largest `x (1 − γx)²`, x in [0, 1/γ], is 4/(27 γ): with this γ, `WᵀHW ≤ C` (the polynomials of a higher degree keep that for a larger H), and every eigenvalue
 /// of M⁻¹𝒜 has a real part of at most max(β_u, 1), where without W the upper end is `max(β_u, λ_max(C⁻¹H))` (theorem in the paper).
 pub const RELAXATION: f64 = 4.0 / 27.0;
 
@@ -43,7 +43,7 @@ pub fn factor<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Erro
 /// λ = (s + h)/(s + c)                                                            without W
 /// λ₁ λ₂ = q² (s + h)/(s + c),  λ₁ + λ₂ = (c + 2 s q + h q²)/(s + c)             with W,  q = p(σ h/c)
 /// ```
-/// Modes of large s have h ≈ 0, and q = 1 leaves their λ ≈ 1 alone; h is large where s is small, and `q² ≈ c/(σh)` takes their λ
+/// Modes of large s and small h have q ≈ 1, which leaves their λ ≈ 1 alone; where h is large and s small, `q² ≈ c/(σh)` takes λ
 /// to one and below. So C stays diagonal, as S_u wants it, and may be much smaller than H: modes with s and h both below c, whose λ is
 /// small, become few.
 ///

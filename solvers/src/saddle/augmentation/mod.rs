@@ -98,7 +98,10 @@ impl AugmentationChoice {
             Self::Exact => exact::exact(blocks, &columns, direct)?,
             Self::LocalH => stabilized::local_h(blocks, &columns)?,
             Self::HalfH => stabilized::half_h(blocks, &columns)?,
-            Self::FittedH => fitted::fitted_h(blocks, &columns)?,
+            Self::FittedH => {
+                let local = local::local(&blocks.a, &columns)?.diagonal_entries();
+                fitted::fitted_h(local, &fitted::shares(blocks, &columns), blocks.h.as_ref())
+            }
             Self::ExactH => stabilized::exact_h(blocks, &columns, direct)?,
             Self::FaceBlock => face_block::face_block(blocks, &columns)?,
         };

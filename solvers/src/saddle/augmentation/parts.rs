@@ -1,8 +1,11 @@
 //! C piece by piece, for an A that nobody assembles as a whole.
 
+use super::fitted::{Share, fitted_h, shares};
+use super::support::Columns;
 use super::{Augmentation, AugmentationChoice, AugmentationMatrix, Block, SaddleBlocks};
 use crate::SetupError;
 use crate::direct::DirectChoice;
+use fracas_operators::sparse::SparseMatrix;
 use rayon::prelude::*;
 
 impl AugmentationChoice {
@@ -15,7 +18,7 @@ impl AugmentationChoice {
     }
 
     /// C of a saddle point given in pieces: faces in order, every piece with the columns of B and the diagonal blocks of H
-    /// of some faces, and with all entries of A between the rows that those columns touch.
+    /// of some faces, and with all entries of A between the rows that those columns touch; `h` is H of all of them.
     ///
     /// Equal to [`compute`](Self::compute) of the whole.
     ///
@@ -28,6 +31,7 @@ impl AugmentationChoice {
     pub fn compute_in_parts<E: From<SetupError> + Send>(
         self,
         parts: impl IndexedParallelIterator<Item = Result<SaddleBlocks, E>>,
+        h: Option<&SparseMatrix<f64>>,
     ) -> Result<Augmentation, E> {
         self.require_local()?;
         // never asked by a local choice
@@ -36,15 +40,32 @@ impl AugmentationChoice {
             matrix: AugmentationMatrix::diagonal(Vec::new()),
             empty_columns: Vec::new(),
         };
-        let parts: Vec<Result<Augmentation, E>> = parts
-            .map(|part| Ok(self.compute(&part?, direct.as_ref())?))
-            .collect();
-        for part in parts {
+        // fractures may end in another piece
+        let (base, is_fitted) = match self {
+            Self::FittedH => (Self::Local, true),
+            other => (other, false),
+        };
+        let computed = parts.map(|part| {
             let part = part?;
+            let shares = match is_fitted {
+                true => shares(&part, &Columns::new(&part.b1)),
+                false => Vec::new(),
+            };
+            Ok((base.compute(&part, direct.as_ref())?, shares))
+        });
+        let computed: Vec<Result<(Augmentation, Vec<Share>), E>> = computed.collect();
+        let mut shares = Vec::new();
+        for part in computed {
+            let (part, of_part) = part?;
             let before = whole.matrix.size();
             let empty = part.empty_columns.iter().map(|i| before + i);
             whole.empty_columns.extend(empty);
             whole.matrix.append(part.matrix);
+            shares.extend(of_part);
+        }
+        if is_fitted {
+            whole.matrix = fitted_h(whole.matrix.diagonal_entries(), &shares, h);
+            whole.matrix.factor()?;
         }
         Ok(whole)
     }

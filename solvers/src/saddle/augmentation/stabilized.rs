@@ -9,7 +9,7 @@ use super::support::Columns;
 use super::{AugmentationMatrix, Block};
 use crate::SetupError;
 use crate::direct::DirectSolver;
-use std::ops::Range;
+use fracas_operators::sparse::SparseMatrix;
 
 /// `C = C_local + |diag H|`.
 ///
@@ -35,38 +35,33 @@ pub(super) fn half_h(
     blocks: &SaddleBlocks,
     columns: &Columns,
 ) -> Result<AugmentationMatrix, SetupError> {
-    with_share(blocks, columns, |_| 0.5)
+    let local = local(&blocks.a, columns)?.diagonal_entries();
+    Ok(with_share(local, blocks.h.as_ref(), |_| 0.5))
 }
 
-/// `C = C_local + θ |blkdiag H|`, θ a number for the rows of every face; row by row where n_t is no multiple of three.
+/// `C = C_local + θ |blkdiag H|`, θ a number for every face; row by row where n_t is no multiple of three.
 pub(super) fn with_share(
-    blocks: &SaddleBlocks,
-    columns: &Columns,
-    theta: impl Fn(Range<usize>) -> f64,
-) -> Result<AugmentationMatrix, SetupError> {
-    let mut local = local(&blocks.a, columns)?.diagonal_entries();
-    let Some(h) = &blocks.h else {
-        return Ok(AugmentationMatrix::diagonal(local));
+    mut local: Vec<f64>,
+    h: Option<&SparseMatrix<f64>>,
+    theta: impl Fn(usize) -> f64,
+) -> AugmentationMatrix {
+    let Some(h) = h else {
+        return AugmentationMatrix::diagonal(local);
     };
-    if !columns.len().is_multiple_of(3) {
+    if group(local.len()) == 1 {
         for (i, c) in local.iter_mut().enumerate() {
-            *c += h.get(i, i).map_or(0.0, |h_ii| theta(i..i + 1) * h_ii.abs());
+            *c += h.get(i, i).map_or(0.0, |h_ii| theta(i) * h_ii.abs());
         }
-        return Ok(AugmentationMatrix::diagonal(local));
+        return AugmentationMatrix::diagonal(local);
     }
-    let block = |face: usize| {
-        let rows = 3 * face..3 * face + 3;
-        let mut block = diagonal_block([
-            local[rows.start],
-            local[rows.start + 1],
-            local[rows.start + 2],
-        ]);
-        add_stabilization(&mut block, h, face, theta(rows));
+    let block = |(face, local): (usize, &[f64])| {
+        let mut block = diagonal_block([local[0], local[1], local[2]]);
+        add_stabilization(&mut block, h, face, theta(face));
         block
     };
-    let faces: Vec<Block> = (0..columns.len() / 3).map(block).collect();
+    let faces: Vec<Block> = local.chunks_exact(3).enumerate().map(block).collect();
     // frames along the axes of bricks: nothing beside the diagonal, and a sixth of the memory
-    Ok(match faces.iter().all(is_diagonal) {
+    match faces.iter().all(is_diagonal) {
         true => AugmentationMatrix::diagonal(
             faces
                 .iter()
@@ -74,7 +69,12 @@ pub(super) fn with_share(
                 .collect(),
         ),
         false => AugmentationMatrix::face_blocks(faces),
-    })
+    }
+}
+
+/// Rows that share a θ: those of a face, or single ones where n_t is no multiple of three.
+pub(super) fn group(n_t: usize) -> usize {
+    if n_t.is_multiple_of(3) { 3 } else { 1 }
 }
 
 /// Nothing but rounding beside the diagonal.

@@ -291,51 +291,128 @@ fn a_last_digit_between_the_triangles_of_h_does_not_cost_its_coupling() {
     );
 }
 
-#[test]
-fn as_much_of_h_is_taken_as_h_exceeds_what_a_does_to_jumps() {
-    // b_iᵀ diag(A)⁻¹ b_i of the inner columns: 2·(1/2)·(1 + 1/10) = 1.1 with contrast 10
-    let mut blocks = two_chains(8, 3, 10.0, false);
-    let local = compute(AugmentationChoice::Local, &blocks).unwrap();
-    let stiff = |i: usize| -> f64 {
+/// θ of every row of a C, from C − C_local and the diagonal of H.
+fn shares_of_h(blocks: &SaddleBlocks) -> Vec<f64> {
+    let [local, fitted] = [AugmentationChoice::Local, AugmentationChoice::FittedH]
+        .map(|choice| compute(choice, blocks).unwrap().to_dense());
+    let h = blocks.h.as_ref().unwrap();
+    let share = |i: usize| (fitted[(i, i)] - local[(i, i)]) / h.get(i, i).unwrap();
+    (0..blocks.n_t()).map(share).collect()
+}
+
+/// `H_ii = h(i)`.
+fn with_diagonal_h(mut blocks: SaddleBlocks, h: impl Fn(usize) -> f64) -> SaddleBlocks {
+    let n = blocks.n_t();
+    blocks.h = Some(sparse(n, n, |i, j| if i == j { h(i) } else { 0.0 }));
+    blocks
+}
+
+/// `Σ b_iᵀ diag(A)⁻¹ b_i` over some columns.
+fn trace(blocks: &SaddleBlocks, columns: std::ops::Range<usize>) -> f64 {
+    let k = |i: usize| -> f64 {
         (0..blocks.n_u())
             .filter_map(|row| Some(blocks.b1.get(row, i)?.powi(2) / blocks.a.get(row, row)?))
             .sum()
     };
-    let trace: f64 = (0..3).map(stiff).sum();
+    columns.map(k).sum()
+}
+
+#[test]
+fn as_much_of_h_is_taken_as_h_exceeds_what_a_does_to_jumps() {
+    let close = |found: &[f64], theta: f64| found.iter().all(|f| (f / theta - 1.0).abs() < 1e-9);
     // ρ, θ: half of H up to ρ = 16, then 2/√ρ, never less than a fifteenth
+    let least = 1.0 / 15.0;
     for (rho, theta) in [
         (2.0, 0.5),
         (16.0, 0.5),
         (100.0, 0.2),
-        (900.0, 1.0 / 15.0),
-        (1e6, 1.0 / 15.0),
+        (900.0, least),
+        (1e6, least),
     ] {
+        let blocks = random(12, 3, 0.0, 4);
+        let k = trace(&blocks, 0..3);
         let shape = [1.0, 2.0, 3.0];
-        let h_ii = |i: usize| rho * trace * shape[i] / 6.0;
-        let h = sparse(3, 3, |i, j| if i == j { h_ii(i) } else { 0.0 });
-        blocks.h = Some(h);
-        let c = compute(AugmentationChoice::FittedH, &blocks).unwrap();
-        for (i, c) in c.diagonal_entries().into_iter().enumerate() {
-            let expected = local.diagonal_entries()[i] + theta * h_ii(i);
-            assert!(
-                (c / expected - 1.0).abs() < 1e-12,
-                "{rho} {i}: {c} {expected}"
-            );
-        }
+        let of = |blocks| with_diagonal_h(blocks, |i| rho * k * shape[i] / 6.0);
+        let found = shares_of_h(&of(blocks.clone()));
+        assert!(close(&found, theta), "{rho}: {found:?}");
+        // an A that ties no rows of a face to each other: the fracture lies along flat cells
+        let mut loose = blocks;
+        loose.a = sparse(12, 12, |i, j| match i == j {
+            true => *loose.a.get(i, i).unwrap(),
+            false => 0.0,
+        });
+        let found = shares_of_h(&of(loose));
+        assert!(close(&found, 0.5), "{rho}: {found:?}");
     }
     // rows that are no faces are judged one by one
-    let mut single = random(12, 5, 0.7, 11);
-    let h = sparse(5, 5, |i, j| {
-        if i == j {
-            [0.0, 1e-3, 1.0, 1e6, 1e12][i]
-        } else {
-            0.0
+    let single = random(12, 5, 0.0, 11);
+    let rho = [1.0, 25.0, 100.0, 400.0, 1e12];
+    let k: Vec<f64> = (0..5).map(|i| trace(&single, i..i + 1)).collect();
+    let found = shares_of_h(&with_diagonal_h(single, |i| rho[i] * k[i]));
+    for (found, theta) in found.iter().zip([0.5, 0.4, 0.2, 0.1, least]) {
+        assert!((found / theta - 1.0).abs() < 1e-6, "{found} {theta}");
+    }
+}
+
+#[test]
+fn faces_that_h_couples_share_the_verdict_on_their_fracture() {
+    // face 0 and face 2 have nodes that A ties to each other, face 1 has none; H couples 0 and 1
+    let n_u = 18;
+    let b = sparse(n_u, 9, |i, j| {
+        let (face, k) = (j / 3, j % 3);
+        match i == 6 * face + 2 * k || i == 6 * face + 2 * k + 1 {
+            true => 1.0,
+            false => 0.0,
         }
     });
-    single.h = Some(h);
-    let [none, fitted] = [AugmentationChoice::Local, AugmentationChoice::FittedH]
-        .map(|choice| compute(choice, &single).unwrap().diagonal_entries());
-    assert_eq!(fitted[0], none[0]);
-    assert!(((fitted[4] - none[4]) / (1e12 / 15.0) - 1.0).abs() < 1e-9);
-    assert!((fitted[1] - none[1] - 5e-4).abs() < 1e-12);
+    let is_tied = |i: usize| !(6..12).contains(&i);
+    let a = sparse(n_u, n_u, |i, j| match (i == j, i / 2 == j / 2) {
+        (true, _) => 2.0,
+        (_, true) if is_tied(i) => -1.0,
+        _ => 0.0,
+    });
+    let h_of = |coupling: f64| {
+        sparse(9, 9, |i, j| match (i == j, i % 3 == j % 3) {
+            (true, _) => 100.0,
+            (_, true) if i / 3 + j / 3 == 1 => -coupling,
+            _ => 0.0,
+        })
+    };
+    let of = |h| {
+        let blocks = SaddleBlocks {
+            a: a.clone(),
+            b1: b.clone(),
+            h: Some(h),
+            ..random(n_u, 9, 0.0, 1)
+        };
+        shares_of_h(&blocks)
+            .chunks(3)
+            .map(|theta| theta[0])
+            .collect::<Vec<f64>>()
+    };
+    // ρ = 100/(2/2): θ = 2/10
+    for (found, expected) in [(of(h_of(0.0)), [0.2, 0.5, 0.2]), (of(h_of(50.0)), [0.2; 3])] {
+        let error = found.iter().zip(expected).map(|(f, e)| (f - e).abs());
+        assert!(error.fold(0.0, f64::max) < 1e-12, "{found:?} {expected:?}");
+    }
+}
+
+#[test]
+fn faces_without_nodes_do_not_spoil_the_share_of_h() {
+    for n_t in [6, 5] {
+        let mut blocks = random(12, n_t, 0.7, 3);
+        let b = blocks.b1.clone();
+        // the first face, or the first row
+        let empty = if n_t == 6 { 3 } else { 1 };
+        blocks.b1 = sparse(12, n_t, |i, j| match j < empty {
+            true => 0.0,
+            false => b.get(i, j).copied().unwrap_or(0.0),
+        });
+        let c = compute(AugmentationChoice::FittedH, &blocks).unwrap();
+        assert!(
+            c.diagonal_entries()
+                .iter()
+                .all(|c| c.is_finite() && *c > 0.0)
+        );
+    }
 }
