@@ -5,12 +5,13 @@ use super::AugmentationMatrix;
 use super::stabilized::{group, with_share};
 use super::support::{Columns, for_restricted};
 use fracas_operators::sparse::SparseMatrix;
+use std::ops::Range;
 
 /// Share of H in cubes. Unit: 1. `H ≤ 2 blkdiag H`: the relaxation of H is of degree one.
 const CUBES: f64 = 0.5;
 
-/// `θ √ρ` in flat cells. Unit: 1. Measured on cells of 1:5 to 1:200, both flat and long, fractures across and along them:
-/// 1.5 takes up to three iterations fewer at 1:10 and 1:20 and one or two more at 1:50, 3 up to four more.
+/// `θ √ρ` in flat cells. Unit: 1. Measured on flat and long cells of 1:5 to 1:200, 48³: 1.5 takes one iteration fewer at 1:10 and
+/// 1:20 and one more at 1:50, 3 up to four more.
 const FITTED: f64 = 2.0;
 
 /// Smallest share of H. Unit: 1. `λ_max(C⁻¹H) ≤ 30`: the relaxation of H is of degree four, its last. Reached at ρ = 900, cells
@@ -40,7 +41,7 @@ pub(super) struct Share {
 pub(super) fn shares(blocks: &SaddleBlocks, columns: &Columns) -> Vec<Share> {
     let size = group(columns.len());
     let h_ii = |i: usize| (blocks.h.as_ref()).and_then(|h| h.get(i, i).copied());
-    let share = |rows: std::ops::Range<usize>| {
+    let share = |rows: Range<usize>| {
         let h: f64 = rows.clone().map(|i| h_ii(i).unwrap_or(0.0).abs()).sum();
         let (mut k, mut ties, mut diagonal) = (0.0, 0.0, 0.0);
         for i in rows {
