@@ -11,8 +11,8 @@ use serde::{Deserialize, Deserializer};
 
 /// γ where nothing else is asked for. Unit: 1.
 ///
-/// The largest `x (1 − γx)²`, x in [0, 1/γ], is 4/(27 γ): with this γ, `WᵀHW ≤ C` (the polynomials of a higher degree keep that for a larger H), and every eigenvalue
-/// of M⁻¹𝒜 has a real part of at most max(β_u, 1), where without W the upper end is `max(β_u, λ_max(C⁻¹H))` (theorem in the paper).
+/// The largest `x (1 − γx)²`, x in [0, 1/γ], is 4/(27 γ): with this γ, `WᵀHW ≤ C`, which polynomials of a higher degree keep for a
+/// larger H, and every eigenvalue of M⁻¹𝒜 has a real part of at most max(β_u, 1), where without W the upper end is `max(β_u, λ_max(C⁻¹H))` (theorem in the paper).
 pub const RELAXATION: f64 = 4.0 / 27.0;
 
 /// The largest `λ_max(C⁻¹H)` that γ = 4/27 serves. Unit: 1.

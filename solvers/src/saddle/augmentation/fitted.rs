@@ -2,13 +2,10 @@
 
 use super::super::SaddleBlocks;
 use super::AugmentationMatrix;
-use super::stabilized::{group, with_share};
+use super::stabilized::{HALF, group, with_share};
 use super::support::{Columns, for_restricted};
 use fracas_operators::sparse::SparseMatrix;
 use std::ops::Range;
-
-/// Share of H in cubes. Unit: 1. `H ≤ 2 blkdiag H`: the relaxation of H is of degree one.
-const CUBES: f64 = 0.5;
 
 /// `θ √ρ` in flat cells. Unit: 1. Measured on flat and long cells of 1:5 to 1:200, 48³: 1.5 takes one iteration fewer at 1:10 and
 /// 1:20 and one more at 1:50, 3 up to four more.
@@ -56,8 +53,8 @@ pub(super) fn shares(blocks: &SaddleBlocks, columns: &Columns) -> Vec<Share> {
         }
         // nothing in H: any θ; nothing in B: ρ = ∞
         let theta = match h > 0.0 {
-            true => (FITTED * (k / h).sqrt()).clamp(LEAST, CUBES),
-            false => CUBES,
+            true => (FITTED * (k / h).sqrt()).clamp(LEAST, HALF),
+            false => HALF,
         };
         Share {
             theta,
@@ -91,7 +88,7 @@ pub(super) fn fitted_h(
     for fracture in h.map_or_else(Vec::new, |h| fractures(h, shares.len())) {
         let sum = |of: fn(&Share) -> f64| -> f64 { fracture.iter().map(|f| of(&shares[*f])).sum() };
         if sum(|s| s.ties) < TIED * sum(|s| s.diagonal) {
-            fracture.iter().for_each(|f| theta[*f] = CUBES);
+            fracture.iter().for_each(|f| theta[*f] = HALF);
         }
     }
     with_share(local, h, |face| theta[face])

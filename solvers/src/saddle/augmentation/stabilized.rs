@@ -11,6 +11,9 @@ use crate::SetupError;
 use crate::direct::DirectSolver;
 use fracas_operators::sparse::SparseMatrix;
 
+/// Share of H in `half_h`, and the largest in `fitted_h`. Unit: 1. `H ≤ 2 blkdiag H`: the relaxation of H is of degree one.
+pub(super) const HALF: f64 = 0.5;
+
 /// `C = C_local + |diag H|`.
 ///
 /// The eigenvalues with exact S_u lie in [λ_min(GᵀG), max(1, λ_max(C^{-1/2} H C^{-1/2}))]: a C that does not dominate
@@ -19,13 +22,11 @@ pub(super) fn local_h(
     blocks: &SaddleBlocks,
     columns: &Columns,
 ) -> Result<AugmentationMatrix, SetupError> {
-    let mut diagonal = local(&blocks.a, columns)?.diagonal_entries();
-    if let Some(h) = &blocks.h {
-        for (i, c) in diagonal.iter_mut().enumerate() {
-            *c += h.get(i, i).map_or(0.0, |h_ii| h_ii.abs());
-        }
-    }
-    Ok(AugmentationMatrix::diagonal(diagonal))
+    let local = local(&blocks.a, columns)?.diagonal_entries();
+    Ok(match &blocks.h {
+        Some(h) => row_by_row(local, h, |_| 1.0),
+        None => AugmentationMatrix::diagonal(local),
+    })
 }
 
 /// `C = C_local + |blkdiag H|/2`, blkdiag the 3×3 blocks of faces; by its diagonal where n_t is no multiple of three.
@@ -36,12 +37,12 @@ pub(super) fn half_h(
     columns: &Columns,
 ) -> Result<AugmentationMatrix, SetupError> {
     let local = local(&blocks.a, columns)?.diagonal_entries();
-    Ok(with_share(local, blocks.h.as_ref(), |_| 0.5))
+    Ok(with_share(local, blocks.h.as_ref(), |_| HALF))
 }
 
 /// `C = C_local + θ |blkdiag H|`, θ a number for every face; row by row where n_t is no multiple of three.
 pub(super) fn with_share(
-    mut local: Vec<f64>,
+    local: Vec<f64>,
     h: Option<&SparseMatrix<f64>>,
     theta: impl Fn(usize) -> f64,
 ) -> AugmentationMatrix {
@@ -49,10 +50,7 @@ pub(super) fn with_share(
         return AugmentationMatrix::diagonal(local);
     };
     if group(local.len()) == 1 {
-        for (i, c) in local.iter_mut().enumerate() {
-            *c += h.get(i, i).map_or(0.0, |h_ii| theta(i) * h_ii.abs());
-        }
-        return AugmentationMatrix::diagonal(local);
+        return row_by_row(local, h, theta);
     }
     let block = |(face, local): (usize, &[f64])| {
         let mut block = diagonal_block([local[0], local[1], local[2]]);
@@ -70,6 +68,18 @@ pub(super) fn with_share(
         ),
         false => AugmentationMatrix::face_blocks(faces),
     }
+}
+
+/// `C_ii = C_local,ii + θ_i |H_ii|`.
+fn row_by_row(
+    mut local: Vec<f64>,
+    h: &SparseMatrix<f64>,
+    theta: impl Fn(usize) -> f64,
+) -> AugmentationMatrix {
+    for (i, c) in local.iter_mut().enumerate() {
+        *c += h.get(i, i).map_or(0.0, |h_ii| theta(i) * h_ii.abs());
+    }
+    AugmentationMatrix::diagonal(local)
 }
 
 /// Rows that share a θ: those of a face, or single ones where n_t is no multiple of three.
