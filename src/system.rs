@@ -157,6 +157,14 @@ impl Body {
         self.stick_system(stabilization).assemble(&self.forces()?)
     }
 
+    /// H with factor 1 and the lengths that the scene asks for.
+    pub fn jump_stabilization(&self) -> JumpStabilization {
+        JumpStabilization {
+            lengths: self.solver.stabilization,
+            ..JumpStabilization::default()
+        }
+    }
+
     /// The body with every face in stick.
     pub fn stick_system(&self, stabilization: Option<JumpStabilization>) -> StickSystem<'_> {
         StickSystem {

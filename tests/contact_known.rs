@@ -63,6 +63,7 @@ fn a_block_that_weakens_faster_than_the_rock_is_stiff_finds_its_only_state() {
                 &format!("fracture.0.weakening_distance={distance} m"),
                 &format!("time.steps={steps}"),
                 "time.end=1 s",
+                "solver.unstable=arrest",
             ],
         );
         run(&body, |state, fields, _| {

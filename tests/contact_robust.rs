@@ -124,12 +124,150 @@ fn scene(seed: u64) -> String {
     toml + &format!("[time]\nend = '10 s'\nsteps = {steps}\n")
 }
 
+/// A network in rock under its own weight that the seed alone decides: one to four fractures that cross, dips, depletion,
+/// gravity and initial stress, fluid pressure, weakening, sides that go forth and back; 400 to 4,000 displacements.
+fn network(seed: u64) -> String {
+    let r = &mut Random(seed.wrapping_mul(0x9E6D_62D0_6F6A_9A9B) + 1);
+    let cells = [r.whole(5, 12), r.whole(2, 4), r.whole(5, 12)];
+    let mut toml = format!("title = 'network {seed}'\n[solver]\ninner = 'exact'\n[mesh]\n");
+    for (axis, n) in ["x", "y", "z"].iter().zip(cells) {
+        toml += &format!(
+            "{axis} = {{ from = '0 m', to = '{} m', cells = {n} }}\n",
+            10 * n
+        );
+    }
+    if r.chance(0.5) {
+        let dip = r.between(60.0, 90.0);
+        let fade = r.chance(0.7);
+        toml += &format!("[mesh.map.incline]\nplane = 'x'\ndip = '{dip} deg'\nfade = {fade}\n");
+    }
+    let depleted = |r: &mut Random| {
+        let change = r.between(-15.0, 5.0);
+        format!(
+            "pressure_change = '{change} MPa'\nbiot = 0.9\npressure_history = [['0 s', 0], ['10 s', 1]]\n"
+        )
+    };
+    let rock = |r: &mut Random, young: f64| {
+        format!(
+            "young = '{young} GPa'\npoisson = {}\ndensity = '2500 kg/m3'\n",
+            r.between(0.05, 0.4)
+        )
+    };
+    toml += &format!("[[material]]\nname = 'rock'\n{}", rock(r, 10.0));
+    if r.chance(0.6) {
+        let young = 10.0 * 10f64.powf(r.between(-1.0, 1.0));
+        let (low, high) = (
+            r.whole(0, cells[2] / 2),
+            r.whole(cells[2] / 2 + 1, cells[2]),
+        );
+        toml += &format!(
+            "[[material]]\nname = 'layer'\n{}layers = [['{} m', '{} m']]\n",
+            rock(r, young),
+            10 * low,
+            10 * high
+        );
+        if r.chance(0.6) {
+            toml += &depleted(r);
+        }
+    }
+    // through the body or ending inside it, at different lines
+    let mut taken = Vec::new();
+    for k in 0..r.whole(1, 4) {
+        let axis = [0, 2, 2, 0, 1][r.whole(0, 4) as usize];
+        let at = r.whole(1, cells[axis] - 1);
+        if taken.contains(&(axis, at)) {
+            continue;
+        }
+        taken.push((axis, at));
+        let name = |axis: usize| ["x", "y", "z"][axis];
+        toml += &format!(
+            "[[fracture]]\nname = 'f{k}'\nplane = '{}'\nat = '{} m'\nfriction_angle = '{} deg'\ncohesion = '{} MPa'\n",
+            name(axis),
+            10 * at,
+            r.between(0.0, 1.0).atan().to_degrees(),
+            if r.chance(0.5) {
+                0.0
+            } else {
+                r.between(0.0, 2.0)
+            }
+        );
+        let across = if axis == 0 { 2 } else { 0 };
+        if r.chance(0.5) && cells[across] > 4 {
+            let from = r.whole(0, 2);
+            let to = cells[across] - r.whole(1, 2);
+            toml += &format!("{} = ['{} m', '{} m']\n", name(across), 10 * from, 10 * to);
+        }
+        if r.chance(0.3) {
+            toml += &format!(
+                "dynamic_friction_angle = '3 deg'\nweakening_distance = '{} mm'\n",
+                10f64.powf(r.between(0.5, 2.0))
+            );
+        }
+        if r.chance(0.3) {
+            toml += &format!(
+                "pressure = '{} MPa'\npressure_history = [['0 s', 0], ['6 s', 1], ['10 s', 0.3]]\n",
+                r.between(0.0, 6.0)
+            );
+        }
+    }
+    let weight = r.chance(0.7);
+    let lateral = r.between(0.3, 0.9);
+    let buried = r.between(2.0, 20.0);
+    if weight {
+        toml += "[gravity]\nz = '-9.81 m/s2'\n";
+    }
+    let gradient = if weight { 2500.0 * 9.81 } else { 0.0 };
+    toml += &format!(
+        "[initial_stress]\nreference = '{} m'\nconstant = {{ xx = '{} MPa', yy = '{} MPa', zz = '{} MPa' }}\n\
+         gradient = {{ xx = '{} Pa/m', yy = '{} Pa/m', zz = '{} Pa/m' }}\n",
+        10 * cells[2],
+        -lateral * buried,
+        -lateral * buried,
+        -buried,
+        lateral * gradient,
+        lateral * gradient,
+        gradient
+    );
+    toml += "[[boundary]]\nside = 'z-'\nhold = 'fixed'\n[[boundary]]\nside = 'x-'\nhold = 'roller'\n[[boundary]]\nside = 'y-'\nhold = 'roller'\n[[boundary]]\nside = 'y+'\nhold = 'roller'\n";
+    toml += &format!("[[boundary]]\nside = 'z+'\npressure = '{buried} MPa'\n");
+    let there_and_back = "history = [['0 s', 0], ['3 s', 1], ['6 s', -0.7], ['10 s', 1]]\n";
+    match r.whole(0, 2) {
+        0 => {
+            toml += &format!(
+                "[[boundary]]\nside = 'x+'\ndisplacement = {{ x = '{} mm', z = '{} mm' }}\n{there_and_back}",
+                r.between(-40.0, 20.0),
+                r.between(-40.0, 40.0)
+            );
+        }
+        1 => {
+            toml += &format!(
+                "[[boundary]]\nside = 'x+'\ndisplacement = {{ x = '{} mm' }}\n{there_and_back}",
+                r.between(-40.0, 20.0)
+            );
+        }
+        _ => {
+            toml += &format!(
+                "[[boundary]]\nside = 'x+'\npressure = '{} MPa'\n",
+                lateral * buried
+            );
+            toml += &format!(
+                "[[boundary]]\nside = 'x+'\ntraction = {{ x = '{} MPa', z = '{} MPa' }}\n{there_and_back}",
+                r.between(-4.0, 4.0),
+                r.between(-4.0, 4.0)
+            );
+        }
+    }
+    toml + &format!("[time]\nend = '10 s'\nsteps = {}\n", r.whole(3, 12))
+}
+
 #[derive(Default)]
 struct Tally {
     runs: usize,
     refused: usize,
     finished: usize,
-    failed: Vec<(u64, String)>,
+    failed: Vec<(u64, Failure)>,
+    /// Largest violation of the direction of slip, relative to the largest traction.
+    slip_violation: f64,
     steps: usize,
     cut: usize,
     cycles: usize,
@@ -158,7 +296,7 @@ fn quantile<T: Copy>(sorted: &[T], share: f64) -> T {
     sorted[(share * sorted.len() as f64) as usize]
 }
 
-fn run(seed: u64, tally: &mut Tally) {
+fn run(scene: fn(u64) -> String, seed: u64, tally: &mut Tally) {
     tally.runs += 1;
     let Ok(body) = Scene::from_toml(&scene(seed), "scene.toml")
         .unwrap()
@@ -194,6 +332,7 @@ fn run(seed: u64, tally: &mut Tally) {
                 }
                 let record = done.record;
                 assert!(record.max_tau_viol.is_finite() && record.max_pen.is_finite());
+                tally.slip_violation = tally.slip_violation.max(record.max_slip_viol);
                 tally.steps += 1;
                 tally.cut += usize::from(record.cuts > 0);
                 tally.cycles += done
@@ -217,7 +356,7 @@ fn run(seed: u64, tally: &mut Tally) {
                     !matches!(reason, Failure::NotFinite { .. } | Failure::Stopped),
                     "seed {seed}: {reason}"
                 );
-                tally.failed.push((seed, reason.to_string()));
+                tally.failed.push((seed, failure.reason));
                 return;
             }
         }
@@ -232,9 +371,9 @@ fn run(seed: u64, tally: &mut Tally) {
     }
 }
 
-fn sweep(seeds: std::ops::Range<u64>) -> Tally {
+fn sweep(scene: fn(u64) -> String, seeds: std::ops::Range<u64>) -> Tally {
     let mut tally = Tally::default();
-    seeds.for_each(|seed| run(seed, &mut tally));
+    seeds.for_each(|seed| run(scene, seed, &mut tally));
     tally.changes.sort_unstable();
     tally.growth.sort_by(f64::total_cmp);
     tally.growth_per_digit.sort_by(f64::total_cmp);
@@ -242,7 +381,7 @@ fn sweep(seeds: std::ops::Range<u64>) -> Tally {
         println!("seed {seed}: {reason}");
     }
     println!(
-        "{} runs, {} refused, {} finished, {} ended with a reason; {} steps, {} cut, {} cycles; rounds with changes median {}, 95 % {}, most {}; growth median {:.2}, 95 % {:.2}, per digit {:.2}, {:.2}; {} iterations, {} solves, {} set-ups",
+        "{} runs, {} refused, {} finished, {} ended with a reason; {} steps, {} cut, {} cycles, slip violated by {:.1e}; rounds with changes median {}, 95 % {}, most {}; growth median {:.2}, 95 % {:.2}, per digit {:.2}, {:.2}; {} iterations, {} solves, {} set-ups",
         tally.runs,
         tally.refused,
         tally.finished,
@@ -250,6 +389,7 @@ fn sweep(seeds: std::ops::Range<u64>) -> Tally {
         tally.steps,
         tally.cut,
         tally.cycles,
+        tally.slip_violation,
         quantile(&tally.changes, 0.5),
         quantile(&tally.changes, 0.95),
         tally.changes[tally.changes.len() - 1],
@@ -264,18 +404,25 @@ fn sweep(seeds: std::ops::Range<u64>) -> Tally {
     tally
 }
 
+/// All runs but one in `one_in` finish or end by a loss of equilibrium that is shown: a body that nothing holds, or slip that
+/// runs away. No accepted slip goes against its traction.
+fn ends_in_a_known_way(tally: &Tally, one_in: usize) {
+    let shown = |(_, reason): &&(u64, Failure)| {
+        matches!(reason, Failure::Loose { .. } | Failure::Unstable(_))
+    };
+    let other = tally.failed.iter().filter(|r| !shown(r)).count();
+    let runs = tally.finished + tally.failed.len();
+    assert!(
+        one_in * other <= runs,
+        "{other} of {runs} runs end for another reason than a loss of equilibrium"
+    );
+    assert!(tally.slip_violation < 1e-5, "{}", tally.slip_violation);
+}
+
 /// Runs that end without equilibrium end because a body is held by nothing, or by slipping faces alone, but for a few; nearly
 /// all steps take few rounds.
 fn ends_well(tally: &Tally) {
-    let loose = |reason: &&(u64, String)| {
-        reason.1.contains("nothing holds") || reason.1.contains("slipping faces holds")
-    };
-    let other = tally.failed.iter().filter(|r| !loose(r)).count();
-    let runs = tally.finished + tally.failed.len();
-    assert!(
-        20 * other <= runs,
-        "{other} of {runs} runs end for another reason than a loose body"
-    );
+    ends_in_a_known_way(tally, 20);
     let changes = quantile(&tally.changes, 0.95);
     assert!(
         changes <= 10,
@@ -291,19 +438,37 @@ fn ends_well(tally: &Tally) {
 
 #[test]
 fn runs_of_every_kind_end_well() {
-    ends_well(&sweep(0..40));
+    ends_well(&sweep(scene, 0..40));
 }
 
 /// The full sweep: `cargo test --release --test contact_robust -- --ignored --nocapture five`.
 #[test]
 #[ignore = "minutes"]
 fn five_hundred_runs_end_well() {
-    ends_well(&sweep(0..500));
+    ends_well(&sweep(scene, 0..500));
 }
 
 /// Seeds that no setting was chosen by.
 #[test]
 #[ignore = "minutes"]
 fn five_hundred_others_end_well() {
-    ends_well(&sweep(1000..1500));
+    ends_well(&sweep(scene, 1000..1500));
+}
+
+/// `FRACAS_RUNS=1000 FRACAS_SEED=0 cargo test --release --test contact_robust -- --nocapture networks` for the full sweep.
+#[test]
+fn networks_end_well() {
+    let number = |name: &str, default: u64| {
+        std::env::var(name).map_or(default, |value| value.parse().unwrap())
+    };
+    let first = number("FRACAS_SEED", 0);
+    let runs = number("FRACAS_RUNS", 12);
+    let tally = sweep(network, first..first + runs);
+    // seed 8 does not settle: one of a few runs may, of many one in a hundred
+    ends_in_a_known_way(&tally, if runs < 100 { 8 } else { 100 });
+    let changes = quantile(&tally.changes, 0.95);
+    assert!(
+        changes <= 10,
+        "{changes} rounds with changes in 95 % of the steps"
+    );
 }

@@ -176,6 +176,7 @@ struct Measured {
     /// Place in [`ANALOGUES`].
     analogue: usize,
     name: &'static str,
+    /// As asked for.
     krylov: KrylovChoice,
     load: Load,
     trial: Trial,
@@ -383,7 +384,7 @@ impl Experiment for Efficiency {
                     let head: [Cell; 4] = [
                         name.into(),
                         candidate.name.into(),
-                        candidate.krylov.to_string().into(),
+                        trial.krylov_cell(candidate),
                         load.to_string().into(),
                     ];
                     let mut row = head.to_vec();

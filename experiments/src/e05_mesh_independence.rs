@@ -307,7 +307,7 @@ impl Experiment for MeshIndependence {
                         n_u.into(),
                         n_t.into(),
                         candidate.name.into(),
-                        candidate.krylov.to_string().into(),
+                        trial.krylov_cell(candidate),
                     ];
                     row.extend(trial.cells(level));
                     if let Some(failure) = trial.failure.as_ref().filter(|_| trial.setup.is_some())

@@ -151,6 +151,15 @@ impl Solved {
     }
 }
 
+/// The iterations that ran around this inner solver.
+fn ran(rows: &[Solved], inner: usize) -> Option<String> {
+    let ran = rows.iter().flat_map(|s| s.counts[inner].iter().flatten());
+    let mut names: Vec<String> = ran.map(|m| m.krylov.to_string()).collect();
+    names.sort();
+    names.dedup();
+    (!names.is_empty()).then(|| names.join(", "))
+}
+
 /// Place in the palette of a rule: shapes that stay visible one on top of the other.
 fn tone(rule: AugmentationChoice) -> usize {
     match rule {
@@ -345,6 +354,11 @@ impl Experiment for CLaboratory {
                 }
             }
             findings.checks.extend(checks(case, &rows));
+            for (inner, name) in INNERS.iter().enumerate() {
+                if let Some(krylov) = ran(&rows, inner) {
+                    findings.set(name, krylov);
+                }
+            }
             findings.figures.push(sweep(case, number + 1, &rows));
             findings.figures.push(pareto(case, number + 1, &rows));
         }

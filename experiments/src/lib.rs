@@ -1,6 +1,7 @@
 //! What you run: one file per figure or table, the report that shows them beside the published numbers, and the
 //! `fracas` command line.
 
+pub mod allocation;
 mod clock;
 pub mod command;
 pub mod crack;

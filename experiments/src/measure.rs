@@ -15,6 +15,8 @@ pub const LIMIT: usize = 1000;
 /// How an iteration went.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
+    /// The iteration that ran: GMRES may have become FGMRES.
+    pub krylov: KrylovChoice,
     /// n_it, where the true residual met the tolerance.
     pub iterations: Option<usize>,
     /// C_s, where the true residual met the tolerance.
@@ -51,6 +53,7 @@ impl Measured {
             .map(|report| report.iterations);
         let cost = Cost::new(&operator, preconditioner);
         Self {
+            krylov: method,
             iterations,
             cost: iterations.map(|n| cost.c_s(n, &method)),
         }

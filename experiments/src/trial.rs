@@ -80,7 +80,7 @@ pub struct Candidate {
     pub name: &'static str,
     /// The preconditioner.
     pub method: Method,
-    /// The iteration.
+    /// The iteration that is asked for.
     pub krylov: KrylovChoice,
 }
 
@@ -133,6 +133,8 @@ impl Budget {
 /// What one method did with one right-hand side.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trial {
+    /// The iteration that ran, where one did: GMRES may have become FGMRES.
+    pub krylov: Option<KrylovChoice>,
     /// n_it, where the true residual met the tolerance.
     pub iterations: Option<usize>,
     /// c_app, where there is a preconditioner.
@@ -176,6 +178,11 @@ impl Trial {
             failure: Some(Failure::new("not tried", reason)),
             ..Self::default()
         }
+    }
+
+    /// The iteration that ran as a cell; the one that was asked for where none did.
+    pub fn krylov_cell(&self, candidate: &Candidate) -> Cell {
+        self.krylov.unwrap_or(candidate.krylov).to_string().into()
     }
 
     /// n_it for checks: infinite where the method failed.
@@ -280,6 +287,7 @@ pub fn trials(
             Err(breakdown) => (None, Some(Failure::new("breakdown", breakdown))),
         };
         Trial {
+            krylov: Some(krylov),
             iterations,
             c_app: Some(cost.c_app()),
             cost: iterations.map(|n| cost.c_s(n, &krylov)),

@@ -1,10 +1,11 @@
 //! The laws that every operator and every preconditioner obeys, as functions that tests call with one list of both.
 //!
 //! Checked: shape, linearity, accumulation onto a non-zero `y` with `α ∉ {0, 1}`, `⟨Ax, y⟩ = ⟨x, Aᵀy⟩`, indifference
-//! to what `work` contains (it is poisoned with NaN), and that exactly `work_len()` entries suffice.
+//! to what `work` contains (it is poisoned with NaN), that exactly `work_len()` entries suffice, and that what is made of
+//! parts is no more linear than they are.
 
 use crate::vector::{dot, norm2};
-use crate::{AdjointOperator, Dense, LinearOperator, Preconditioner, Real};
+use crate::{AdjointOperator, Dense, LinearOperator, Linearity, Preconditioner, Real};
 
 /// A broken law: which, for what, and by how much.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -44,14 +45,19 @@ struct Judge<'a> {
 
 impl Judge<'_> {
     fn same<R: Real>(&self, law: &'static str, a: &[R], b: &[R]) -> Result<(), Violation> {
+        self.same_to(tolerance::<R>(), law, a, b)
+    }
+
+    fn same_to<R: Real>(
+        &self,
+        tolerance: f64,
+        law: &'static str,
+        a: &[R],
+        b: &[R],
+    ) -> Result<(), Violation> {
         let difference: Vec<R> = a.iter().zip(b).map(|(a, b)| *a - *b).collect();
         let scale = norm2(a).max(norm2(b)).to_f64_exact();
-        self.small(
-            law,
-            norm2(&difference).to_f64_exact(),
-            scale,
-            tolerance::<R>(),
-        )
+        self.small(law, norm2(&difference).to_f64_exact(), scale, tolerance)
     }
 
     fn small(
@@ -166,7 +172,7 @@ pub fn check_adjoint<R: Real>(
 }
 
 /// Checks that a preconditioner ignores what `z` and `work` contain, repeats itself bit for bit, and is linear if it
-/// says so; `matrix` is the matrix that it inverts exactly, where it claims to.
+/// says so, to 32 bits where it says that; `matrix` is the matrix that it inverts exactly, where it claims to.
 pub fn check_preconditioner<R: Real>(
     subject: &str,
     m: &dyn Preconditioner<R>,
@@ -183,7 +189,8 @@ pub fn check_preconditioner<R: Real>(
     let (r, s) = (probe::<R>(n, 7), probe::<R>(n, 8));
     let (zr, zs) = (solve(&r, R::nan()), solve(&s, R::nan()));
     let again = solve(&r, R::of(3.0));
-    if m.is_linear() {
+    let linearity = m.linearity();
+    if linearity.linear {
         let same_bits = zr.iter().zip(&again).all(|(a, b)| a == b);
         judge.small(
             "same bits whatever z and work contain",
@@ -202,7 +209,12 @@ pub fn check_preconditioner<R: Real>(
             .zip(&zs)
             .map(|(a, b)| alpha * *a + beta * *b)
             .collect();
-        judge.same(
+        let rounding = match linearity.single {
+            true => tolerance::<f32>().max(tolerance::<R>()),
+            false => tolerance::<R>(),
+        };
+        judge.same_to(
+            rounding,
             "M⁻¹(αr + βs) = αM⁻¹r + βM⁻¹s",
             &solve(&combined, R::zero()),
             &sum,
@@ -218,6 +230,60 @@ pub fn check_preconditioner<R: Real>(
             norm2(&r).to_f64_exact(),
             accuracy,
         )?;
+    }
+    Ok(())
+}
+
+/// A part that says how far it is a linear map, and is the identity.
+#[derive(Clone, Copy, Debug)]
+pub struct Part {
+    /// Length of the vectors.
+    pub n: usize,
+    /// What it says.
+    pub linearity: Linearity,
+}
+
+impl<R: Real> Preconditioner<R> for Part {
+    fn size(&self) -> usize {
+        self.n
+    }
+
+    fn solve(&self, r: &[R], z: &mut [R], _work: &mut [R]) {
+        z.copy_from_slice(r);
+    }
+
+    fn flops(&self) -> u64 {
+        0
+    }
+
+    fn linearity(&self) -> Linearity {
+        self.linearity
+    }
+}
+
+/// Checks that the preconditioner made of parts of these `sizes` is no linear map, or rounded to 32 bits, where any one
+/// part says so, and linear where all are.
+pub fn check_parts<const N: usize, R: Real, M: Preconditioner<R>>(
+    subject: &str,
+    sizes: [usize; N],
+    whole: impl Fn([Part; N]) -> M,
+) -> Result<(), Violation> {
+    let judge = Judge { subject };
+    let both = Linearity::SINGLE.and(Linearity::NONLINEAR);
+    for said in [
+        Linearity::EXACT,
+        Linearity::SINGLE,
+        Linearity::NONLINEAR,
+        both,
+    ] {
+        for place in 0..N {
+            let parts = std::array::from_fn(|k| Part {
+                n: sizes[k],
+                linearity: if k == place { said } else { Linearity::EXACT },
+            });
+            let wrong = f64::from(u8::from(whole(parts).linearity() != said));
+            judge.small("a whole is as linear as its parts", wrong, 1.0, 0.0)?;
+        }
     }
     Ok(())
 }

@@ -22,15 +22,46 @@ pub trait Preconditioner<R: Real>: Send + Sync {
     /// Floating-point operations of one solve (a multiply-add counts two).
     fn flops(&self) -> u64;
 
-    /// False when `M⁻¹` changes from call to call or depends non-linearly on `r` (then use FGMRES).
-    fn is_linear(&self) -> bool {
-        true
-    }
+    /// How far `M⁻¹` is a linear map. Without a default: what is made of parts says [`and`](Linearity::and) of theirs.
+    fn linearity(&self) -> Linearity;
+}
 
+/// How far an `M⁻¹` is a linear map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Linearity {
+    /// False when `M⁻¹` changes from call to call or depends non-linearly on `r` (then use FGMRES).
+    pub linear: bool,
     /// True when `M⁻¹ r` is rounded to 32 bits: a linear map to seven digits only. GMRES then keeps every `M⁻¹v`
     /// (FGMRES), because it would lose those digits in `M⁻¹(V y)`.
-    fn is_single(&self) -> bool {
-        false
+    pub single: bool,
+}
+
+impl Linearity {
+    /// Linear up to the rounding of the scalars.
+    pub const EXACT: Self = Self {
+        linear: true,
+        single: false,
+    };
+
+    /// Linear up to 32 bits.
+    pub const SINGLE: Self = Self {
+        linear: true,
+        single: true,
+    };
+
+    /// No linear map.
+    pub const NONLINEAR: Self = Self {
+        linear: false,
+        single: false,
+    };
+
+    /// Of a whole that applies this and another part: linear if both are, rounded if one is.
+    #[must_use]
+    pub const fn and(self, other: Self) -> Self {
+        Self {
+            linear: self.linear && other.linear,
+            single: self.single || other.single,
+        }
     }
 }
 
@@ -49,11 +80,8 @@ macro_rules! forward_preconditioner {
             fn flops(&self) -> u64 {
                 (**self).flops()
             }
-            fn is_linear(&self) -> bool {
-                (**self).is_linear()
-            }
-            fn is_single(&self) -> bool {
-                (**self).is_single()
+            fn linearity(&self) -> Linearity {
+                (**self).linearity()
             }
         }
     )*};
@@ -76,6 +104,9 @@ impl<R: Real> Preconditioner<R> for Identity {
     }
     fn flops(&self) -> u64 {
         0
+    }
+    fn linearity(&self) -> Linearity {
+        Linearity::EXACT
     }
 }
 

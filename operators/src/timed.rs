@@ -1,6 +1,6 @@
 //! How long did it take?
 
-use crate::{AdjointOperator, LinearOperator, Preconditioner, Real, Shape};
+use crate::{AdjointOperator, LinearOperator, Linearity, Preconditioner, Real, Shape};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
@@ -75,11 +75,7 @@ impl<R: Real, M: Preconditioner<R>> Preconditioner<R> for Timed<M> {
     fn flops(&self) -> u64 {
         self.inner.flops()
     }
-    fn is_linear(&self) -> bool {
-        self.inner.is_linear()
-    }
-
-    fn is_single(&self) -> bool {
-        self.inner.is_single()
+    fn linearity(&self) -> Linearity {
+        self.inner.linearity()
     }
 }

@@ -18,7 +18,7 @@ pub use crack_network::{CrackNetwork, NetworkCrack, StraightCrack};
 pub use depletion::Depletion;
 pub use inclined_crack::InclinedCrack;
 pub use line_crack::LineCrack;
-pub use nucleation::LinearWeakening;
+pub use nucleation::{LinearWeakening, nucleation_half_length};
 pub use penny_crack::PennyCrack;
 pub use plane_slip::PlaneSlip;
 pub use rock::Rock;

@@ -29,14 +29,18 @@ impl LinearWeakening {
             / self.critical_slip
     }
 
-    /// Half-length of the slipping zone at which quasi-static slip has no next step in plane strain,
-    /// `0.578887 G/((1−ν) W)` [m]; infinite without weakening.
+    /// [`nucleation_half_length`] of this slope [m].
     pub fn nucleation_half_length(self, rock: Rock) -> f64 {
-        let slope = self.slope();
-        match slope > 0.0 {
-            true => UNIVERSAL * rock.shear() / ((1.0 - rock.poisson) * slope),
-            false => f64::INFINITY,
-        }
+        nucleation_half_length(rock, self.slope())
+    }
+}
+
+/// Half-length of the slipping zone at which quasi-static slip has no next step in plane strain,
+/// `0.578887 G/((1−ν) W)` [m]; infinite without weakening.
+pub fn nucleation_half_length(rock: Rock, slope: f64) -> f64 {
+    match slope > 0.0 {
+        true => UNIVERSAL * rock.shear() / ((1.0 - rock.poisson) * slope),
+        false => f64::INFINITY,
     }
 }
 

@@ -170,6 +170,23 @@ impl<R: Real> Coupling<R> {
         }
     }
 
+    /// `y ← y + diag(Bᵀ W B)` for a diagonal W.
+    pub fn add_weighted_squares(&self, w: &[R], y: &mut [R]) {
+        assert_product(self.shape().transposed(), w, y);
+        for node in &self.pushed {
+            let w = node.unknowns.map(|row| match row {
+                PRESCRIBED => R::zero(),
+                j => w[j as usize],
+            });
+            for (f, weight) in &self.around[node.first as usize..node.last as usize] {
+                for (k, e) in self.faces[*f as usize].frame.iter().enumerate() {
+                    let sum = w[0] * e[0] * e[0] + w[1] * e[1] * e[1] + w[2] * e[2] * e[2];
+                    y[3 * *f as usize + k] += *weight * *weight * sum;
+                }
+            }
+        }
+    }
+
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.faces)

@@ -12,7 +12,7 @@ pub struct Weakening {
     pub distance: f64,
 }
 
-/// Coulomb friction of a fracture: `τ_L = max(c − t_N tan φ(s), 0)`, t_N ≤ 0 in compression, s = ‖g_T‖ the slip so far.
+/// Coulomb friction of a fracture: `τ_L = max(c − t_N tan φ(s), 0)`, t_N ≤ 0 in compression, s = ‖γ‖ the slip so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction {
     /// Friction angle φ, with weakening the static one φ_s [rad].

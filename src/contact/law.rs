@@ -11,7 +11,7 @@ pub struct FacePoint {
     pub traction: [f64; 3],
     /// (g_N, Δg_1, Δg_2): the normal jump in all, the tangential one over the step [m].
     pub jump: [f64; 3],
-    /// (g_1, g_2) at the start of the step [m]; only weakening friction asks for it.
+    /// (γ_1, γ_2), the slip at the start of the step [m]; only weakening friction asks for it.
     pub start: [f64; 2],
 }
 
@@ -29,13 +29,13 @@ pub struct FaceRows {
 /// The contact rows of a face:
 /// ```text
 /// stick     r_N = g_N     r_T = Δg_T
-/// slip      r_N = g_N     r_T = ω (τ_L m − t_T)       τ_L = max(c − t_N tan φ(‖g_T‖), 0),  g_T = g_T at the start + Δg_T
+/// slip      r_N = g_N     r_T = ω (τ_L m − t_T)       τ_L = max(c − t_N tan φ(‖γ‖), 0),  γ = γ at the start + Δg_T
 /// open      r   = −ω t
 /// m = Δg_T/‖Δg_T‖ in slip; t_T/‖t_T‖, frozen, in new-slip and where ‖Δg_T‖ ≤ tiny; r_T = −ω t_T where t_T = 0 as well
 /// ```
 /// Traction rows are negated, so that in `B2 u − H t = g` the block `H = −A_f ∂r/∂t` has `+ω A_f` on their diagonal and B2
 /// a positive semi-definite multiple `ω τ_L (I − m mᵀ)/‖Δg_T‖` of the tangential rows of B1ᵀ; weakening adds
-/// `ω ∂τ_L/∂s m g_Tᵀ/‖g_T‖`, which is negative along the slip. The compliance ω gives them the unit of the jumps.
+/// `ω ∂τ_L/∂s m γᵀ/‖γ‖`, which is negative along the slip. The compliance ω gives them the unit of the jumps.
 ///
 /// # Source
 /// Deck (Karush–Kuhn–Tucker conditions, maximum plastic dissipation); derivatives as in the authors' open codes. Signs
@@ -83,7 +83,7 @@ impl FaceLaw {
                 let total = [0.0, start[0] + jump[1], start[1] + jump[2]];
                 let slip = tangential_norm(total);
                 let limit = self.friction.limit(t[0], slip);
-                // ∂τ_L/∂g_T = ∂τ_L/∂s g_T/‖g_T‖
+                // ∂τ_L/∂Δg_T = ∂τ_L/∂s γ/‖γ‖
                 let rate = self.friction.by_slip(t[0], slip);
                 let by_normal = self.friction.by_normal(t[0], slip);
                 let along = |j: usize| {

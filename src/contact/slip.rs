@@ -2,7 +2,7 @@
 
 use super::Friction;
 
-/// `t_T = τ_L(t_N, ‖g_T‖) m`, `m = w/‖w‖`: a shear traction at its limit.
+/// `t_T = τ_L(t_N, ‖γ‖) m`, `m = w/‖w‖`: a shear traction at its limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SlipTraction {
     /// τ_L [Pa].
@@ -15,12 +15,12 @@ pub(crate) struct SlipTraction {
     pub(crate) by_trial: [[f64; 2]; 2],
     /// `∂t_T/∂t_N = m ∂τ_L/∂t_N`.
     pub(crate) by_normal: [f64; 2],
-    /// `∂t_T/∂g_T = m ∂τ_L/∂s g_Tᵀ/‖g_T‖` [Pa/m].
+    /// `∂t_T/∂γ = m ∂τ_L/∂s γᵀ/‖γ‖` [Pa/m].
     pub(crate) by_slip: [[f64; 2]; 2],
 }
 
 impl Friction {
-    /// The shear traction of slip for a trial traction w [Pa] after the slip g_T in all [m]; with `lagged` its derivatives
+    /// The shear traction of slip for a trial traction w [Pa] after the slip γ in all [m]; with `lagged` its derivatives
     /// leave out weakening.
     pub(crate) fn slip_traction(
         self,

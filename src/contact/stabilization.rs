@@ -1,10 +1,14 @@
 //! The jump stabilization H that balances the checkerboard modes of piecewise-constant tractions.
 
+mod lengths;
+
 use super::ContactState;
 use crate::elasticity::Elastic;
 use crate::mesh::{FaceSide, FractureEdge, FractureFace, FractureMesh, HexMesh, Incidence};
 use fracas_operators::sparse::SparseMatrix;
 use rayon::prelude::*;
+
+pub use lengths::{Lengths, Patch, patch_stiffness, side_stiffness};
 
 /// `H(μ, t) = Σ_e [[μ]]_e · Y⁽ᵉ⁾ · [[t]]_e` over the inner edges e of every fracture.
 ///
@@ -16,7 +20,8 @@ use rayon::prelude::*;
 /// H           += [ R_K Y R_Kᵀ  −R_K Y R_Lᵀ ; −R_L Y R_Kᵀ  R_L Y R_Lᵀ ]        rows of R_F: the frame of F
 /// ```
 /// On a planar fracture R_K = R_L, which is the published form; across a bend the jump is taken of the traction vector,
-/// so a constant vector is never penalised.
+/// so a constant vector is never penalised. These are the weights of [`Lengths::Box`]; with [`Lengths::Patch`] k is
+/// [`patch_stiffness`] and Y diagonal in the directions of the edge, `Σ_j inv_j e_j e_jᵀ`, e = (n, d, m).
 ///
 /// # Shape
 /// (3 · faces) × (3 · faces), symmetric positive semi-definite; kernel: constants on each fracture.
@@ -28,11 +33,16 @@ use rayon::prelude::*;
 pub struct JumpStabilization {
     /// Dimensionless factor s on the stiffness; 1 balances the checkerboard exactly on uniform cubes.
     pub scale: f64,
+    /// What k is made of.
+    pub lengths: Lengths,
 }
 
 impl Default for JumpStabilization {
     fn default() -> Self {
-        Self { scale: 1.0 }
+        Self {
+            scale: 1.0,
+            lengths: Lengths::default(),
+        }
     }
 }
 
@@ -43,14 +53,6 @@ pub struct Side {
     pub extent: [f64; 3],
     /// Volume [m³].
     pub volume: f64,
-}
-
-/// `k_j = s E/((1+ν)(1−2ν)) (2/9)(2−3ν) V/h_j²` [Pa·m]: the stiffness that a split corner node sees from one element.
-pub fn side_stiffness(scale: f64, material: Elastic, side: Side) -> [f64; 3] {
-    let Elastic { young, poisson } = material;
-    let modulus = young / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
-    side.extent
-        .map(|h| scale * modulus * (2.0 / 9.0) * (2.0 - 3.0 * poisson) * side.volume / (h * h))
 }
 
 impl JumpStabilization {
@@ -76,14 +78,16 @@ impl JumpStabilization {
         state: impl Fn(usize) -> ContactState + Sync,
     ) -> SparseMatrix<f64> {
         let faces = &fractures.faces;
-        let stiffness: Vec<[[f64; 3]; 2]> = faces
+        let beside: Vec<[Beside; 2]> = faces
             .par_iter()
             .with_min_len(PER_TASK)
             .map(|face| {
                 [face.minus, face.plus].map(|side| {
                     let element = side.element as usize;
-                    let material = materials[usize::from(mesh.regions[element])];
-                    side_stiffness(self.scale, material, side_of(mesh, element))
+                    Beside {
+                        material: materials[usize::from(mesh.regions[element])],
+                        side: side_of(mesh, element),
+                    }
                 })
             })
             .collect();
@@ -99,10 +103,10 @@ impl JumpStabilization {
                 let ends = edge.faces.map(|f| f as usize);
                 let shared = ends.map(|f| state(f).constrained());
                 let shared = shared[0].min(shared[1]);
-                let y = edge_weight(edge, fractures, &stiffness);
+                let y = self.weight(edge, mesh, fractures, &beside);
                 for g in ends {
                     let sign = if f == g { 1.0 } else { -1.0 };
-                    let (r_f, r_g) = (&faces[f].frame, &faces[g].frame);
+                    let [r_f, r_g] = [f, g].map(|f| y.components(&faces[f].frame));
                     let place = row.iter().position(|(column, _)| *column == g);
                     let place = place.unwrap_or_else(|| {
                         row.push((g, [[0.0; 3]; 3]));
@@ -110,7 +114,8 @@ impl JumpStabilization {
                     });
                     for k in 0..shared {
                         for l in 0..shared {
-                            let value: f64 = (0..3).map(|j| r_f[k][j] * y[j] * r_g[l][j]).sum();
+                            let value: f64 =
+                                (0..3).map(|j| r_f[k][j] * y.values[j] * r_g[l][j]).sum();
                             row[place].1[k][l] += sign * value;
                         }
                     }
@@ -176,23 +181,98 @@ impl Rows {
     }
 }
 
-/// The diagonal of Y⁽ᵉ⁾ in global axes [m³/Pa], from `k_{F,side,j}` of every face.
-fn edge_weight(
-    edge: &FractureEdge,
-    fractures: &FractureMesh,
-    stiffness: &[[[f64; 3]; 2]],
-) -> [f64; 3] {
-    let [k_face, l_face] = edge.faces.map(|f| &fractures.faces[f as usize]);
-    let [[k_minus, k_plus], [l_minus, l_plus]] = edge.faces.map(|f| stiffness[f as usize]);
-    let areas: f64 = (0..2)
-        .map(|a| {
-            k_face.node_areas[edge.nodes_k[a] as usize]
-                * l_face.node_areas[edge.nodes_l[a] as usize]
-        })
-        .sum();
-    std::array::from_fn(|j| {
-        (1.0 / (k_minus[j] + l_minus[j]) + 1.0 / (k_plus[j] + l_plus[j])) * areas
-    })
+/// An element beside a face.
+struct Beside {
+    material: Elastic,
+    side: Side,
+}
+
+/// `Y⁽ᵉ⁾ = Σ_j y_j e_j e_jᵀ` [m³/Pa].
+struct EdgeWeight {
+    /// e_j; `None` for x, y, z.
+    axes: Option<[[f64; 3]; 3]>,
+    values: [f64; 3],
+}
+
+impl EdgeWeight {
+    /// `R_F e_j`: rows of the frame of a face, columns e_j.
+    fn components(&self, frame: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+        match &self.axes {
+            None => *frame,
+            Some(axes) => frame.map(|r| axes.map(|e| dot(r, e))),
+        }
+    }
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+impl JumpStabilization {
+    /// Y⁽ᵉ⁾ from `k_{F,side,j}` of both faces.
+    fn weight(
+        &self,
+        edge: &FractureEdge,
+        mesh: &HexMesh,
+        fractures: &FractureMesh,
+        beside: &[[Beside; 2]],
+    ) -> EdgeWeight {
+        let faces = edge.faces.map(|f| &fractures.faces[f as usize]);
+        let areas: f64 = (0..2)
+            .map(|a| {
+                faces[0].node_areas[edge.nodes_k[a] as usize]
+                    * faces[1].node_areas[edge.nodes_l[a] as usize]
+            })
+            .sum();
+        let ends = edge.nodes_k.map(|a| {
+            let node = faces[0].minus.nodes[usize::from(a)];
+            mesh.nodes[node as usize]
+        });
+        let along: [f64; 3] = std::array::from_fn(|i| ends[1][i] - ends[0][i]);
+        let length = dot(along, along).sqrt();
+        let stiffness = [0, 1].map(|end: usize| {
+            let face = faces[end];
+            beside[edge.faces[end] as usize].each_ref().map(|b| {
+                let patch = Patch {
+                    area: face.area,
+                    edge: length,
+                    depth: b.side.volume / face.area,
+                };
+                match self.lengths {
+                    Lengths::Box => side_stiffness(self.scale, b.material, b.side),
+                    Lengths::Patch => patch_stiffness(self.scale, b.material, patch),
+                }
+            })
+        });
+        let [[k_minus, k_plus], [l_minus, l_plus]] = stiffness;
+        EdgeWeight {
+            axes: match self.lengths {
+                Lengths::Box => None,
+                Lengths::Patch => Some(edge_axes(
+                    [faces[0].frame[0], faces[1].frame[0]],
+                    along.map(|v| v / length),
+                )),
+            },
+            values: std::array::from_fn(|j| {
+                (1.0 / (k_minus[j] + l_minus[j]) + 1.0 / (k_plus[j] + l_plus[j])) * areas
+            }),
+        }
+    }
+}
+
+/// (n, d, m) of an edge: the mean of two normals, across the edge, along it.
+fn edge_axes(normals: [[f64; 3]; 2], m: [f64; 3]) -> [[f64; 3]; 3] {
+    let sum: [f64; 3] = std::array::from_fn(|i| normals[0][i] + normals[1][i]);
+    let off = dot(sum, m);
+    let normal: [f64; 3] = std::array::from_fn(|i| sum[i] - off * m[i]);
+    let size = dot(normal, normal).sqrt();
+    let n = normal.map(|v| v / size);
+    let d = [
+        n[1] * m[2] - n[2] * m[1],
+        n[2] * m[0] - n[0] * m[2],
+        n[0] * m[1] - n[1] * m[0],
+    ];
+    [n, d, m]
 }
 
 /// `ω = Σ_a A_a²/A_f · Σ_side 1/k_n` [m/Pa], `k_n = Σ_j n_j² k_j`: the mean jump of a face under a unit normal traction

@@ -29,6 +29,11 @@ impl ContactState {
         Self::ALL.get(usize::from(code)).copied()
     }
 
+    /// True where the rows of a face are linear in its jump and traction: stick and open.
+    pub const fn is_linear(self) -> bool {
+        matches!(self, Self::Stick | Self::Open)
+    }
+
     /// How many of (n, t1, t2) are multipliers of a vanishing jump: stick 3, slip the normal one, open none.
     ///
     /// These are the components that the jump stabilization acts on; the others carry a law for the traction itself.

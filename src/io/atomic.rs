@@ -36,6 +36,11 @@ fn temporary_name(path: &Path) -> PathBuf {
     path.with_file_name(format!(".{name}.tmp"))
 }
 
+/// The name of the file that a temporary file was to become, if it is one.
+pub fn unfinished(name: &str) -> Option<&str> {
+    name.strip_prefix('.')?.strip_suffix(".tmp")
+}
+
 /// The new name is on the disk only when its folder is.
 fn sync_folder(path: &Path) -> io::Result<()> {
     if cfg!(unix) {

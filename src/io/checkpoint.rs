@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 const MAGIC: [u8; 8] = *b"fracasCK";
 
 /// Layout of what follows: another number, another layout.
-const VERSION: u64 = 2;
+const VERSION: u64 = 3;
 
 /// Words of eight bytes before the arrays: magic, version, length of the file, mesh, scene, step, time, loaded, next, force,
 /// traction, n_u, faces.
@@ -177,7 +177,7 @@ fn all(folder: &Path) -> io::Result<Vec<(usize, PathBuf)>> {
     Ok(found)
 }
 
-/// Header, u and t as bits, C of the preconditioner, flips, states, those of the preconditioner, checksum; all numbers
+/// Header, u, t and γ as bits, C of the preconditioner, flips, states, those of the preconditioner, checksum; all numbers
 /// little-endian.
 fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
     // by name: a state with more in it must not compile here
@@ -193,6 +193,7 @@ fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
         u,
         t,
         states,
+        slip,
         flips,
     } = state;
     let length = length(u.len() as u64, states.len() as u64);
@@ -205,7 +206,7 @@ fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
     for words in [&whole[..], &scalars, &sizes] {
         bytes.extend(words.iter().flat_map(|word| word.to_le_bytes()));
     }
-    for values in [u, t] {
+    for values in [u, t, slip] {
         bytes.extend(values.iter().flat_map(|v| v.to_le_bytes()));
     }
     match prepared {
@@ -226,10 +227,10 @@ fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
     bytes
 }
 
-/// Bytes of a file with these sizes: u; three tractions, a block, a counter and two states per face.
+/// Bytes of a file with these sizes: u; three tractions, two components of slip, a block, a counter and two states per face.
 fn length(n_u: u64, faces: u64) -> u64 {
     let words = (HEADER as u64 + 1).saturating_add(n_u);
-    let per_face = faces.saturating_mul(3 * 8 + 9 * 8 + 4 + 1 + 1);
+    let per_face = faces.saturating_mul(3 * 8 + 2 * 8 + 9 * 8 + 4 + 1 + 1);
     words.saturating_mul(8).saturating_add(per_face)
 }
 
@@ -284,6 +285,7 @@ fn decode(bytes: &[u8], path: &Path, fingerprint: Fingerprint) -> Result<State, 
     let (n_u, faces) = (n_u as usize, faces as usize);
     let (u, rest) = content[8 * HEADER..].split_at(8 * n_u);
     let (t, rest) = rest.split_at(24 * faces);
+    let (slip, rest) = rest.split_at(16 * faces);
     let (c, rest) = rest.split_at(72 * faces);
     let (flips, rest) = rest.split_at(4 * faces);
     let (states, prepared) = rest.split_at(faces);
@@ -310,6 +312,7 @@ fn decode(bytes: &[u8], path: &Path, fingerprint: Fingerprint) -> Result<State, 
         u: reals(u),
         t: reals(t),
         states: decoded(states).ok_or_else(no_state)?,
+        slip: reals(slip),
         flips: flips
             .as_chunks()
             .0

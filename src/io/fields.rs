@@ -57,7 +57,7 @@ impl<'a> Fields<'a> {
     }
 
     /// Writes the minus sides of the fracture faces: cell fields `traction`, `displacementJump` (n, t1, t2), `slip`,
-    /// `aperture`, `fractureState`, `criticality`, `tauLimit`, `pressure`, `stateFlips`, `normal`, `fracture`.
+    /// `stabilizationJump` (n, t1, t2), `aperture`, `fractureState`, `criticality`, `tauLimit`, `pressure`, `stateFlips`, `normal`, `fracture`.
     ///
     /// # Errors
     /// What the writer says.
@@ -67,6 +67,7 @@ impl<'a> Fields<'a> {
             field("traction", 3, &f.traction),
             field("displacementJump", 3, &f.jump),
             field("slip", 1, &f.slip),
+            field("stabilizationJump", 3, &f.stabilization_jump),
             field("aperture", 1, &f.aperture),
             field("fractureState", 1, &self.states),
             field("criticality", 1, &f.criticality),

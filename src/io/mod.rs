@@ -10,7 +10,7 @@ mod pvd;
 mod snapshot;
 pub mod vtu;
 
-pub use atomic::write_atomically;
+pub use atomic::{unfinished, write_atomically};
 pub use checkpoint::{CheckpointError, Checkpoints, newest_checkpoint, read_checkpoint};
 pub use face_table::face_table;
 pub use fields::Fields;

@@ -10,7 +10,7 @@ use crate::system::StickSystem;
 use fracas_operators::operator::assert_product;
 use fracas_operators::sparse::{Csr, SparseMatrix};
 use fracas_operators::{AdjointOperator, Layout, LinearOperator, Real, Shape};
-use fracas_solvers::saddle::unit_of_tractions;
+use fracas_solvers::saddle::{EnergyNorms, Stiffness, StrainNorm, unit_of_tractions};
 use std::sync::Arc;
 
 pub use pieces::PiecesError;
@@ -84,6 +84,26 @@ impl<R: Real> MatrixFreeSaddle<R> {
 }
 
 impl MatrixFreeSaddle<f64> {
+    /// Norms of errors, for the size of A and of the faces, and the strain norm of solutions where displacements are prescribed.
+    pub fn energy_norms<'s>(
+        &'s self,
+        magnitude: &'s Magnitude,
+        strain: Option<StrainNorm<'s>>,
+    ) -> EnergyNorms<'s> {
+        let square = self.unit * self.unit;
+        let c = magnitude.compliance.iter().map(|c| c * square).collect();
+        let h = self.h.as_deref();
+        let diagonal = h.map_or_else(Vec::new, |h| {
+            h.matrix()
+                .diag_iter()
+                .map(|d| d.copied().unwrap_or(0.0))
+                .collect()
+        });
+        EnergyNorms::new(self, h.map(|h| h as _), c, &diagonal)
+            .against(strain)
+            .rounded(&magnitude.stiffness)
+    }
+
     /// `(f_f − A_fc u_c, −s B_cᵀ u_c)` for nodal forces `force` over all displacements [N] and tractions in units of s.
     pub fn rhs(&self, system: &StickSystem<'_>, force: &[f64]) -> Vec<f64> {
         let constraints = system.constraints;
@@ -101,8 +121,8 @@ impl MatrixFreeSaddle<f64> {
     }
 }
 
-/// Where A is largest, and the unit of tractions that balances both rows of the saddle point.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Where A is largest, the unit of tractions that balances both rows of the saddle point, and the compliance of the faces.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Magnitude {
     /// Free displacement with the largest diagonal entry of A, which is the largest |entry|: A is positive semi-definite.
     pub stiffest: usize,
@@ -110,6 +130,11 @@ pub struct Magnitude {
     pub largest: f64,
     /// [`SaddleBlocks::traction_unit`](fracas_solvers::saddle::SaddleBlocks::traction_unit) without the blocks.
     pub unit: f64,
+    /// [`SaddleBlocks::contact_compliance`](fracas_solvers::saddle::SaddleBlocks::contact_compliance) without the blocks, tractions
+    /// in Pa.
+    pub compliance: Vec<f64>,
+    /// Diagonal of A over the free displacements [N/m].
+    pub stiffness: Stiffness,
 }
 
 impl StickSystem<'_> {
@@ -129,11 +154,25 @@ impl StickSystem<'_> {
                 (stiffest, largest) = (i, entry);
             }
         }
-        let b = Coupling::<f64>::new(self.fractures, self.constraints).largest_entry();
+        let free = self.constraints.free();
+        let entries = free.iter().map(|dof| diagonal[*dof as usize]);
+        let stiffness = Stiffness::new(largest, entries);
+        let b = Coupling::<f64>::new(self.fractures, self.constraints);
+        let inverse = |dof: &u32| match diagonal[*dof as usize] {
+            0.0 => 0.0,
+            entry => entry.recip(),
+        };
+        let weights: Vec<f64> = self.constraints.free().iter().map(inverse).collect();
+        let mut compliance = vec![0.0; 3 * self.fractures.faces.len()];
+        b.add_weighted_squares(&weights, &mut compliance);
+        let empty = compliance.iter_mut().filter(|c| **c == 0.0);
+        empty.for_each(|c| *c = 1.0);
         Ok(Magnitude {
             stiffest,
             largest,
-            unit: unit_of_tractions(largest, b),
+            unit: unit_of_tractions(largest, b.largest_entry()),
+            compliance,
+            stiffness,
         })
     }
 }

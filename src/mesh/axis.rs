@@ -128,12 +128,13 @@ fn geometric_sum(q: f64, n: usize) -> f64 {
 /// Lines from `from` to `to` whose sizes grow by q; the ends are exact.
 fn stretched(from: f64, to: f64, cells: usize, q: f64) -> Vec<f64> {
     let total = geometric_sum(q, cells);
-    (0..=cells)
-        .map(|i| match i == cells {
-            true => to,
-            false => from + (to - from) * (geometric_sum(q, i) / total),
-        })
-        .collect()
+    let sums = std::iter::successors(Some(0.0), |sum| Some(1.0 + q * sum));
+    let mut lines: Vec<f64> = sums
+        .take(cells)
+        .map(|sum| from + (to - from) * (sum / total))
+        .collect();
+    lines.push(to);
+    lines
 }
 
 /// Both sides of `center` share the finest size h; the longer side reaches `ratio`·h, and the cells are divided so that
@@ -167,17 +168,29 @@ fn toward(
     }
     let (left, right) = (center - from, to - center);
     let (long, short) = (left.max(right), left.min(right));
-    let mut best: Option<(f64, usize, f64, f64)> = None;
-    for m in 2..cells {
+    let divided = |m: usize| -> Result<_, MeshError> {
         let q_long = growth(axis, ratio, m)?;
         let h = long / geometric_sum(q_long, m);
         let q_short = solve_growth(short / h, cells - m);
-        let mismatch = (q_short / q_long).ln().abs();
-        if best.is_none_or(|(b, ..)| mismatch < b) {
-            best = Some((mismatch, m, q_long, q_short));
+        Ok(((q_short / q_long).ln(), m, q_long, q_short))
+    };
+    if cells < 3 {
+        return Err(fail("use at least three cells"));
+    }
+    // the more cells the longer side has, the slower they grow there and the faster on the other one
+    let (mut low, mut high) = (2, cells - 1);
+    while low < high {
+        let m = low.midpoint(high);
+        match divided(m)?.0 < 0.0 {
+            true => low = m + 1,
+            false => high = m,
         }
     }
-    let (_, m, q_long, q_short) = best.ok_or_else(|| fail("use at least three cells"))?;
+    let (last, first) = (divided(low)?, divided((low - 1).max(2))?);
+    let (_, m, q_long, q_short) = match first.0.abs() <= last.0.abs() {
+        true => first,
+        false => last,
+    };
     let (n_left, q_left, q_right) = match left >= right {
         true => (m, q_long, q_short),
         false => (cells - m, q_short, q_long),
@@ -195,6 +208,9 @@ fn solve_growth(total: f64, n: usize) -> f64 {
     let (mut low, mut high) = (-20.0f64, 20.0f64);
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
+        if middle == low || middle == high {
+            break;
+        }
         match geometric_sum(middle.exp(), n) < total {
             true => low = middle,
             false => high = middle,
@@ -206,6 +222,7 @@ fn solve_growth(total: f64, n: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fracas_operators::random::signed;
 
     fn cells(from: f64, to: f64, cells: usize, grading: Grading) -> Axis {
         Axis::Cells {
@@ -246,6 +263,29 @@ mod tests {
         approx::assert_relative_eq!(h[23] / h[at], 20.0, max_relative = 1e-9);
         approx::assert_relative_eq!(h[at - 1], h[at], max_relative = 1e-9);
         assert!(h.iter().all(|v| *v > 0.0));
+    }
+
+    /// The division between both sides is the best of all, and lines are their sums, for seeded axes.
+    #[test]
+    fn no_other_division_has_a_growth_that_is_nearer() {
+        let uniform = |k: u64| 0.5 * (1.0 + signed(k));
+        for case in 0..60 {
+            let count = 3 + (40.0 * uniform(5 * case)) as usize;
+            let center = 0.05 + 0.9 * uniform(5 * case + 1);
+            let ratio = 1.0 + 10.0f64.powf(3.0 * uniform(5 * case + 2));
+            let toward = Grading::Toward { center, ratio };
+            let x = cells(0.0, 1.0, count, toward).lines(0).unwrap();
+            let (long, short) = (center.max(1.0 - center), center.min(1.0 - center));
+            let mismatch = |m: usize| {
+                let q = growth('x', ratio, m).unwrap();
+                let h = long / geometric_sum(q, m);
+                (solve_growth(short / h, count - m) / q).ln().abs()
+            };
+            let best = (2..count).min_by(|a, b| mismatch(*a).total_cmp(&mismatch(*b)));
+            let at = x.iter().position(|v| *v == center).unwrap();
+            let long_side = if center >= 0.5 { at } else { count - at };
+            assert_eq!(Some(long_side), best, "case {case}");
+        }
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use super::face_geometry::minus;
 use super::jacobian::{center, corners, volume};
+use super::loose::{Block, Cluster, add_product};
 use super::rank::gram_rank;
 use super::{FractureMesh, HexMesh};
 
@@ -44,6 +45,9 @@ pub struct BodyPart {
 /// size counts as held.
 const RANK_TOLERANCE: f64 = 1e-10;
 
+/// Rigid motions of a body.
+pub(super) const MODES: usize = 6;
+
 /// Rigid motions of a body: the displacement of a point is Σ_m c_m φ_m, three translations and three rotations about
 /// the centre, divided by the size so that all are of order one.
 #[derive(Clone, Copy)]
@@ -54,24 +58,15 @@ struct Modes {
 
 impl Modes {
     /// Values of the six motions at `x` in component `d`.
-    fn row(&self, x: [f64; 3], d: usize) -> [f64; 6] {
+    fn row(&self, x: [f64; 3], d: usize) -> [f64; MODES] {
         let r = minus(x, self.center).map(|v| v / self.size);
-        let mut row = [0.0; 6];
+        let mut row = [0.0; MODES];
         row[d] = 1.0;
         // e_m × r
         let (p, q) = ((d + 1) % 3, (d + 2) % 3);
         row[3 + p] = r[q];
         row[3 + q] = -r[p];
         row
-    }
-}
-
-/// G += v vᵀ.
-fn add_row(gram: &mut [f64; 36], v: &[f64; 6]) {
-    for i in 0..6 {
-        for j in 0..6 {
-            gram[6 * i + j] += v[i] * v[j];
-        }
     }
 }
 
@@ -164,7 +159,8 @@ pub fn bodies(mesh: &HexMesh, fractures: &FractureMesh, prescribed: &[bool]) -> 
             parts[b].nodes += 1;
             for d in (0..3).filter(|d| prescribed[3 * node + d]) {
                 parts[b].free_axes[d] = false;
-                add_row(&mut grams[b], &modes[b].row(mesh.nodes[node], d));
+                let row = modes[b].row(mesh.nodes[node], d);
+                add_product(&mut grams[b], 1.0, &row, &row);
             }
         }
     }
@@ -200,7 +196,7 @@ struct Joint {
 /// First absorbs bodies one by one into what is held; then looks at clusters that only hold each other up.
 fn hold_by_fractures(
     parts: &mut [BodyPart],
-    grams: &mut [[f64; 36]],
+    grams: &mut [Block],
     modes: &[Modes],
     joints: &[Joint],
 ) {
@@ -223,7 +219,8 @@ fn hold_by_fractures(
             let c = other(joint, b);
             if loose(&parts[c]) {
                 for d in 0..3 {
-                    add_row(&mut grams[c], &modes[c].row(joint.at, d));
+                    let row = modes[c].row(joint.at, d);
+                    add_product(&mut grams[c], 1.0, &row, &row);
                 }
                 touched.push(c);
             }
@@ -238,7 +235,7 @@ fn hold_by_fractures(
         }
     }
 
-    // clusters of bodies that are still loose, joined by fractures: 6 unknowns per body, dense
+    // clusters of bodies that are still loose, joined by fractures
     let mut local = vec![usize::MAX; parts.len()];
     for start in 0..parts.len() {
         if !loose(&parts[start]) || local[start] != usize::MAX {
@@ -258,12 +255,8 @@ fn hold_by_fractures(
                 }
             }
         }
-        let n = 6 * cluster.len();
-        let mut gram = vec![0.0; n * n];
+        let mut gram = Cluster::new(cluster.iter().map(|b| grams[*b]).collect());
         for (l, b) in cluster.iter().enumerate() {
-            for i in 0..36 {
-                gram[(6 * l + i / 6) * n + 6 * l + i % 6] += grams[*b][i];
-            }
             // each joint once, from its − side; joints to held bodies are in `grams` already
             for joint in at_body[*b].iter().map(|j| &joints[*j as usize]) {
                 let c = other(joint, *b);
@@ -272,20 +265,11 @@ fn hold_by_fractures(
                 }
                 for d in 0..3 {
                     let (v, w) = (modes[*b].row(joint.at, d), modes[c].row(joint.at, d));
-                    let mut row = [(0, 0.0); 12];
-                    for m in 0..6 {
-                        row[m] = (6 * l + m, -v[m]);
-                        row[6 + m] = (6 * local[c] + m, w[m]);
-                    }
-                    for (i, x) in row {
-                        for (j, y) in row {
-                            gram[i * n + j] += x * y;
-                        }
-                    }
+                    gram.join([l, local[c]], &v, &w);
                 }
             }
         }
-        let free = n - gram_rank(&mut gram, n, RANK_TOLERANCE);
+        let free = gram.free_motions(RANK_TOLERANCE);
         for b in cluster {
             parts[b].hold = match free {
                 0 => Hold::Fractures,

@@ -19,6 +19,7 @@ mod incidence;
 mod jacobian;
 mod kernel;
 mod kernel_report;
+mod loose;
 mod plane_fracture;
 mod rank;
 mod size_field;

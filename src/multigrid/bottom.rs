@@ -6,22 +6,22 @@ use super::{Geometric, GeometricError};
 use crate::mesh::HexMesh;
 use fracas_operators::sparse::{Block3, SparseMatrix};
 use fracas_solvers::DofCoordinate;
-use fracas_solvers::amg::{Amg, Precision, Summary};
-use fracas_solvers::multigrid::Bottom;
+use fracas_solvers::amg::{Amg, LevelSummary};
+use fracas_solvers::multigrid::{Bottom, Semidefinite};
 
-/// The solver of the coarsest level with its summary.
+/// The solver of the coarsest level with its levels.
 pub(super) fn bottom(
     settings: &Geometric,
     mesh: &HexMesh,
     grid: &Grid<'_>,
     matrix: &Block3<f64>,
     fixed: &[u8],
-) -> Result<(Bottom, Summary), GeometricError> {
+) -> Result<(Bottom, Vec<LevelSummary>), GeometricError> {
     let n = 3 * grid.nodes;
     let diagonal = |i: usize| entry(matrix, i, i);
     let is_free = |i: &u32| {
         let i = *i as usize;
-        fixed[i / 3] >> (i % 3) & 1 == 0 && diagonal(i) != 0.0
+        fixed[i / 3] >> (i % 3) & 1 == 0 && diagonal(i) > 0.0
     };
     let free: Vec<u32> = (0..n as u32).filter(is_free).collect();
     let mut index = vec![u32::MAX; n];
@@ -41,6 +41,12 @@ pub(super) fn bottom(
         starts.push(columns.len());
     }
     let a = SparseMatrix::new((free.len(), free.len()), starts, columns, values);
+    if free.len() <= settings.coarsest.max(settings.direct) {
+        // in f64 whatever the levels are: an inverse rounded to f32 is indefinite from a condition of 10⁷ on
+        let inverse = Semidefinite::new(a).map_err(|error| error.in_block("S_u"))?;
+        let summary = inverse.summary();
+        return Ok((Bottom::semidefinite(inverse, free, n), vec![summary]));
+    }
     let coordinates: Vec<DofCoordinate> = free
         .iter()
         .map(|i| DofCoordinate {
@@ -48,28 +54,16 @@ pub(super) fn bottom(
             component: (i % 3) as u8,
         })
         .collect();
-    let algebraic = Amg::default();
-    let is_direct = free.len() <= settings.coarsest.max(settings.direct);
     let amg = Amg {
-        coarsest: if is_direct {
-            free.len()
-        } else {
-            algebraic.coarsest
-        },
-        // an inverse rounded to f32 is indefinite from a condition of 10⁷ on, and one in f64 costs nothing here
-        precision: if is_direct {
-            Precision::F64
-        } else {
-            settings.precision
-        },
+        precision: settings.precision,
         over_correction: 1.0,
-        ..algebraic
+        ..Amg::default()
     };
     let inverse = amg
         .build(&a, Some(&coordinates))
         .map_err(|error| error.in_block("S_u"))?;
-    let summary = inverse.summary();
-    Ok((Bottom::new(Box::new(inverse), free, n), summary))
+    let levels = inverse.summary().levels;
+    Ok((Bottom::new(Box::new(inverse), free, n), levels))
 }
 
 /// Entry (i, j).

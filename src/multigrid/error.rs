@@ -1,6 +1,8 @@
 //! Why there is no geometric hierarchy.
 
 use crate::elasticity::ElasticityError;
+use crate::mesh::{Hold, bodies};
+use crate::system::StickSystem;
 use fracas_solvers::SetupError;
 
 /// Why a hierarchy is in f64 although f32 was asked for.
@@ -45,10 +47,22 @@ pub enum GeometricError {
         /// `f32` or `f64`.
         precision: &'static str,
     },
-    /// A diagonal block that is not positive definite.
+    /// A body that boundary conditions and fractures leave free to move.
     #[error(
-        "level {level} of the hierarchy is not positive definite near ({:.6e}, {:.6e}, {:.6e}) m: a block of rock is held \
-         neither by boundary conditions nor by a fracture, or is so much softer than the rest that f64 cannot tell", place[0], place[1], place[2]
+        "nothing holds the body of {elements} elements around ({:.6e}, {:.6e}, {:.6e}) m: {free} rigid motions are free", center[0], center[1], center[2]
+    )]
+    Loose {
+        /// Its elements.
+        elements: usize,
+        /// Its centre [m].
+        center: [f64; 3],
+        /// Rigid motions left, together with the bodies that it touches.
+        free: usize,
+    },
+    /// A diagonal block that is not positive definite, of a body that is held.
+    #[error(
+        "level {level} of the hierarchy is not positive definite near ({:.6e}, {:.6e}, {:.6e}) m, though every body is held: f64 cannot \
+         tell what holds the rock there, so much softer is it than the rest; take another inner solver", place[0], place[1], place[2]
     )]
     Indefinite {
         /// Level, 0 the finest.
@@ -56,10 +70,44 @@ pub enum GeometricError {
         /// The node [m].
         place: [f64; 3],
     },
+    /// A motion of a body that is held whose stiffness is rounding.
+    #[error(
+        "the coarsest level has lost a motion that costs {cost:.0e} of the stiffness of its nodes, though every body is held: f64 cannot tell \
+         what holds it, so much softer is it than the rest; take another inner solver"
+    )]
+    Soft {
+        /// `‖D⁻¹S_u x‖/‖x‖` of that motion x. Unit: 1.
+        cost: f64,
+    },
     /// A mesh without a stiffness.
     #[error(transparent)]
     Elasticity(#[from] ElasticityError),
     /// The solver below the coarsest grid.
     #[error("below the coarsest grid: {0}")]
     Bottom(#[from] SetupError),
+}
+
+impl GeometricError {
+    /// The same error, or the body that nothing holds where there is one: boundary conditions and fractures are asked, not pivots.
+    pub(super) fn judged(self, system: &StickSystem<'_>) -> Self {
+        if !matches!(
+            self,
+            Self::Indefinite { .. } | Self::Soft { .. } | Self::Bottom(_)
+        ) {
+            return self;
+        }
+        let mut prescribed = vec![true; system.constraints.full_len()];
+        let free = system.constraints.free();
+        free.iter().for_each(|i| prescribed[*i as usize] = false);
+        let parts = bodies(system.mesh, system.fractures, &prescribed);
+        let loose = parts.into_iter().find_map(|part| match part.hold {
+            Hold::Nothing { free } => Some(Self::Loose {
+                elements: part.elements,
+                center: part.center,
+                free,
+            }),
+            _ => None,
+        });
+        loose.unwrap_or(self)
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::coarsening::{Coarsening, for_each_fine};
 use super::elements::Elements;
-use super::grid::{Grid, STEPS};
+use super::grid::{ACROSS, Grid, STEPS};
 use super::interpolation::{Owners, weights};
 use crate::elasticity::Constraints;
 
@@ -15,14 +15,43 @@ pub(super) fn prescribed(constraints: &Constraints) -> Vec<u8> {
     bits
 }
 
-/// A coarse component is fixed where a fixed fine node lies at its place.
-pub(super) fn coarse(fine: &[u8], owners: &Owners, coarse: &Grid<'_>) -> Vec<u8> {
+/// A coarse component is fixed where a fixed fine node lies at its place, and on the side of a coarse element in which a fine
+/// one has its whole face on that side fixed:
+///
+/// ```text
+/// x_c = 0 on fixed corners  ⇒  (P x_c)_i = 0 at every fixed fine i
+/// ```
+///
+/// A piece of a cell reaches corners of that cell at which it has no node. Left free beside a held side, such a corner bends fixed
+/// nodes, which take no part, and its function on the others is that of corners behind it: `PᵀS_u P` is singular (of the column
+/// between a roller and a cut in the middle of the next coarse cell the corners (0,4), (4,0), (4,4) move two nodes). Functions that
+/// vanish at all fixed nodes are independent, since an element of a piece has eight nodes and the piece eight corners.
+pub(super) fn coarse(
+    fine: &[u8],
+    grid: &Grid<'_>,
+    owners: &Owners,
+    coarsening: &Coarsening,
+) -> Vec<u8> {
+    let Coarsening { coarse, parent, .. } = coarsening;
     let mut bits = vec![0; coarse.nodes];
     for (node, fixed) in fine.iter().enumerate().filter(|(_, fixed)| **fixed != 0) {
         let corners = &coarse.elements[owners.element[node] as usize];
         for (corner, weight) in corners.iter().zip(owners.weights(coarse, node)) {
             if weight == 1.0 {
                 bits[*corner as usize] |= *fixed;
+            }
+        }
+    }
+    for axis in 0..3 {
+        for (at, upper) in [(0, false), (grid.cells[axis] - 1, true)] {
+            let side = ACROSS[axis].map(|[high, low]| if upper { high } else { low });
+            for e in grid.layer(axis, at).flat_map(|cell| grid.elements_in(cell)) {
+                let nodes = side.map(|a| fine[grid.elements[e][a] as usize]);
+                let whole = nodes.iter().fold(0b111, |all, fixed| all & fixed);
+                let corners = &coarse.elements[parent[e] as usize];
+                for a in side.iter().filter(|_| whole != 0) {
+                    bits[corners[*a] as usize] |= whole;
+                }
             }
         }
     }

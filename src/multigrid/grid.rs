@@ -83,6 +83,17 @@ impl<'a> Grid<'a> {
         [cell % nx, cell / nx % ny, cell / (nx * ny)]
     }
 
+    /// The cells whose place along `axis` is `at`.
+    pub(super) fn layer(&self, axis: usize, at: usize) -> impl Iterator<Item = usize> {
+        let [n, m] = [(axis + 1) % 3, (axis + 2) % 3].map(|d| self.cells[d]);
+        (0..n * m).map(move |k| {
+            let mut place = [at; 3];
+            place[(axis + 1) % 3] = k % n;
+            place[(axis + 2) % 3] = k / n;
+            self.cell(place)
+        })
+    }
+
     /// Number of the vertex (i, j, k).
     pub(super) fn vertex(&self, at: [usize; 3]) -> usize {
         at[0] + (self.cells[0] + 1) * (at[1] + (self.cells[1] + 1) * at[2])

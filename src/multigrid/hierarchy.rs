@@ -18,7 +18,7 @@ use crate::system::StickSystem;
 use fracas_operators::simd::Level as Instructions;
 use fracas_operators::sparse::Block3;
 use fracas_operators::{AdjointOperator, LinearOperator, Real};
-use fracas_solvers::amg::Summary;
+use fracas_solvers::amg::LevelSummary;
 use fracas_solvers::multigrid::{Hierarchy, Level, NoInverse, Symmetric};
 use std::borrow::Cow;
 
@@ -55,7 +55,7 @@ pub(super) fn hierarchy<R: Real>(
     system: &StickSystem<'_>,
     materials: &[Elastic],
     c_inverse: &[[[f64; 3]; 3]],
-) -> Result<(Hierarchy<R>, Summary), GeometricError> {
+) -> Result<(Hierarchy<R>, Vec<LevelSummary>), GeometricError> {
     match levels(settings, system, materials, c_inverse, Stop::Late) {
         Err(GeometricError::Bottom(_)) => {
             levels(settings, system, materials, c_inverse, Stop::Early)
@@ -70,7 +70,7 @@ fn levels<R: Real>(
     materials: &[Elastic],
     c_inverse: &[[[f64; 3]; 3]],
     stop: Stop,
-) -> Result<(Hierarchy<R>, Summary), GeometricError> {
+) -> Result<(Hierarchy<R>, Vec<LevelSummary>), GeometricError> {
     let mut current = Current {
         grid: Grid::of_mesh(system.mesh).ok_or(GeometricError::NoGrid)?,
         elements: Elements::of_mesh(system.mesh, materials),
@@ -87,8 +87,11 @@ fn levels<R: Real>(
     loop {
         let coarse = &coarsening.coarse;
         let owners = Owners::new(&current.grid, &coarsening);
-        let fixed_coarse = fixed::coarse(&current.fixed, &owners, coarse);
-        let is_small = 3 * coarse.nodes <= settings.coarsest || levels.len() + 1 == MOST_LEVELS;
+        let fixed_coarse = fixed::coarse(&current.fixed, &current.grid, &owners, &coarsening);
+        // all of it fixed where every side is held: a level without unknowns smooths nothing
+        let is_small = 3 * coarse.nodes <= settings.coarsest
+            || levels.len() + 1 == MOST_LEVELS
+            || fixed_coarse.iter().all(|bits| *bits == 0b111);
         let next = if is_small {
             None
         } else {

@@ -5,9 +5,9 @@ use super::hierarchy::hierarchy;
 use super::{Geometric, GeometricError, Lost};
 use crate::elasticity::Elastic;
 use crate::system::StickSystem;
-use fracas_operators::Preconditioner;
+use fracas_operators::{Linearity, Preconditioner, Real};
 use fracas_solvers::amg::{Precision, Summary};
-use fracas_solvers::multigrid::{MultigridInverse, SomeHierarchy};
+use fracas_solvers::multigrid::{Hierarchy, MultigridInverse, SomeHierarchy};
 use fracas_solvers::saddle::AugmentationMatrix;
 
 /// What the coarse spaces reproduce.
@@ -31,6 +31,15 @@ fn limit(materials: &[Elastic]) -> f64 {
     } else {
         ROUNDING
     }
+}
+
+/// Power of the unit roundoff ε up to which a stiffness relative to that of single nodes is rounding: 1e-11 in f64, 1e-5 in f32. Unit: 1.
+const ROUNDED: f64 = 0.7;
+
+/// What a motion costs that the coarsest level leaves out and the finest has lost, too.
+fn soft<R: Real>(hierarchy: &Hierarchy<R>) -> Option<f64> {
+    let cost = hierarchy.left_out()?;
+    (cost <= R::epsilon().to_f64_exact().powf(ROUNDED)).then_some(cost)
 }
 
 /// One multigrid cycle per solve: `z ≈ S_u⁻¹ r` over the free displacements.
@@ -79,12 +88,24 @@ impl Geometric {
             })
             .collect();
         let c_inverse = faces::inverse_blocks(c, scale).ok_or(GeometricError::DenseC)?;
+        self.in_unit(system, scale, &materials, &c_inverse)
+            .map_err(|error| error.judged(system))
+    }
+
+    /// The hierarchy of `S_u / scale`.
+    fn in_unit(
+        &self,
+        system: &StickSystem<'_>,
+        scale: f64,
+        materials: &[Elastic],
+        c_inverse: &[[[f64; 3]; 3]],
+    ) -> Result<GeometricInverse, GeometricError> {
         let mut lost = None;
         let mut single = None;
         if self.precision == Precision::F32 {
-            match hierarchy(self, system, &materials, &c_inverse) {
+            match hierarchy(self, system, materials, c_inverse) {
                 Ok((h, below)) => match h.rounding() {
-                    r if r <= limit(&materials) => single = Some((h, below)),
+                    r if r <= limit(materials) && soft(&h).is_none() => single = Some((h, below)),
                     rounding => lost = Some(Lost::Digits { rounding }),
                 },
                 Err(GeometricError::Overflow { level, .. }) => lost = Some(Lost::Range { level }),
@@ -94,7 +115,10 @@ impl Geometric {
         let (hierarchy, below) = match single {
             Some((h, below)) => (SomeHierarchy::Single(h), below),
             None => {
-                let (h, below) = hierarchy(self, system, &materials, &c_inverse)?;
+                let (h, below) = hierarchy(self, system, materials, c_inverse)?;
+                if let Some(cost) = soft(&h) {
+                    return Err(GeometricError::Soft { cost });
+                }
                 (SomeHierarchy::Double(h), below)
             }
         };
@@ -140,11 +164,7 @@ impl Preconditioner<f64> for GeometricInverse {
         self.cycle.flops()
     }
 
-    fn is_linear(&self) -> bool {
-        self.cycle.is_linear()
-    }
-
-    fn is_single(&self) -> bool {
-        self.cycle.is_single()
+    fn linearity(&self) -> Linearity {
+        self.cycle.linearity()
     }
 }

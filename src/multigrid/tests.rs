@@ -9,10 +9,11 @@ use super::hierarchy::hierarchy;
 use super::interpolation::{Interpolation, Owners};
 use super::*;
 use crate::contact::JumpStabilization;
-use crate::scene::{Body, named};
+use crate::scene::{Body, Scene, named};
 use faer::Mat;
 use fracas_operators::LinearOperator;
 use fracas_solvers::amg::Precision;
+use fracas_solvers::eigen::dense::symmetric_eigenvalues;
 use fracas_solvers::multigrid::{Level, Transfer};
 use fracas_solvers::saddle::{AugmentationMatrix, schur};
 
@@ -252,6 +253,57 @@ fn every_operator_is_the_galerkin_product_of_the_assembled_one() {
                 error < 1e-10 * size,
                 "{scene} {overrides:?}: {error:e} of {size:e}"
             );
+        }
+    }
+}
+
+/// Columns one cell thick between held sides and cuts in the middle of coarse cells: their corners beyond the cuts are the only ones
+/// that are left, and none of them is a combination of others.
+#[test]
+fn beside_held_sides_every_coarse_function_is_independent() {
+    for (x, y) in [
+        ("roller", "roller"),
+        ("fixed", "roller"),
+        ("fixed", "fixed"),
+    ] {
+        let text = format!(
+            "title = 'held'
+            material = [{{ name = 'rock', young = '25 GPa', poisson = 0.25 }}]
+            fracture = [
+                {{ name = 'a', plane = 'x', at = '1 m', z = ['1 m', '4 m'], friction_angle = '30 deg' }},
+                {{ name = 'b', plane = 'y', at = '7 m', friction_angle = '30 deg' }},
+            ]
+            boundary = [
+                {{ side = 'z-', hold = 'fixed' }}, {{ side = 'x-', hold = '{x}' }}, {{ side = 'y+', hold = '{y}' }},
+            ]
+            [mesh]
+            x = {{ from = '0 m', to = '8 m', cells = 8 }}
+            y = {{ from = '0 m', to = '8 m', cells = 8 }}
+            z = {{ from = '0 m', to = '4 m', cells = 4 }}"
+        );
+        let body = Scene::from_toml(&text, "held.toml")
+            .unwrap()
+            .build()
+            .unwrap();
+        let system = body.stick_system(Some(JumpStabilization::default()));
+        let settings = Geometric {
+            coarsest: 30,
+            ..Geometric::default()
+        };
+        let blocks = faces::inverse_blocks(&some_c(&body), 1.0).unwrap();
+        let (h, _) = hierarchy::<f64>(&settings, &system, &body.materials, &blocks).unwrap();
+        assert!(h.levels().len() >= 3 && h.left_out().is_none());
+        for pair in h.levels().windows(2) {
+            let p = dense_p(&pair[0], &pair[1]);
+            let mut gram = p.transpose() * &p;
+            // fixed columns are zero
+            pair[1]
+                .fixed()
+                .iter()
+                .for_each(|i| gram[(*i as usize, *i as usize)] = 1.0);
+            let least = symmetric_eigenvalues(gram.as_ref()).unwrap()[0];
+            println!("{x} {y}: {least:e}");
+            assert!(least > 1e-4, "{x} {y}: {least:e}");
         }
     }
 }

@@ -2,9 +2,11 @@
 
 use super::cycling::Rounds;
 use super::linear::Linear;
-use super::newton::{Attempt, Iterate, Until, newton};
-use super::{Evaluation, Event, Failure, LinearRecord, Remedy};
-use crate::contact::{ContactState, FaceMeasure, Thresholds, next_state};
+use super::newton::{Attempt, Iterate, Until, newton, relative};
+use super::proximal::Proximal;
+use super::{Evaluation, Event, Failure, Instability, LinearRecord};
+use crate::contact::{ContactState, Thresholds, next_state};
+use fracas_operators::sparse::Csr;
 use fracas_solvers::{Observer, Step};
 
 /// Residual up to which Newton is solved while states still change, and what then counts as zero. Unit: 1.
@@ -16,6 +18,18 @@ const LOOSE_STEPS: usize = 3;
 /// Newton steps that a round may take while the limit of the iterate before stands for weakening.
 const LAGGED_STEPS: usize = 60;
 
+/// Rounds after which proximal iterations take over though no states have returned.
+const PATIENCE: usize = 20;
+
+/// Proximal iterations after which states that did not settle are tried again.
+const AGAIN: usize = 10;
+
+/// Traction that would close the widest jump, over the largest traction, beyond which a body is taken to fly away. Unit: 1.
+const AWAY: f64 = 1e5;
+
+/// Rounds with which an attempt to finish may do after proximal iterations.
+const FINISHING: usize = 8;
+
 /// What an attempt found.
 pub(super) struct Settled {
     pub(super) states: Vec<ContactState>,
@@ -23,6 +37,12 @@ pub(super) struct Settled {
     /// Largest force and traction so far.
     pub(super) force: f64,
     pub(super) traction: f64,
+    /// Jumps that the laws of the faces see, three per face [m].
+    pub(super) effective: Vec<f64>,
+    /// [`slip_violation`].
+    pub(super) slip_violation: f64,
+    /// What ran away on the way there.
+    pub(super) unstable: Option<Box<Instability>>,
 }
 
 /// What an attempt costs and tells, also when it fails.
@@ -33,132 +53,280 @@ pub(super) struct Log {
     pub(super) events: Vec<Event>,
     /// States of the last round.
     pub(super) states: Vec<ContactState>,
+    /// Faces that changed in the last round in which some did.
+    pub(super) changing: Vec<usize>,
 }
 
-/// Rounds of Newton and new states.
+impl Log {
+    /// A round failed: proximal iterations take over, or go on.
+    fn failed(&mut self, round: usize, failure: &Failure) {
+        self.events.push(Event::Projection {
+            round: round + 1,
+            reason: failure.to_string(),
+        });
+    }
+}
+
+/// Rounds of Newton and new states; where states return, still change after [`PATIENCE`] rounds, or Newton fails at those at
+/// hand, proximal iterations towards tractions in Coulomb's cones, after whose states the rounds go on.
 ///
-/// While states change, Newton takes at most three steps and stops at 1e-4, and only violations beyond that count; once no
-/// face changes it is solved, and the faces are judged, to the tolerances asked.
+/// There H does not lose what it had: it acts on every jump that a state since then constrained. Rounds return where H of
+/// a face that opens drops out of its neighbours' rows, so that it is in slight tension when closed and overlaps when open.
 pub(super) fn active_set(
     attempt: &Attempt<'_>,
-    mut states: Vec<ContactState>,
+    states: Vec<ContactState>,
     mut x: Iterate,
     linear: &mut Linear,
     log: &mut Log,
     observer: &mut dyn Observer,
 ) -> Result<Settled, Failure> {
-    let settings = attempt.problem.body().solver;
-    let loose = Until {
-        residual: settings.tolerance.max(LOOSE),
-        steps: LOOSE_STEPS.min(settings.max_newton),
-        lagged: false,
-    };
-    let tight = Until {
-        residual: settings.tolerance,
-        steps: settings.max_newton,
-        lagged: false,
-    };
-    // what the lag of weakening takes: it converges by a factor a step
-    let lagging = Until {
-        steps: LAGGED_STEPS,
-        lagged: true,
-        ..tight
-    };
-    let weakens = attempt.problem.weakens();
+    let problem = attempt.problem;
+    let most = problem.body().solver.max_active;
     let mut judge = Judge::new(attempt, states.len());
-    let mut rounds = Rounds::default();
-    let mut h = attempt.problem.stabilization(&states);
-    let _ = rounds.enter(&states);
-    let mut until = loose;
-    let mut changing = Vec::new();
-    for round in 0..settings.max_active {
+    let mut search = Search {
+        attempt,
+        judge: &mut judge,
+        linear,
+        observer,
+    };
+    let from = x.clone();
+    let patience = PATIENCE.min(most);
+    let (mut form, why) = match search.rounds(states, &mut x, None, patience, log)? {
+        Ended::Settled(states, at) => return Ok(search.settled(states, x, at)),
+        // linear equations that cannot be solved are no matter of states
+        Ended::Not(_, Some(why)) if log.states.iter().all(|s| s.is_linear()) => return Err(why),
+        Ended::Not(form, why) => (form, why),
+    };
+    // an iterate that Newton left is no better than the start
+    if !x.u.iter().chain(&x.t).all(|v| v.is_finite()) {
+        x = from;
+    }
+    let mut proximal = Proximal::new(attempt, search.linear, &mut x);
+    let mut h = problem.stabilization(&form);
+    let (mut before, mut tried, mut since) = (Vec::new(), Vec::new(), 0);
+    let last = log.rounds + most - patience;
+    while log.rounds < last {
+        let round = log.rounds;
         log.rounds += 1;
-        log.states.clone_from(&states);
-        let (at, residual) = newton(
-            attempt,
-            (&states, h.as_ref()),
-            until,
-            (linear, round),
-            &mut x,
-            &mut log.linear,
-            observer,
-        )?;
-        let zero = match until == loose {
-            true => settings.state_tolerance.max(LOOSE),
-            false => settings.state_tolerance,
-        };
-        let changes = judge.changes(&states, &x, &at, zero);
+        let found =
+            proximal.iterate(h.as_ref(), round, &mut x, &mut log.linear, search.observer)?;
+        let changed = count_changes(&found, &before);
+        log.states.clone_from(&found);
         let step = Step::Round {
             round: round + 1,
-            changed: changes.len(),
+            changed,
         };
-        if observer.observe(&step).is_break() {
+        if search.observer.observe(&step).is_break() {
             return Err(Failure::Stopped);
         }
-        if changes.is_empty() {
-            let converged = residual <= until.residual;
-            until = match converged {
-                true if until == loose => tight,
-                true => {
-                    return Ok(Settled {
-                        states,
-                        x,
-                        force: attempt.scale,
-                        traction: judge.traction,
-                    });
-                }
-                false if until == tight && weakens => lagging,
-                false if until == loose && weakens => lagging,
-                false if until == loose => tight,
-                false => {
-                    return Err(Failure::Newton {
-                        residual,
-                        iterations: until.steps,
-                        tolerance: until.residual,
-                    });
-                }
-            };
+        let jumps = problem.jumps(&x.u, attempt.load);
+        if or_closing(0.0, &jumps, problem.compliance()) > AWAY * search.judge.traction {
+            break;
+        }
+        let grown = grow(&mut form, &found);
+        if grown {
+            h = problem.stabilization(&form);
+        }
+        since += 1;
+        let again = changed == 0 && !grown && (found != tried || since >= AGAIN);
+        before = found;
+        if !again {
             continue;
         }
-        until = loose;
-        // new-slip to slip leaves H as it is
-        let other_h =
-            |(f, state): &(usize, ContactState)| state.constrained() != states[*f].constrained();
-        let other_h = changes.iter().any(other_h);
-        for (f, state) in &changes {
-            states[*f] = *state;
+        tried.clone_from(&before);
+        since = 0;
+        let mut y = x.clone();
+        let fixed = Some(h.as_ref());
+        match search.rounds(before.clone(), &mut y, fixed, FINISHING, log)? {
+            // H acts on all that these states constrain
+            Ended::Settled(states, at) if !grow(&mut form, &states) => {
+                return Ok(search.settled(states, y, at));
+            }
+            Ended::Settled(..) => h = problem.stabilization(&form),
+            Ended::Not(..) => {}
         }
-        changing = changes.into_iter().map(|(f, _)| f).collect();
-        if other_h {
-            h = attempt.problem.stabilization(&states);
+    }
+    Err(why.unwrap_or_else(|| Failure::ActiveSet {
+        rounds: log.rounds,
+        faces: log.changing.clone(),
+    }))
+}
+
+/// Faces whose states differ; all where there was none before.
+fn count_changes(states: &[ContactState], before: &[ContactState]) -> usize {
+    match before.len() == states.len() {
+        true => states.iter().zip(before).filter(|(a, b)| a != b).count(),
+        false => states.len(),
+    }
+}
+
+/// `form` then constrains what `states` constrain, too; true where it did not.
+fn grow(form: &mut [ContactState], states: &[ContactState]) -> bool {
+    let mut grown = false;
+    for (form, state) in form.iter_mut().zip(states) {
+        if state.constrained() > form.constrained() {
+            *form = *state;
+            grown = true;
         }
-        if let Some(cycle) = rounds.enter(&states) {
-            let Some(remedy) = cycle.remedy else {
-                return Err(Failure::Cycle {
+    }
+    grown
+}
+
+/// How rounds ended.
+enum Ended {
+    /// No face changes.
+    Settled(Vec<ContactState>, Evaluation),
+    /// Not settled: per face the state of those at hand, or of the rounds that returned, that constrains most; and what failed.
+    Not(Vec<ContactState>, Option<Failure>),
+}
+
+/// What rounds need.
+struct Search<'a, 's> {
+    attempt: &'s Attempt<'s>,
+    judge: &'a mut Judge<'s>,
+    linear: &'a mut Linear,
+    observer: &'a mut dyn Observer,
+}
+
+impl Search<'_, '_> {
+    fn settled(&self, states: Vec<ContactState>, x: Iterate, at: Evaluation) -> Settled {
+        let traction = self.judge.traction;
+        let slip_violation = slip_violation(self.attempt, &states, [&x.t, &at.effective], traction);
+        Settled {
+            states,
+            x,
+            force: self.attempt.scale,
+            traction,
+            effective: at.effective,
+            slip_violation,
+            unstable: None,
+        }
+    }
+
+    /// At most `most` rounds, H that of the states or the given one.
+    ///
+    /// While states change, Newton takes at most three steps and stops at 1e-4, and only violations beyond that count; once no
+    /// face changes it is solved, and the faces are judged, to the tolerances asked.
+    fn rounds(
+        &mut self,
+        mut states: Vec<ContactState>,
+        x: &mut Iterate,
+        fixed: Option<Option<&Csr<f64>>>,
+        most: usize,
+        log: &mut Log,
+    ) -> Result<Ended, Failure> {
+        let (attempt, problem) = (self.attempt, self.attempt.problem);
+        let settings = problem.body().solver;
+        let loose = Until {
+            residual: settings.tolerance.max(LOOSE),
+            steps: LOOSE_STEPS.min(settings.max_newton),
+            lagged: false,
+        };
+        let tight = Until {
+            residual: settings.tolerance,
+            steps: settings.max_newton,
+            lagged: false,
+        };
+        // what the lag of weakening takes: it converges by a factor a step
+        let lagging = Until {
+            steps: LAGGED_STEPS,
+            lagged: true,
+            ..tight
+        };
+        let weakens = problem.weakens();
+        let mut rounds = Rounds::default();
+        let mut h = match fixed {
+            None => problem.stabilization(&states),
+            Some(_) => None,
+        };
+        let _ = rounds.enter(&states);
+        // limits that proximal iterations found are those of the iterate before, too
+        let mut until = match fixed.is_some() && weakens {
+            true => lagging,
+            false => loose,
+        };
+        for _ in 0..most {
+            let round = log.rounds;
+            log.rounds += 1;
+            log.states.clone_from(&states);
+            let solved = newton(
+                attempt,
+                (&states, fixed.unwrap_or(h.as_ref())),
+                until,
+                (self.linear, round),
+                x,
+                &mut log.linear,
+                self.observer,
+            );
+            let (at, residual) = match solved {
+                Ok(found) => found,
+                Err(failure) if failure.may_be_projected() => {
+                    log.failed(round, &failure);
+                    return Ok(Ended::Not(states, Some(failure)));
+                }
+                Err(failure) => return Err(failure),
+            };
+            let zero = match until == loose {
+                true => settings.state_tolerance.max(LOOSE),
+                false => settings.state_tolerance,
+            };
+            let changes = self.judge.changes(&states, x, &at, zero);
+            let step = Step::Round {
+                round: round + 1,
+                changed: changes.len(),
+            };
+            if self.observer.observe(&step).is_break() {
+                return Err(Failure::Stopped);
+            }
+            if changes.is_empty() {
+                let converged = residual <= until.residual;
+                until = match converged {
+                    true if until == loose => tight,
+                    true => return Ok(Ended::Settled(states, at)),
+                    false if until == tight && weakens => lagging,
+                    false if until == loose && weakens => lagging,
+                    false if until == loose => tight,
+                    false => {
+                        let failure = Failure::Newton {
+                            residual,
+                            iterations: until.steps,
+                            tolerance: until.residual,
+                        };
+                        log.failed(round, &failure);
+                        return Ok(Ended::Not(states, Some(failure)));
+                    }
+                };
+                continue;
+            }
+            until = loose;
+            // new-slip to slip leaves H as it is
+            let other_h = |(f, state): &(usize, ContactState)| {
+                state.constrained() != states[*f].constrained()
+            };
+            let other_h = changes.iter().any(other_h);
+            for (f, state) in &changes {
+                states[*f] = *state;
+            }
+            log.changing = changes.into_iter().map(|(f, _)| f).collect();
+            if other_h && fixed.is_none() {
+                h = problem.stabilization(&states);
+            }
+            if let Some(cycle) = rounds.enter(&states) {
+                log.events.push(Event::Cycle {
+                    round: round + 1,
                     period: cycle.period,
                     faces: cycle.faces,
                 });
-            };
-            judge.treat(&cycle.faces, remedy);
-            log.events.push(Event::Cycle {
-                round: round + 1,
-                period: cycle.period,
-                faces: cycle.faces,
-                remedy,
-            });
+                return Ok(Ended::Not(cycle.most_constrained, None));
+            }
         }
+        Ok(Ended::Not(states, None))
     }
-    Err(Failure::ActiveSet {
-        rounds: settings.max_active,
-        faces: changing,
-    })
 }
 
-/// Judges faces, those of a cycle by stricter rules.
+/// Judges faces.
 struct Judge<'s> {
     attempt: &'s Attempt<'s>,
-    /// Remedy per face.
-    treated: Vec<Option<Remedy>>,
     /// Faces that a round of this attempt has opened: they close in slip.
     opened: Vec<bool>,
     /// Largest traction so far [Pa].
@@ -169,14 +337,9 @@ impl<'s> Judge<'s> {
     fn new(attempt: &'s Attempt<'s>, faces: usize) -> Self {
         Self {
             attempt,
-            treated: vec![None; faces],
             opened: vec![false; faces],
             traction: attempt.traction,
         }
-    }
-
-    fn treat(&mut self, faces: &[usize], remedy: Remedy) {
-        faces.iter().for_each(|f| self.treated[*f] = Some(remedy));
     }
 
     /// Faces that take another state, and which. What counts as zero is `zero` times the largest traction of all rounds so
@@ -190,67 +353,50 @@ impl<'s> Judge<'s> {
         zero: f64,
     ) -> Vec<(usize, ContactState)> {
         let problem = self.attempt.problem;
-        let hysteresis = problem.body().solver.hysteresis;
         let compliance = problem.compliance();
         let largest = x.t.iter().fold(0.0, |m: f64, t| m.max(t.abs()));
         self.traction = self.traction.max(largest);
         // jumps are known relative to the largest of them
         let traction = or_closing(self.traction, &at.jumps, compliance);
         let mut changes = Vec::new();
-        let mut worst: Option<(f64, usize, ContactState)> = None;
         for (f, state) in states.iter().enumerate() {
-            let measure = problem.measure(f, *state, &x.t, &at.jumps, self.attempt.start);
-            let zero = match self.treated[f] {
-                Some(Remedy::Keep) => hysteresis.max(zero),
-                _ => zero,
-            };
+            let measure = problem.measure(f, *state, &x.t, &at.effective, self.attempt.start);
             let thresholds = Thresholds {
                 jump: zero * traction * compliance[f],
                 traction: zero * traction,
-                hysteresis: if self.treated[f].is_some() {
-                    hysteresis
-                } else {
-                    0.0
-                },
+                hysteresis: 0.0,
             };
             let next = match next_state(*state, &measure, &thresholds) {
                 // in stick it would carry again what tore it open
-                ContactState::Stick
-                    if *state == ContactState::Open
-                        && (self.opened[f] || self.treated[f].is_some()) =>
-                {
+                ContactState::Stick if *state == ContactState::Open && self.opened[f] => {
                     ContactState::Slip
                 }
                 next => next,
             };
-            if next == *state {
-                continue;
-            }
-            // from new-slip to slip nothing is violated
-            let held = self.treated[f] == Some(Remedy::OneFace) && next != ContactState::Slip;
-            if !held {
+            if next != *state {
+                self.opened[f] |= next == ContactState::Open;
                 changes.push((f, next));
-                continue;
             }
-            let violation = violation(*state, &measure, compliance[f]);
-            if worst.is_none_or(|(most, ..)| violation > most) {
-                worst = Some((violation, f, next));
-            }
-        }
-        changes.extend(worst.map(|(_, f, next)| (f, next)));
-        for (f, next) in &changes {
-            self.opened[*f] |= *next == ContactState::Open;
         }
         changes
     }
 }
 
-/// How far a face is from its state, as a traction [Pa].
-fn violation(state: ContactState, face: &FaceMeasure, compliance: f64) -> f64 {
-    match state {
-        ContactState::Open => -face.gap / compliance,
-        _ => face.t_n.max((face.trial - face.limit).abs()),
-    }
+/// Largest `‖t_T − P(t_T + Δg_T/ω)‖` of a slipping face over the largest traction, P onto the disc of radius τ_L: what slip
+/// against the traction is worth, and 0 where slip follows it.
+pub(super) fn slip_violation(
+    attempt: &Attempt<'_>,
+    states: &[ContactState],
+    [t, effective]: [&[f64]; 2],
+    traction: f64,
+) -> f64 {
+    let slips = |(_, s): &(usize, &ContactState)| s.constrained() == 1;
+    let short = |(f, state): (usize, &ContactState)| {
+        let face = (attempt.problem).measure(f, *state, t, effective, attempt.start);
+        (face.limit - face.trial).max(0.0)
+    };
+    let faces = states.iter().enumerate().filter(slips).map(short);
+    relative(faces.fold(0.0, f64::max), traction)
 }
 
 /// A traction, or the one that would close the largest normal jump [Pa].

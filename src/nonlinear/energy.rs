@@ -7,7 +7,7 @@ use fracas_operators::vector::dot;
 
 /// Where the work of a step went [J]:
 /// ```text
-/// error = W_e + W_p − ΔE − W_c        W_c − D → 0 as steps and faces are made smaller
+/// error = W_e + W_p − ΔE − W_c        W_c − W_H − D → 0 as steps are made smaller
 /// ```
 /// The latter where tractions follow the loads: a face that drops its traction at once, as one that sticks under shear and
 /// opens or where weakening runs away, leaves `½ A_f t·Δg` in W_c − D at any step.
@@ -24,9 +24,12 @@ pub struct EnergyRecord {
     pub elastic_energy: f64,
     /// ΔE.
     pub elastic_change: f64,
-    /// W_c: that the faces take, `Σ A_f t·Δg`, the jumps that the stabilization leaves to sticking faces included.
+    /// W_c: that the faces take, `Σ A_f t·Δg`.
     pub contact_work: f64,
-    /// D: dissipated by friction, `Σ A_f t_T·Δg_T` of slipping faces with t_T at the end of the step; no face's share is
+    /// W_H: the share of W_c that the jumps of the stabilization take (or those of springs), `Σ A_f (t_N Δg_N + t_T·(Δg_T − Δγ))`
+    /// of faces that end closed: stored, `½ ΔtᵀH Δt` while no face changes its state, and given back with the tractions.
+    pub stabilization_work: f64,
+    /// D: dissipated by friction, `Σ A_f t_T·Δγ` of slipping faces with t_T at the end of the step; no face's share is
     /// negative up to the tolerance of the states, as slip follows the traction.
     pub dissipation: f64,
     /// What the equations were left with: `W_e + W_p − ΔE − W_c`.
@@ -108,12 +111,20 @@ impl Simulation<'_> {
             + trapezoid(&before.t, &after.t, &jumped);
 
         let faces = problem.faces();
-        let (mut pressure_work, mut contact_work) = (0.0, 0.0);
+        let (mut pressure_work, mut contact_work, mut stabilization_work) = (0.0, 0.0, 0.0);
         for (f, face) in faces.iter().enumerate() {
             let slipped = |k: usize| y.jump[3 * f + k] - x.jump[3 * f + k];
             pressure_work += 0.5 * face.area * (x.pressure[f] + y.pressure[f]) * slipped(0);
-            let taken = (0..3).map(|k| (before.t[3 * f + k] + after.t[3 * f + k]) * slipped(k));
-            contact_work += 0.5 * face.area * taken.sum::<f64>();
+            let taken = |k: usize| {
+                0.5 * face.area * (before.t[3 * f + k] + after.t[3 * f + k]) * slipped(k)
+            };
+            let [normal, shear] = [taken(0), taken(1) + taken(2)];
+            contact_work += normal + shear;
+            stabilization_work += match after.states[f] {
+                ContactState::Stick => normal + shear,
+                ContactState::NewSlip | ContactState::Slip => normal,
+                ContactState::Open => 0.0,
+            };
         }
         let (energy, old) = (0.5 * dot(&y.u, &y.internal), 0.5 * dot(&x.u, &x.internal));
         let total = on_free + on_held;
@@ -123,18 +134,18 @@ impl Simulation<'_> {
             elastic_energy: energy,
             elastic_change: energy - old,
             contact_work,
-            dissipation: slip_work(self, after, &x.jump, &y.jump).sum(),
+            stabilization_work,
+            dissipation: slip_work(self, before, after).sum(),
             error: total - (energy - old) - contact_work,
         }
     }
 }
 
-/// `A_f t_T·Δg_T` of slipping faces, 0 of others [J].
+/// `A_f t_T·Δγ` of slipping faces, 0 of others [J].
 fn slip_work<'s>(
     simulation: &'s Simulation<'_>,
+    before: &'s State,
     after: &'s State,
-    from: &'s [f64],
-    to: &'s [f64],
 ) -> impl Iterator<Item = f64> + 's {
     let faces = simulation
         .problem()
@@ -144,8 +155,10 @@ fn slip_work<'s>(
         .enumerate();
     faces.map(move |(f, (face, state))| match state {
         ContactState::NewSlip | ContactState::Slip => {
-            let along = |k: usize| after.t[3 * f + k] * (to[3 * f + k] - from[3 * f + k]);
-            face.area * (along(1) + along(2))
+            let along = |k: usize| {
+                after.t[3 * f + 1 + k] * (after.slip[2 * f + k] - before.slip[2 * f + k])
+            };
+            face.area * (along(0) + along(1))
         }
         ContactState::Stick | ContactState::Open => 0.0,
     })
@@ -164,15 +177,10 @@ mod tests {
         let body = scene.build().unwrap();
         let mut simulation = Simulation::new(&body).unwrap();
         let mut state = simulation.initial_state();
-        let jump = |simulation: &Simulation<'_>, state: &State| {
-            let load = simulation.problem().loads().at(state.time, state.loaded);
-            simulation.problem().jumps(&state.u, &load)
-        };
         let mut slipped = 0;
         while !simulation.is_finished(&state) || state.step == 0 {
             let after = simulation.advance(&state, &mut Silent).unwrap().state;
-            let (x, y) = (jump(&simulation, &state), jump(&simulation, &after));
-            let of_faces: Vec<f64> = slip_work(&simulation, &after, &x, &y).collect();
+            let of_faces: Vec<f64> = slip_work(&simulation, &state, &after).collect();
             let total = simulation.energy(&state, &after).dissipation;
             let zero = body.solver.state_tolerance * total;
             assert!(of_faces.iter().all(|d| *d >= -zero), "{of_faces:?}");

@@ -1,5 +1,6 @@
 //! Why a step could not be done.
 
+use super::Instability;
 use super::record::count;
 use crate::contact::ContactState;
 use crate::elasticity::ElasticityError;
@@ -24,6 +25,16 @@ pub enum LinearFailure {
     /// The arithmetic cannot continue.
     #[error(transparent)]
     Breakdown(#[from] Breakdown),
+    /// Vectors that no iteration has room for.
+    #[error(
+        "memory holds {vectors} more vectors of {n} unknowns and the shortest iteration takes 8; use fewer cells, or free memory"
+    )]
+    NoRoom {
+        /// That fit.
+        vectors: usize,
+        /// Unknowns.
+        n: usize,
+    },
     /// Iterations ran out.
     #[error(
         "{krylov} reached a relative residual of {residual:.1e} in {iterations} iterations, asked {tolerance:.1e}: a block may be held by nothing"
@@ -66,14 +77,6 @@ pub enum Failure {
         /// Faces that changed in the last one.
         faces: Vec<usize>,
     },
-    /// States repeat in spite of every remedy.
-    #[error("active set: states repeat every {period} rounds in spite of every remedy; {} faces, first of them {}", faces.len(), first(faces))]
-    Cycle {
-        /// Rounds until they repeat.
-        period: usize,
-        /// Faces that differ within the cycle.
-        faces: Vec<usize>,
-    },
     /// A block has lost what held it.
     #[error("with {open} faces open nothing{} holds the body of {elements} elements around ({:.6}, {:.6}, {:.6}) m: {free} rigid motions are free, so that there {} no equilibrium ({reason})", but_slipping(*slipping), center[0], center[1], center[2], if *slipping > 0 { "may be" } else { "is" })]
     Loose {
@@ -90,6 +93,11 @@ pub enum Failure {
         /// How it showed.
         reason: Box<Failure>,
     },
+    /// Slip runs away.
+    #[error(
+        "unstable: {0}, so that no quasi-static step follows; [solver] unstable = \"arrest\" steps over it"
+    )]
+    Unstable(Box<Instability>),
     /// A number is no longer finite.
     #[error("{what} is not finite")]
     NotFinite {
@@ -150,6 +158,11 @@ impl Failure {
         self
     }
 
+    /// True where other states may help: what states leave loose, or what they ask of Newton, may be no equilibrium.
+    pub(super) fn may_be_projected(&self) -> bool {
+        self.may_be_cut()
+    }
+
     /// True where a shorter step may help.
     pub(super) fn may_be_cut(&self) -> bool {
         !matches!(
@@ -159,6 +172,7 @@ impl Failure {
                     LinearFailure::Setup(_)
                         | LinearFailure::MatrixFree(_)
                         | LinearFailure::Elasticity(_)
+                        | LinearFailure::NoRoom { .. }
                 )
         )
     }
@@ -186,4 +200,20 @@ pub struct StepFailure {
     pub linear: Vec<super::LinearRecord>,
     /// What happened on the way.
     pub events: Vec<super::Event>,
+}
+
+/// Why a body cannot be simulated.
+#[derive(Debug, thiserror::Error)]
+pub enum SimulationError {
+    /// A fracture without friction data.
+    #[error(
+        "fracture \"{fracture}\" has neither friction_angle nor cohesion; give friction_angle = \"0 deg\" for a smooth one"
+    )]
+    NoFriction {
+        /// Its name.
+        fracture: String,
+    },
+    /// A mesh without a stiffness.
+    #[error(transparent)]
+    Elasticity(#[from] ElasticityError),
 }

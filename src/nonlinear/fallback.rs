@@ -1,20 +1,26 @@
-//! Hierarchies that were to be in f32 and are in f64.
+//! Preconditioners that gave way: hierarchies in f32 to f64, what cannot be set up to another inner solver.
 
-use super::{ContactProblem, Event, RunPreconditioner};
+use super::{ContactProblem, Event, LinearFailure, RunPreconditioner};
 use crate::matrix_free::{MatrixFreeError, MatrixFreeRacp};
 use crate::multigrid::GeometricInverse;
+use crate::scene::RunInner;
 use fracas_operators::Preconditioner;
-use fracas_solvers::saddle::AugmentationMatrix;
+use fracas_solvers::amg::Amg;
+use fracas_solvers::saddle::{AugmentationMatrix, InnerChoice, Racp};
 
-/// What f32 could not hold since the simulation began.
+/// What gave way since the simulation began.
 #[derive(Debug, Default)]
 pub(super) struct Fallbacks {
     /// Hierarchies that gave way to f64.
     pub(super) count: usize,
+    /// Inner solvers that could not be set up and gave way to another.
+    pub(super) inner: usize,
     /// What the step at hand has not told yet.
     pub(super) events: Vec<Event>,
     /// The hierarchy built last is in f64.
     double: bool,
+    /// What was taken for the preconditioner built last, where its settings gave way.
+    instead: Option<RunPreconditioner>,
 }
 
 impl Fallbacks {
@@ -26,7 +32,8 @@ impl Fallbacks {
         c: &AugmentationMatrix,
     ) -> Result<GeometricInverse, MatrixFreeError> {
         let built = racp.inner.build(&problem.stick_system(), c)?;
-        self.double = !built.is_single();
+        self.double = !built.linearity().single;
+        self.instead = None;
         if let Some(lost) = built.lost() {
             self.note(lost.to_string());
         }
@@ -40,9 +47,34 @@ impl Fallbacks {
         self.events.push(Event::Precision { reason });
     }
 
-    /// These settings with the precision of the hierarchy built last.
+    /// What is set up in place of `settings`, which cannot be for this reason, where the scene leaves the choice: AMG, then a
+    /// factorization. It is told.
+    ///
+    /// # Errors
+    /// The failure, where nothing takes their place.
+    pub(super) fn instead(
+        &mut self,
+        problem: &ContactProblem<'_>,
+        settings: RunPreconditioner,
+        failure: LinearFailure,
+    ) -> Result<RunPreconditioner, LinearFailure> {
+        let solver = &problem.body().solver;
+        let is_free = solver.racp.is_none() && solver.inner == RunInner::Auto;
+        let stopped = matches!(failure, LinearFailure::MatrixFree(MatrixFreeError::Stopped));
+        let Some((next, now)) = otherwise(settings).filter(|_| is_free && !stopped) else {
+            return Err(failure);
+        };
+        self.inner += 1;
+        self.double = false;
+        self.instead = Some(next);
+        let reason = failure.to_string();
+        self.events.push(Event::Inner { reason, now });
+        Ok(next)
+    }
+
+    /// These settings, or what was taken instead, with the precision of the hierarchy built last.
     pub(super) fn effective(&self, settings: RunPreconditioner) -> RunPreconditioner {
-        match settings {
+        match self.instead.unwrap_or(settings) {
             RunPreconditioner::MatrixFree(racp) if self.double => {
                 RunPreconditioner::MatrixFree(racp.in_double())
             }
@@ -52,4 +84,27 @@ impl Fallbacks {
             asked => asked,
         }
     }
+}
+
+/// What takes the place of these settings, and its name.
+fn otherwise(settings: RunPreconditioner) -> Option<(RunPreconditioner, &'static str)> {
+    let (racp, now) = match settings {
+        RunPreconditioner::MatrixFree(racp) => (
+            Racp {
+                augmentation: racp.augmentation,
+                relaxation: racp.relaxation,
+                inner: InnerChoice::Amg(Amg::default()),
+            },
+            "amg",
+        ),
+        RunPreconditioner::Assembled(racp) if matches!(racp.inner, InnerChoice::Amg(_)) => (
+            Racp {
+                inner: InnerChoice::default(),
+                ..racp
+            },
+            "exact",
+        ),
+        RunPreconditioner::Assembled(_) => return None,
+    };
+    Some((RunPreconditioner::Assembled(racp), now))
 }

@@ -1,7 +1,8 @@
 //! What fracture faces show: fields of files and of reports.
 
-use super::{ContactProblem, Load};
+use super::{ContactProblem, Simulation, State};
 use crate::contact::ContactState;
+use crate::mesh::FractureFace;
 
 /// Shear that counts as none, relative to the largest traction. Unit: 1.
 const NOISE: f64 = 1e-9;
@@ -13,8 +14,12 @@ pub struct FaceFields {
     pub traction: Vec<f64>,
     /// Jump u⁺ − u⁻ (initial gap included), three per face [m].
     pub jump: Vec<f64>,
-    /// ‖g_T‖ [m].
+    /// ‖γ‖: what the face did in slip and while open [m].
     pub slip: Vec<f64>,
+    /// The part of the jump that is neither slip nor opening, three per face: g_N of closed faces and g_T − γ [m].
+    ///
+    /// It is what H (or a spring) lets through where the continuum lets nothing: an estimate of the discretization error.
+    pub stabilization_jump: Vec<f64>,
     /// g_N of open faces, 0 of closed ones [m].
     pub aperture: Vec<f64>,
     /// χ = ‖t_T‖/τ_L: 1 in slip, 0 where open and where the shear is noise.
@@ -26,15 +31,14 @@ pub struct FaceFields {
 }
 
 impl FaceFields {
-    /// The fields at displacements u, tractions t and fluid pressures p per face.
+    /// The fields at tractions t, slip γ, jumps and fluid pressures per face.
     pub(super) fn new(
         problem: &ContactProblem<'_>,
         states: &[ContactState],
-        [u, t]: [&[f64]; 2],
-        load: &Load,
+        [t, slip]: [&[f64]; 2],
+        jump: Vec<f64>,
         pressure: Vec<f64>,
     ) -> Self {
-        let jump = problem.jumps(u, load);
         let largest = t.iter().fold(0.0, |m: f64, t| m.max(t.abs()));
         let mut fields = Self {
             traction: t.to_vec(),
@@ -43,7 +47,8 @@ impl FaceFields {
         };
         for (f, state) in states.iter().enumerate() {
             let i = 3 * f;
-            let slip = jump[i + 1].hypot(jump[i + 2]);
+            let gamma = [slip[2 * f], slip[2 * f + 1]];
+            let slip = gamma[0].hypot(gamma[1]);
             let shear = t[i + 1].hypot(t[i + 2]);
             // an open face carries no shear and has no limit
             let limit = match state {
@@ -52,6 +57,11 @@ impl FaceFields {
             };
             let open = *state == ContactState::Open;
             fields.slip.push(slip);
+            fields.stabilization_jump.extend([
+                if open { 0.0 } else { jump[i] },
+                jump[i + 1] - gamma[0],
+                jump[i + 2] - gamma[1],
+            ]);
             fields
                 .aperture
                 .push(if open { jump[i].max(0.0) } else { 0.0 });
@@ -67,5 +77,60 @@ impl FaceFields {
         }
         fields.jump = jump;
         fields
+    }
+}
+
+/// γ at the end of a step: `γ + Δg_T` of faces that ended it in slip or open, γ of those in stick.
+///
+/// # Shape
+/// γ: two per face; jumps from, and jumps to less what H lets through on the way to slip: three per face.
+pub(super) fn slip_after(
+    gamma: &[f64],
+    [from, to]: [&[f64]; 2],
+    states: &[ContactState],
+) -> Vec<f64> {
+    let moved = |i: usize| {
+        let (f, k) = (i / 2, 3 * (i / 2) + 1 + i % 2);
+        match states[f] {
+            ContactState::Stick => 0.0,
+            ContactState::NewSlip | ContactState::Slip | ContactState::Open => to[k] - from[k],
+        }
+    };
+    gamma
+        .iter()
+        .enumerate()
+        .map(|(i, g)| g + moved(i))
+        .collect()
+}
+
+impl Simulation<'_> {
+    /// What the fracture faces show in a state.
+    pub fn face_fields(&self, state: &State) -> FaceFields {
+        let load = self.problem().loads().at(state.time, state.loaded);
+        FaceFields::new(
+            self.problem(),
+            &state.states,
+            [&state.t, &state.slip],
+            self.problem().jumps(&state.u, &load),
+            self.pressures(state),
+        )
+    }
+
+    /// Fluid pressure per face [Pa].
+    pub(super) fn pressures(&self, state: &State) -> Vec<f64> {
+        let body = self.problem().body();
+        let pressure = |f: &FractureFace| {
+            let (p, history) = body.pressures[usize::from(f.fracture)];
+            state.loaded * p * body.histories[history].at(state.time)
+        };
+        self.problem().faces().iter().map(pressure).collect()
+    }
+
+    /// Displacements of all nodes in a state, `3·node + component` [m].
+    pub fn displacement(&self, state: &State) -> Vec<f64> {
+        let loads = self.problem().loads();
+        loads
+            .prescribed_at(state.time, state.loaded)
+            .expand(&state.u)
     }
 }

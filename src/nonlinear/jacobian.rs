@@ -28,7 +28,7 @@ impl FaceTangent {
     }
 }
 
-/// `[A B; D Bᵀ −(H + L)]`, D and L one 3×3 block per face, tractions in a balanced unit s; with every face in stick
+/// `[A B; D Bᵀ −(D H + L)]`, D and L one 3×3 block per face, tractions in a balanced unit s; with every face in stick
 /// D = I, L = 0 and neither is stored.
 pub struct ContactJacobian<'a> {
     pub(super) a: &'a Restricted<Box<dyn AdjointOperator<f64>>>,
@@ -70,13 +70,21 @@ impl LinearOperator<f64> for ContactJacobian<'_> {
         // y_u += α (A x_u + B x_t)
         self.a.apply_add(alpha, x_u, y_u, work);
         self.b.apply_add(alpha, x_t, y_u, work);
-        // y_t += α (D Bᵀ x_u − L x_t − H x_t)
+        // y_t += α (D (Bᵀ x_u − H x_t) − L x_t)
         match &self.faces {
-            None => self.b.apply_adjoint_add(alpha, x_u, y_t, work),
+            None => {
+                self.b.apply_adjoint_add(alpha, x_u, y_t, work);
+                if let Some(h) = self.h {
+                    h.apply_add(-alpha, x_t, y_t, work);
+                }
+            }
             Some(faces) => {
                 let (jump, work) = work.split_at_mut(x_t.len());
                 jump.fill(0.0);
                 self.b.apply_adjoint_add(1.0, x_u, jump, work);
+                if let Some(h) = self.h {
+                    h.apply_add(-1.0, x_t, jump, work);
+                }
                 for (f, face) in faces.iter().enumerate() {
                     let d = times(&face.by_jump, &jump[3 * f..][..3]);
                     let l = times(&face.law, &x_t[3 * f..][..3]);
@@ -85,9 +93,6 @@ impl LinearOperator<f64> for ContactJacobian<'_> {
                     }
                 }
             }
-        }
-        if let Some(h) = self.h {
-            h.apply_add(-alpha, x_t, y_t, work);
         }
     }
 

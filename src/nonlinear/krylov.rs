@@ -1,6 +1,7 @@
 //! One linear system: a short recurrence where one applies, GMRES where that ends early or does not apply.
 
 use super::LinearFailure;
+use super::workspace::{Workspace, fitted};
 use fracas_solvers::Observer;
 use fracas_solvers::krylov::{Breakdown, Criteria, KrylovChoice, Outcome, System};
 
@@ -11,7 +12,7 @@ const USEFUL: f64 = 1e-2;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Asked {
     /// What takes the place of GMRES where the operator is symmetric; a preconditioner that is not linear to double
-    /// precision forbids it.
+    /// precision forbids it as long as there is room for a basis.
     pub(super) short: Option<KrylovChoice>,
     pub(super) tolerance: f64,
     pub(super) max_iterations: usize,
@@ -44,7 +45,8 @@ pub(super) enum Ended {
     },
 }
 
-/// `x ← A⁻¹ b` from the x at hand with the short recurrence, from zero with GMRES; `work` grows to what they need.
+/// `x ← A⁻¹ b` from the x at hand with the short recurrence, from zero with GMRES, whose restart fits into memory; `work` grows to
+/// what they need.
 ///
 /// Where a short recurrence ends early GMRES takes its place, and the name in the answer says so.
 ///
@@ -55,11 +57,16 @@ pub(super) fn solve(
     asked: Asked,
     x: &mut [f64],
     observer: &mut dyn Observer,
-    work: &mut Vec<f64>,
+    work: &mut Workspace,
 ) -> Result<Ended, LinearFailure> {
     let m = system.preconditioner;
-    let short = asked.short.filter(|_| m.is_linear() && !m.is_single());
-    let general = KrylovChoice::default().flexible_for(m);
+    let vectors = work.vectors(m);
+    let general = || fitted(vectors, false, m).map(|fitted| fitted.choice);
+    let linearity = m.linearity();
+    let short = match asked.short.filter(|_| linearity.linear) {
+        Some(_) if linearity.single && fitted(vectors, true, m)?.reason.is_none() => None,
+        short => short,
+    };
     let criteria = Criteria {
         relative_tolerance: asked.tolerance,
         max_iterations: asked
@@ -69,22 +76,23 @@ pub(super) fn solve(
     };
     let mut run = |choice: KrylovChoice, x: &mut [f64]| {
         let method = choice.method::<f64>();
-        let needed = method.work_len(system, &criteria);
-        if work.len() < needed {
-            work.resize(needed, 0.0);
-        }
-        let solved = method.solve_in(system, &criteria, x, observer, &mut work[..needed]);
+        let work = work.of(method, system, &criteria);
+        let solved = method.solve_in(system, &criteria, x, observer, work);
         (choice.name(), solved)
     };
     let mut spent = 0;
-    if short.is_none() {
-        x.fill(0.0);
-    }
-    let (krylov, solved) = match run(short.unwrap_or(general), x) {
+    let first = match short {
+        Some(short) => short,
+        None => {
+            x.fill(0.0);
+            general()?
+        }
+    };
+    let (krylov, solved) = match run(first, x) {
         (_, Err(breakdown)) if short.is_some() && asked.patience.is_none() => {
             spent = breakdown.iteration();
             x.fill(0.0);
-            run(general, x)
+            run(general()?, x)
         }
         tried => tried,
     };
@@ -124,7 +132,8 @@ pub(super) fn solve(
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use fracas_operators::{Dense, Identity, Shape};
+    use crate::nonlinear::FreeMemory;
+    use fracas_operators::{Dense, Identity, Linearity, Preconditioner, Shape};
     use fracas_solvers::Silent;
     use fracas_solvers::krylov::{Cg, Sqmr};
 
@@ -149,7 +158,7 @@ mod tests {
             preconditioner: &Identity { n: rhs.len() },
             rhs: &rhs,
         };
-        solve(&system, asked, x, &mut Silent, &mut Vec::new())
+        solve(&system, asked, x, &mut Silent, &mut Workspace::default())
     }
 
     #[test]
@@ -166,6 +175,55 @@ mod tests {
             solved.iterations
         );
         assert!(x[0].abs() < 1e-12 && (x[1] - 1.0).abs() < 1e-12);
+    }
+
+    /// A preconditioner in f32.
+    struct Single(Identity);
+
+    impl Preconditioner<f64> for Single {
+        fn size(&self) -> usize {
+            self.0.n
+        }
+        fn solve(&self, r: &[f64], z: &mut [f64], _: &mut [f64]) {
+            z.copy_from_slice(r);
+        }
+        fn flops(&self) -> u64 {
+            0
+        }
+        fn linearity(&self) -> Linearity {
+            Linearity::SINGLE
+        }
+    }
+
+    #[test]
+    fn memory_decides_between_a_basis_a_short_recurrence_and_none() {
+        let n = 30;
+        let operator = Dense::from_fn(Shape::square(n), |i, j| match i.abs_diff(j) {
+            0 => 4.0,
+            1 => -1.0,
+            _ => 0.0,
+        });
+        let solved = |free: FreeMemory| {
+            let system = System {
+                operator: &operator,
+                preconditioner: &Single(Identity { n }),
+                rhs: &[1.0; 30],
+            };
+            let mut work = Workspace::limited_by(free);
+            let sqmr = asked(Some(KrylovChoice::Sqmr(Sqmr {})), None);
+            match solve(&system, sqmr, &mut [0.0; 30], &mut Silent, &mut work) {
+                Ok(Ended::Solved(solved)) => solved.krylov,
+                Ok(Ended::Dropped { .. }) => panic!("nothing to drop"),
+                Err(LinearFailure::NoRoom { vectors, n: 30 }) if vectors < 8 => "none",
+                Err(other) => panic!("{other}"),
+            }
+        };
+        // half of it for 30 numbers a vector
+        assert_eq!(solved(|| None), "fgmres");
+        assert_eq!(solved(|| Some(2 * 84 * 240)), "fgmres");
+        assert_eq!(solved(|| Some(2 * 83 * 240)), "sqmr");
+        assert_eq!(solved(|| Some(2 * 8 * 240)), "sqmr");
+        assert_eq!(solved(|| Some(2 * 7 * 240)), "none");
     }
 
     #[test]

@@ -7,18 +7,16 @@ use super::jacobian::FaceTangent;
 use super::kept::{Kept, Ready};
 use super::krylov::{self, Asked, Ended, Solved};
 use super::state_inverse::StateInverse;
+use super::workspace::{FreeMemory, Workspace};
 use super::{ContactJacobian, ContactProblem, LinearFailure, NewtonSystem, Prepared, State};
 use crate::contact::ContactState;
 use crate::matrix_free::{MatrixFreeError, MatrixFreeRacp};
-use crate::scene::RunInner;
+use crate::scene::{FACTORIZED, RunInner};
 use fracas_operators::Preconditioner;
 use fracas_solvers::direct::DirectChoice;
 use fracas_solvers::krylov::{KrylovChoice, Sqmr, System};
 use fracas_solvers::saddle::{AugmentationChoice, AugmentationMatrix, Block, InnerChoice, Racp};
 use fracas_solvers::{Observer, Step};
-
-/// Displacements up to which S_u is factorized when the scene does not choose. Unit: 1.
-const FACTORIZED: usize = 5_000;
 
 /// Iterations per digit, over those of the first all-stick system, from which a preconditioner of the present states is
 /// wanted. Unit: 1.
@@ -69,7 +67,7 @@ pub(super) struct Linear {
     slow: bool,
     /// A preconditioner for its states has been built in this step.
     built: bool,
-    work: Vec<f64>,
+    work: Workspace,
     pub(super) fallbacks: Fallbacks,
     assembled: Assembled,
     /// Number of the system of a step to stop at, and that system.
@@ -88,12 +86,17 @@ impl Linear {
             reference: None,
             slow: false,
             built: false,
-            work: Vec::new(),
+            work: Workspace::default(),
             fallbacks: Fallbacks::default(),
             assembled: Assembled::default(),
             wanted: None,
             found: None,
         }
+    }
+
+    /// Takes no more vectors than fit into this memory.
+    pub(super) fn limited_by(&mut self, free: FreeMemory) {
+        self.work = Workspace::limited_by(free);
     }
 
     /// Settings in use.
@@ -201,7 +204,7 @@ impl Linear {
             self.stick = Some(self.build(problem, all_stick, c, observer)?);
         }
         if let Some(Prepared { states, c }) = self.present.owed.take() {
-            self.present.ready = Some(self.build(problem, states, |_| c, observer)?);
+            self.present.ready = Some(self.build(problem, states, |_| c.clone(), observer)?);
         }
         let new = |ready: &Option<Ready>| ready.as_ref().is_none_or(|r| r.of.states != states);
         let wanted = self.slow && !self.built && new(&self.stick) && new(&self.present.ready);
@@ -221,12 +224,43 @@ impl Linear {
         &mut self,
         problem: &ContactProblem<'_>,
         states: Vec<ContactState>,
-        c: impl FnOnce(&[[Block; 2]]) -> Vec<Block>,
+        c: impl Fn(&[[Block; 2]]) -> Vec<Block>,
         observer: &mut dyn Observer,
     ) -> Result<Ready, LinearFailure> {
+        let mut settings = self.settings;
+        let (c, inverse, stage) = loop {
+            match self.attempt(problem, settings, &c) {
+                Ok(built) => break built,
+                Err(failure) => settings = self.fallbacks.instead(problem, settings, failure)?,
+            }
+        };
+        if self.stick.is_none() {
+            // a restart builds the all-stick one first, too: it decides the same
+            self.settings = self.fallbacks.effective(settings);
+        }
+        let step = Step::Progress {
+            stage,
+            done: 1,
+            total: 1,
+        };
+        if observer.observe(&step).is_break() {
+            return Err(MatrixFreeError::Stopped.into());
+        }
+        let of = Prepared { states, c };
+        Ok(Ready { of, inverse })
+    }
+
+    /// C and S̃_u by these settings, and what is told of them.
+    #[allow(clippy::type_complexity)]
+    fn attempt(
+        &mut self,
+        problem: &ContactProblem<'_>,
+        settings: RunPreconditioner,
+        c: &impl Fn(&[[Block; 2]]) -> Vec<Block>,
+    ) -> Result<(Vec<Block>, Box<dyn Preconditioner<f64>>, &'static str), LinearFailure> {
         let unit = problem.saddle().unit();
         let mut stage = "preconditioner";
-        let (c, s_u): (_, Box<dyn Preconditioner<f64>>) = match self.settings {
+        match settings {
             RunPreconditioner::Assembled(racp) => {
                 let direct = match racp.inner {
                     InnerChoice::Exact { backend } => backend,
@@ -246,7 +280,7 @@ impl Linear {
                     stage = IN_DOUBLE;
                     self.fallbacks.note(format!("with f32 {error}"));
                 }
-                (c, inverse)
+                Ok((c, inverse, stage))
             }
             RunPreconditioner::MatrixFree(racp) => {
                 let system = problem.stick_system();
@@ -258,27 +292,12 @@ impl Linear {
                 let matrix = AugmentationMatrix::from_face_blocks(c.clone())?;
                 let in_pascal = matrix.scaled(1.0 / (unit * unit));
                 let s_u = self.fallbacks.build(problem, racp, &in_pascal)?;
-                let gave_way = s_u.lost().is_some();
-                if gave_way {
+                if s_u.lost().is_some() {
                     stage = IN_DOUBLE;
                 }
-                if gave_way && self.stick.is_none() {
-                    // a restart builds the all-stick one first, too: it decides the same
-                    self.settings = RunPreconditioner::MatrixFree(racp.in_double());
-                }
-                (c, Box::new(s_u))
+                Ok((c, Box::new(s_u), stage))
             }
-        };
-        let step = Step::Progress {
-            stage,
-            done: 1,
-            total: 1,
-        };
-        if observer.observe(&step).is_break() {
-            return Err(MatrixFreeError::Stopped.into());
         }
-        let of = Prepared { states, c };
-        Ok(Ready { of, inverse: s_u })
     }
 }
 

@@ -69,9 +69,7 @@ pub(super) fn newton(
     let n_u = x.u.len();
     let evaluate =
         |x: &Iterate| problem.evaluate(states, h, [&x.u, &x.t], attempt.start, attempt.load);
-    let is_linear = states
-        .iter()
-        .all(|s| matches!(s, ContactState::Stick | ContactState::Open));
+    let is_linear = states.iter().all(|s| s.is_linear());
     // an iteration that lags weakening may have to pass a larger residual
     let fixed_point = until.lagged && problem.weakens();
     let mut correction = vec![0.0; n_u + x.t.len()];
@@ -102,8 +100,8 @@ pub(super) fn newton(
             true => last,
             false => (size / before).powi(2).min(FORCING.0).max(last),
         };
-        if linear.wanted == Some(records.len()) {
-            let blocks = problem.assembled(states, &at, until.lagged);
+        if linear.wanted.is_some_and(|wanted| wanted <= records.len()) {
+            let blocks = problem.assembled(states, h, &at, until.lagged);
             linear.found = Some(NewtonSystem {
                 blocks: blocks.map_err(LinearFailure::from)?,
                 states: states.to_vec(),

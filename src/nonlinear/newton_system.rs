@@ -4,6 +4,7 @@ use super::{ContactProblem, Evaluation, LinearRecord, Simulation, State, StepFai
 use crate::contact::ContactState;
 use crate::elasticity::ElasticityError;
 use crate::jacobian::{turned, with_laws};
+use fracas_operators::sparse::Csr;
 use fracas_solvers::Observer;
 use fracas_solvers::saddle::SaddleBlocks;
 
@@ -48,19 +49,22 @@ pub enum NewtonSystemError {
 }
 
 impl ContactProblem<'_> {
-    /// The Jacobian and `−r` at an evaluated point, tractions in Pa; `lagged` leaves out the derivative of weakening.
+    /// The Jacobian and `−r` at a point evaluated with `h`, tractions in Pa; `lagged` leaves out the derivative of weakening.
     ///
     /// # Errors
     /// [`ElasticityError`] for an inverted element or a region without material.
     pub fn assembled(
         &self,
         states: &[ContactState],
+        h: Option<&Csr<f64>>,
         at: &Evaluation,
         lagged: bool,
     ) -> Result<SaddleBlocks, ElasticityError> {
         let stick = self.stick_blocks()?;
         let rows = at.rows(lagged);
-        let form = self.stick_system().stabilization_for(|f| states[f]);
+        let s = self.saddle().unit();
+        // D H: H is symmetric
+        let form = h.map(|h| turned(h.matrix(), rows).map(|v| v / (s * s)));
         let (r_u, r_t) = at.residual.split_at(stick.n_u());
         let all_stick = states.iter().all(|s| *s == ContactState::Stick);
         let unit = self.saddle().unit();
@@ -135,11 +139,12 @@ mod tests {
         let load = problem.loads().at(0.0, 1.0);
         let start = Start {
             jump: vec![0.0; n_t],
+            slip: vec![0.0; n_t / 3 * 2],
             t: vec![0.0; n_t],
         };
         let h = problem.stabilization(&states);
         let at = problem.evaluate(&states, h.as_ref(), [&u, &t], &start, &load);
-        let blocks = problem.assembled(&states, &at, false).unwrap();
+        let blocks = problem.assembled(&states, h.as_ref(), &at, false).unwrap();
         let jacobian = problem.jacobian(&states, h.as_ref(), &at, false);
         let unit = problem.saddle().unit();
         let x: Vec<f64> = (0..n_u + n_t).map(|k| number(3 * k + 1)).collect();

@@ -3,8 +3,7 @@
 use super::Loads;
 use super::jacobian::{ContactJacobian, FaceTangent};
 use crate::contact::{
-    ContactState, FaceLaw, FaceMeasure, FacePoint, FaceRows, Friction, JumpStabilization,
-    face_compliance,
+    ContactState, FaceLaw, FaceMeasure, FacePoint, FaceRows, Friction, face_compliance,
 };
 use crate::elasticity::ElasticityError;
 use crate::matrix_free::MatrixFreeSaddle;
@@ -29,6 +28,8 @@ pub struct Load {
 pub struct Start {
     /// Mean jump (n, t1, t2) per face [m].
     pub jump: Vec<f64>,
+    /// Slip (γ_1, γ_2) per face, what weakening follows [m].
+    pub slip: Vec<f64>,
     /// Tractions that H does not act on [Pa]: t_T at the start of the step, and t_N of the initial stress.
     pub t: Vec<f64>,
 }
@@ -40,6 +41,8 @@ pub struct Evaluation {
     pub residual: Vec<f64>,
     /// Mean jump (n, t1, t2) per face [m].
     pub jumps: Vec<f64>,
+    /// The same less what H lets through, `g − H t*/A_f`: what the laws of the faces see [m].
+    pub effective: Vec<f64>,
     rows: Vec<FaceRows>,
     /// The same with derivatives that leave out weakening, where there is any.
     lagged: Option<Vec<FaceRows>>,
@@ -57,8 +60,9 @@ impl Evaluation {
 
 /// A fractured body whose faces stick, slip or are open; A cell by cell, B face by face.
 ///
-/// Rows of face f: `A_f r` of [`FaceLaw::projected_rows`] on the mean jump `(Bᵀu + prescribed part + gap)/A_f`, less
-/// `H t*` with `t* = (t_N − that of the initial stress, t_T − t_T at the start)`. The assembled form is
+/// Rows of face f: `A_f r` of [`FaceLaw::projected_rows`] on the mean jump `(Bᵀu + prescribed part + gap − H t*)/A_f` with
+/// `t* = (t_N − that of the initial stress, t_T − t_T at the start)`. H is that of the states, or one that acts on more: then
+/// faces slip along, and open by, what H does not let through. The assembled form is
 /// [`ContactSystem`](crate::jacobian::ContactSystem), and a test holds them together.
 pub struct ContactProblem<'a> {
     body: &'a Body,
@@ -96,7 +100,7 @@ impl<'a> ContactProblem<'a> {
     }
 
     fn stick_system_of(body: &Body) -> StickSystem<'_> {
-        body.stick_system(Some(JumpStabilization::default()))
+        body.stick_system(Some(body.jump_stabilization()))
     }
 
     /// The body.
@@ -169,7 +173,8 @@ impl<'a> ContactProblem<'a> {
         jump
     }
 
-    /// The equations at (u, t) for fixed states; `h` is [`stabilization`](Self::stabilization) of these states.
+    /// The equations at (u, t) for fixed states; `h` is [`stabilization`](Self::stabilization) of these states, or of some that
+    /// constrain more.
     pub fn evaluate(
         &self,
         states: &[ContactState],
@@ -188,26 +193,42 @@ impl<'a> ContactProblem<'a> {
         // r_u = f − A u − B t
         a.apply_add(-1.0, u, r_u, &mut work);
         b.apply_add(-1.0 / s, t, r_u, &mut work);
-        // r_t = −s (A_f r − H t*)
         let jumps = self.jumps(u, load);
-        let rows = self.rows(states, t, &jumps, start, false);
+        // g − H t*/A_f
+        let mut effective = jumps.clone();
+        for (g, through) in effective.iter_mut().zip(self.let_through(h, t, start)) {
+            *g -= through;
+        }
+        // r_t = −s A_f r
+        let rows = self.rows(states, t, &effective, start, false);
         let weakens = self.weakens && states.iter().any(|s| s.constrained() == 1);
-        let lagged = weakens.then(|| self.rows(states, t, &jumps, start, true));
+        let lagged = weakens.then(|| self.rows(states, t, &effective, start, true));
         for (f, face) in self.faces().iter().enumerate() {
             for k in 0..3 {
                 r_t[3 * f + k] = -s * face.area * rows[f].residual[k];
             }
         }
-        if let Some(h) = h {
-            let acting: Vec<f64> = t.iter().zip(&start.t).map(|(t, start)| t - start).collect();
-            h.apply_add(1.0 / s, &acting, r_t, &mut work);
-        }
         Evaluation {
             residual,
             jumps,
+            effective,
             rows,
             lagged,
         }
+    }
+
+    /// `H t*/A_f`: the jump (n, t1, t2) per face that H lets through [m].
+    pub(super) fn let_through(&self, h: Option<&Csr<f64>>, t: &[f64], start: &Start) -> Vec<f64> {
+        let mut through = vec![0.0; t.len()];
+        if let Some(h) = h {
+            let s = self.saddle.unit();
+            let acting: Vec<f64> = t.iter().zip(&start.t).map(|(t, start)| t - start).collect();
+            h.apply_add(1.0 / (s * s), &acting, &mut through, &mut []);
+        }
+        for (through, face) in through.chunks_exact_mut(3).zip(self.faces()) {
+            through.iter_mut().for_each(|jump| *jump /= face.area);
+        }
+        through
     }
 
     /// Residual and tangent of every face.
@@ -239,7 +260,7 @@ impl<'a> ContactProblem<'a> {
         let point = FacePoint {
             traction: three(t),
             jump,
-            start: [from[1], from[2]],
+            start: [start.slip[2 * f], start.slip[2 * f + 1]],
         };
         (law, point)
     }
@@ -274,7 +295,7 @@ impl<'a> ContactProblem<'a> {
         }
     }
 
-    /// What a face shows in its state.
+    /// What a face shows in its state; `jumps` are those of [`Evaluation::effective`].
     pub fn measure(
         &self,
         f: usize,

@@ -1,6 +1,6 @@
 //! What a step reports.
 
-use super::{Remedy, State};
+use super::{Instability, State};
 use crate::contact::ContactState;
 
 /// An accepted step: a line of `history.csv`.
@@ -24,12 +24,21 @@ pub struct StepRecord {
     pub faces: [usize; 4],
     /// Area of faces in another state than at the start [m²].
     pub changed_area: f64,
-    /// Largest overlap of a face [m].
+    /// Largest overlap against the state of a face [m]: of open faces; with springs of all.
     pub max_pen: f64,
     /// Largest shear traction of a closed face beyond its limit [Pa].
     pub max_tau_viol: f64,
-    /// Largest slip so far [m].
+    /// Largest distance of the shear traction of a slipping face from the one that Coulomb's law gives for its slip, over
+    /// the largest traction of the run: what slip against the traction is worth. Unit: 1.
+    pub max_slip_viol: f64,
+    /// Largest slip ‖γ‖ of a face [m].
     pub slip_max: f64,
+    /// Largest part of a jump that is neither slip nor opening [m].
+    pub h_jump: f64,
+    /// Largest overlap of closed faces, which H leaves [m].
+    pub h_overlap: f64,
+    /// Slip ran away in it: its state is the one in which it came to rest, without inertia.
+    pub arrested: bool,
     /// Halvings that it took.
     pub cuts: usize,
     /// Preconditioners built from nothing.
@@ -78,8 +87,18 @@ pub enum Event {
         period: usize,
         /// Faces that differ within the cycle.
         faces: Vec<usize>,
-        /// What is done about it.
-        remedy: Remedy,
+    },
+    /// Newton failed at fixed states: proximal iterations take over.
+    Projection {
+        /// Round in which it did.
+        round: usize,
+        /// Why it failed.
+        reason: String,
+    },
+    /// Slip ran away; the step goes to where it came to rest.
+    Arrested {
+        /// What ran away.
+        patch: Box<Instability>,
     },
     /// The step starts once more with every face in stick.
     Retry {
@@ -97,6 +116,13 @@ pub enum Event {
     Precision {
         /// What f32 would lose.
         reason: String,
+    },
+    /// An inner solver that nobody asked for by name could not be set up, and another took its place.
+    Inner {
+        /// Why it could not.
+        reason: String,
+        /// The other: `amg` or `exact`.
+        now: &'static str,
     },
     /// A preconditioner was built.
     Setup {

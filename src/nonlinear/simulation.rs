@@ -2,37 +2,59 @@
 
 use super::active_set::{Log, Settled, active_set};
 use super::fallback::Fallbacks;
+use super::fields::slip_after;
 use super::linear::Linear;
 use super::loads::initial_traction;
 use super::newton::{Attempt, Iterate};
 use super::record::count;
 use super::springs::SpringMethod;
+use super::stability::instability;
 use super::times::{Target, Times, length};
 use super::{
-    Accepted, ContactProblem, Event, FaceFields, Failure, Load, NewtonSystem, RunPreconditioner,
-    Start, State, StepFailure, StepRecord,
+    Accepted, ContactProblem, Event, FaceFields, Failure, FreeMemory, Load, NewtonSystem,
+    RunPreconditioner, SimulationError, Start, State, StepFailure, StepRecord,
 };
 use crate::contact::ContactState;
-use crate::elasticity::ElasticityError;
-use crate::scene::Body;
+use crate::scene::{Body, Unstable};
 use fracas_operators::LinearOperator;
 use fracas_operators::vector::{axpy, norm2};
 use fracas_solvers::Observer;
 
-/// Why a body cannot be simulated.
-#[derive(Debug, thiserror::Error)]
-pub enum SimulationError {
-    /// A fracture without friction data.
-    #[error(
-        "fracture \"{fracture}\" has neither friction_angle nor cohesion; give friction_angle = \"0 deg\" for a smooth one"
-    )]
-    NoFriction {
-        /// Its name.
-        fracture: String,
-    },
-    /// A mesh without a stiffness.
-    #[error(transparent)]
-    Elasticity(#[from] ElasticityError),
+/// Halvings over which slip that runs away is compared.
+const COMPARED: usize = 3;
+
+/// True where halving the increment up to three times leaves more than `2^(−1/4)` of the largest slip each time. Slip that follows
+/// the loads falls with them, at the end of a stable path with their square root; a jump stays. Where nothing is left to
+/// halve, what no increment has avoided is shown as well.
+fn is_shown(runaways: &[[f64; 2]]) -> bool {
+    let first = runaways.len().saturating_sub(1 + COMPARED);
+    match (runaways.get(first), runaways.last()) {
+        (Some([long, much]), Some([short, little])) => *little >= much * (short / long).powf(0.25),
+        _ => false,
+    }
+}
+
+/// A step that goes no further.
+fn failed(
+    state: &State,
+    target: Target,
+    cuts: usize,
+    reason: Failure,
+    log: Log,
+) -> Box<StepFailure> {
+    Box::new(StepFailure {
+        step: state.step,
+        time: state.time,
+        increment: length(state, target),
+        unit: match state.loaded < 1.0 {
+            true => "of the loads of time 0",
+            false => "s",
+        },
+        cuts,
+        reason,
+        linear: log.linear,
+        events: log.events,
+    })
 }
 
 /// A body in contact, stepped through time.
@@ -70,6 +92,17 @@ impl<'a> Simulation<'a> {
         })
     }
 
+    /// The same with no more Krylov vectors than fit into `free`, asked once: a shorter basis or a short recurrence where a full one
+    /// does not.
+    #[must_use]
+    pub fn limited_by(mut self, free: FreeMemory) -> Self {
+        match &mut self.springs {
+            Some(springs) => springs.limited_by(free),
+            None => self.linear.limited_by(free),
+        }
+        self
+    }
+
     /// The equations.
     pub fn problem(&self) -> &ContactProblem<'a> {
         &self.problem
@@ -83,6 +116,11 @@ impl<'a> Simulation<'a> {
     /// Times that a preconditioner in f32 gave way to one in f64; [`Event::Precision`] says why.
     pub fn precision_fallbacks(&self) -> usize {
         self.fallbacks().count
+    }
+
+    /// Times that an inner solver could not be set up and another took its place; [`Event::Inner`] says why.
+    pub fn inner_fallbacks(&self) -> usize {
+        self.fallbacks().inner
     }
 
     fn fallbacks(&self) -> &Fallbacks {
@@ -112,6 +150,7 @@ impl<'a> Simulation<'a> {
             u: vec![0.0; self.problem.body().constraints.free_len()],
             t: vec![0.0; 3 * faces.len()],
             states: faces.iter().map(open).collect(),
+            slip: vec![0.0; 2 * faces.len()],
             flips: vec![0; faces.len()],
         }
     }
@@ -122,7 +161,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// The next step: the equilibrium at time 0 first, then time by time. A failed attempt is repeated from all-stick, then
-    /// the step is halved.
+    /// the step is halved; so is one in which slip may have run away, until that shows or there is a step without.
     ///
     /// # Errors
     /// [`StepFailure`] with the reason of the last attempt; `state` is still good.
@@ -136,6 +175,8 @@ impl<'a> Simulation<'a> {
             .shortest(state, self.problem.body().solver.max_cuts);
         let (mut log, mut attempts, mut cuts) = (Log::default(), 0, 0);
         let mut increment = state.next;
+        // increments of attempts in which slip ran away, and its largest slip
+        let mut runaways: Vec<[f64; 2]> = Vec::new();
         match &mut self.springs {
             Some(springs) => springs.begin_step(state.prepared.as_ref()),
             None => self.linear.begin_step(state),
@@ -144,7 +185,36 @@ impl<'a> Simulation<'a> {
             let target = self.times.target(state, increment);
             let outcome = self.attempt_twice(state, target, &mut attempts, &mut log, observer);
             match outcome {
-                Ok((settled, load)) => {
+                Ok((mut settled, load)) => {
+                    if let Some(patch) = settled.unstable.take() {
+                        let at = length(state, target);
+                        runaways.push([at, patch.slip]);
+                        let compare = runaways.len() <= COMPARED
+                            && 0.5 * at >= shortest * 0.5f64.powi(COMPARED as i32);
+                        if 0.5 * at >= shortest || compare {
+                            increment = 0.5 * at;
+                            cuts += 1;
+                            log.events.push(Event::Cut {
+                                reason: Failure::Unstable(patch).to_string(),
+                                next: increment,
+                            });
+                            continue;
+                        }
+                        if is_shown(&runaways) {
+                            match self.problem.body().solver.unstable {
+                                Unstable::Stop => {
+                                    let reason = Failure::Unstable(patch);
+                                    return Err(failed(state, target, cuts, reason, log));
+                                }
+                                Unstable::Arrest => {
+                                    log.events.push(Event::Arrested {
+                                        patch: patch.clone(),
+                                    });
+                                    settled.unstable = Some(patch);
+                                }
+                            }
+                        }
+                    }
                     let next = self.times.next(state, target, increment, cuts);
                     return Ok(self.accept(state, target, settled, &load, log, cuts, next));
                 }
@@ -157,19 +227,8 @@ impl<'a> Simulation<'a> {
                     });
                 }
                 Err(reason) => {
-                    return Err(Box::new(StepFailure {
-                        step: state.step,
-                        time: state.time,
-                        increment: length(state, target),
-                        unit: match state.loaded < 1.0 {
-                            true => "of the loads of time 0",
-                            false => "s",
-                        },
-                        cuts,
-                        reason: reason.explained(self.problem.body(), &log.states),
-                        linear: log.linear,
-                        events: log.events,
-                    }));
+                    let reason = reason.explained(self.problem.body(), &log.states);
+                    return Err(failed(state, target, cuts, reason, log));
                 }
             }
         }
@@ -227,6 +286,7 @@ impl<'a> Simulation<'a> {
         }
         let start = Start {
             jump: problem.jumps(&state.u, &before),
+            slip: state.slip.clone(),
             t: reference,
         };
         let attempt = Attempt {
@@ -250,7 +310,16 @@ impl<'a> Simulation<'a> {
                 settled?
             }
             None => {
-                let settled = active_set(&attempt, states, x, &mut self.linear, log, observer);
+                let settled = active_set(&attempt, states, x, &mut self.linear, log, observer)
+                    .and_then(|mut settled| {
+                        if problem.weakens() {
+                            let found = (&settled.states[..], &settled.x);
+                            let (traction, linear) = (settled.traction, &mut self.linear);
+                            settled.unstable =
+                                instability(&attempt, found, traction, linear, observer)?;
+                        }
+                        Ok(settled)
+                    });
                 log.events.append(&mut self.linear.fallbacks.events);
                 settled?
             }
@@ -290,8 +359,15 @@ impl<'a> Simulation<'a> {
             x,
             force,
             traction,
+            effective,
+            slip_violation,
+            unstable,
         } = settled;
-        let fields = FaceFields::new(&self.problem, &states, [&x.u, &x.t], load, Vec::new());
+        let problem = &self.problem;
+        let from = problem.jumps(&before.u, &problem.loads().at(before.time, before.loaded));
+        let jump = problem.jumps(&x.u, load);
+        let slip = slip_after(&before.slip, [&from, &effective], &states);
+        let fields = FaceFields::new(problem, &states, [&x.t, &slip], jump, Vec::new());
         let accepted = log.linear.iter().map(|l| l.attempt).max();
         let last = log.linear.iter().filter(|l| Some(l.attempt) == accepted);
         let setups = log.linear.iter().filter(|l| l.setup).count();
@@ -304,6 +380,8 @@ impl<'a> Simulation<'a> {
             lin_it: log.linear.iter().map(|l| l.iterations).sum(),
             lin_res: last.fold(0.0, |m: f64, l| m.max(l.relative_residual)),
             faces: count(&states),
+            max_slip_viol: slip_violation,
+            arrested: unstable.is_some(),
             cuts,
             setups,
             reuses: log.linear.len() - setups,
@@ -319,7 +397,15 @@ impl<'a> Simulation<'a> {
                 record.changed_area += face.area;
                 flips[f] += 1;
             }
-            record.max_pen = record.max_pen.max(-fields.jump[3 * f]);
+            // with multipliers what overlaps on a closed face is the work of H
+            let held = self.springs.is_none() && states[f] != ContactState::Open;
+            let overlap = match held {
+                true => &mut record.h_overlap,
+                false => &mut record.max_pen,
+            };
+            *overlap = overlap.max(-fields.jump[3 * f]);
+            let [n, t1, t2] = [0, 1, 2].map(|k: usize| fields.stabilization_jump[3 * f + k]);
+            record.h_jump = record.h_jump.max(n.hypot(t1).hypot(t2));
             record.slip_max = record.slip_max.max(fields.slip[f]);
             let shear = x.t[3 * f + 1].hypot(x.t[3 * f + 2]);
             record.max_tau_viol = record.max_tau_viol.max(shear - fields.tau_limit[f]);
@@ -337,6 +423,7 @@ impl<'a> Simulation<'a> {
                 u: x.u,
                 t: x.t,
                 states,
+                slip,
                 flips,
             },
             record,
@@ -354,35 +441,5 @@ impl<'a> Simulation<'a> {
     pub(super) fn take_system(&mut self) -> Option<NewtonSystem> {
         self.linear.wanted = None;
         self.linear.found.take()
-    }
-
-    /// What the fracture faces show in a state.
-    pub fn face_fields(&self, state: &State) -> FaceFields {
-        let load = self.problem.loads().at(state.time, state.loaded);
-        FaceFields::new(
-            &self.problem,
-            &state.states,
-            [&state.u, &state.t],
-            &load,
-            self.pressures(state),
-        )
-    }
-
-    /// Fluid pressure per face [Pa].
-    pub(super) fn pressures(&self, state: &State) -> Vec<f64> {
-        let body = self.problem.body();
-        let pressure = |f: &crate::mesh::FractureFace| {
-            let (p, history) = body.pressures[usize::from(f.fracture)];
-            state.loaded * p * body.histories[history].at(state.time)
-        };
-        self.problem.faces().iter().map(pressure).collect()
-    }
-
-    /// Displacements of all nodes in a state, `3·node + component` [m].
-    pub fn displacement(&self, state: &State) -> Vec<f64> {
-        let loads = self.problem.loads();
-        loads
-            .prescribed_at(state.time, state.loaded)
-            .expand(&state.u)
     }
 }

@@ -37,6 +37,10 @@ pub struct State {
     pub t: Vec<f64>,
     /// State per face.
     pub states: Vec<ContactState>,
+    /// Slip (γ_1, γ_2) per face: `Σ Δg_T` over the steps that it ended in slip or open [m].
+    ///
+    /// In stick γ stays as it is, whatever H lets through; the rest of the jump, g_T − γ, is no slip.
+    pub slip: Vec<f64>,
     /// How often a face has ended a step in another state than the step before.
     pub flips: Vec<u32>,
 }

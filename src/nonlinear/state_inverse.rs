@@ -3,7 +3,7 @@
 use super::face_rules::{FaceRule, Matrix3};
 use crate::contact::Coupling;
 use fracas_operators::sparse::Csr;
-use fracas_operators::{AdjointOperator, Layout, LinearOperator, Preconditioner};
+use fracas_operators::{AdjointOperator, Layout, LinearOperator, Linearity, Preconditioner};
 use fracas_solvers::saddle::Relaxation;
 
 /// RACP around the kept directions of every face, the others solved for their own tractions:
@@ -127,11 +127,7 @@ impl Preconditioner<f64> for StateInverse<'_> {
             + relaxation
     }
 
-    fn is_linear(&self) -> bool {
-        self.s_u.is_linear()
-    }
-
-    fn is_single(&self) -> bool {
-        self.s_u.is_single()
+    fn linearity(&self) -> Linearity {
+        self.s_u.linearity()
     }
 }

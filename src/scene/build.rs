@@ -287,12 +287,6 @@ fn solver(sections: &SceneSections) -> Result<SolverSection, Located> {
             "more than 0 and less than 1",
         ),
         (
-            "hysteresis",
-            solver.hysteresis,
-            (0.0..0.5).contains(&solver.hysteresis),
-            "at least 0 and less than 0.5",
-        ),
-        (
             "max_active",
             solver.max_active as f64,
             solver.max_active > 0,

@@ -14,6 +14,7 @@ mod mesh_sections;
 mod one_or_many;
 mod overrides;
 mod sections;
+mod size;
 mod solver_section;
 mod source;
 mod used;
@@ -35,8 +36,10 @@ pub use sections::{
     BoundarySection, BoxSection, ComponentsSection, HoldSection, InitialStressSection,
     MaterialSection, SceneSections, SideName, TensorSection,
 };
+pub use size::SceneSize;
 pub use solver_section::{
-    AugmentedLagrangian, Method, Penalty, RunInner, SolverSection, TimeSection,
+    AugmentedLagrangian, FACTORIZED, Method, Penalty, RunInner, SolverSection, TimeSection,
+    Unstable,
 };
 
 use crate::mesh::GmshFile;
@@ -123,8 +126,7 @@ impl Scene {
         Ok(toml::to_string(&sections)?)
     }
 
-    /// Nodes of the mesh before fractures split them, as the grid or the mesh file says; 0 where either says nothing, which
-    /// [`Scene::build`] explains.
+    /// Nodes of the mesh before fractures split them; 0 as in [`Scene::size`].
     pub fn nodes(&self) -> u128 {
         match &self.sections.mesh.file {
             Some(file) => {
@@ -132,6 +134,18 @@ impl Scene {
                 announced.map_or(0, u128::from)
             }
             None => self.sections.mesh.nodes(),
+        }
+    }
+
+    /// How large the mesh will be, as the grid and its fractures or the head of the mesh file say; 0 where they say nothing, which
+    /// [`Scene::build`] explains.
+    pub fn size(&self) -> SceneSize {
+        match &self.sections.mesh.file {
+            Some(_) => SceneSize {
+                nodes: self.nodes(),
+                ..SceneSize::default()
+            },
+            None => SceneSize::of_grid(&self.sections),
         }
     }
 

@@ -6,6 +6,7 @@ use fracas_solvers::saddle::Racp;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::contact::Lengths;
 use crate::units::{Duration, Measure};
 
 /// Steps after the equilibrium at time 0.
@@ -62,7 +63,8 @@ pub struct AugmentedLagrangian {
 impl Default for AugmentedLagrangian {
     fn default() -> Self {
         Self {
-            factor: 1e1,
+            // by 10 a stuck fault of 56 faces takes 57 updates, by 100 nine; the number grows with the fault
+            factor: 1e2,
             max_updates: 200,
         }
     }
@@ -76,9 +78,7 @@ pub struct SolverSection {
     pub tolerance: f64,
     /// What counts as zero when states are judged, relative to the largest traction of the step. Unit: 1.
     pub state_tolerance: f64,
-    /// Band around the shear limit in which faces found cycling keep their state. Unit: 1.
-    pub hysteresis: f64,
-    /// Rounds of the active set in one attempt.
+    /// Rounds of the active set in one attempt, proximal iterations included.
     pub max_active: usize,
     /// Newton steps in one round.
     pub max_newton: usize,
@@ -86,13 +86,28 @@ pub struct SolverSection {
     pub max_krylov: usize,
     /// Halvings of the nominal step before the run gives up.
     pub max_cuts: usize,
+    /// What to do where slip that weakens runs away: `stop`, or `arrest` to step over it.
+    pub unstable: Unstable,
     /// How contact is enforced: `lagrange`, or `penalty` and `augmented_lagrangian` to compare with.
     pub method: Method,
+    /// Lengths that the jump stabilization H is made of: `box` as published, `patch` for cells that are thin across fractures.
+    pub stabilization: Lengths,
     /// Inner solver of the preconditioner.
     pub inner: RunInner,
     /// The preconditioner in full, in place of `inner`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub racp: Option<Racp>,
+}
+
+/// What a run does where slip that weakens runs away.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Unstable {
+    /// It ends with the last state before.
+    #[default]
+    Stop,
+    /// It goes on from where slip comes to rest without inertia.
+    Arrest,
 }
 
 /// Inner solver of a run.
@@ -110,18 +125,32 @@ pub enum RunInner {
     Geometric,
 }
 
+/// Displacements up to which S_u is factorized when the scene does not choose. Unit: 1.
+pub const FACTORIZED: usize = 5_000;
+
+impl SolverSection {
+    /// Whether a body with so many free displacements, on a grid or not, is preconditioned from an assembled A.
+    pub fn assembles(&self, is_grid: bool, displacements: usize) -> bool {
+        match (self.racp, self.inner) {
+            (Some(_), _) | (None, RunInner::Exact | RunInner::Amg) => true,
+            (None, RunInner::Geometric) => false,
+            (None, RunInner::Auto) => !is_grid || displacements <= FACTORIZED,
+        }
+    }
+}
+
 impl Default for SolverSection {
     fn default() -> Self {
         Self {
             tolerance: 1e-8,
             state_tolerance: 1e-6,
-            // published
-            hysteresis: 0.05,
-            max_active: 30,
+            max_active: 300,
             max_newton: 15,
             max_krylov: 400,
             max_cuts: 8,
+            unstable: Unstable::Stop,
             method: Method::Lagrange,
+            stabilization: Lengths::default(),
             inner: RunInner::Auto,
             racp: None,
         }

@@ -80,7 +80,17 @@ impl Source {
 
     /// Deserializes the text.
     pub(super) fn parse<T: DeserializeOwned>(&self) -> Result<T, SceneError> {
-        toml::from_str(&self.text).map_err(|e| self.explain(&e))
+        let parsed = toml::from_str(&self.text).map_err(|e| self.explain(&e))?;
+        let root = DeTable::parse(&self.text).ok();
+        let beyond = root.and_then(|root| root.get_ref().iter().find_map(|(_, v)| beyond(v)));
+        match beyond {
+            // the parser takes it for a count, and nothing could write it again
+            Some(span) => Err(SceneError::Syntax {
+                place: Box::new(self.place(span)),
+                message: format!("the largest integer of a scene is {}", i64::MAX),
+            }),
+            _ => Ok(parsed),
+        }
     }
 
     /// A parser's error with its place; unknown keys and choices get their nearest match.
@@ -109,5 +119,18 @@ impl Source {
             // serde names Rust's types
             message: message.replace("a nonzero u32", "a positive whole number"),
         }
+    }
+}
+
+/// Where an integer is written that the 64 bits with sign of TOML do not hold.
+fn beyond(value: &toml::Spanned<DeValue<'_>>) -> Option<Range<usize>> {
+    match value.get_ref() {
+        DeValue::Integer(n) => match i64::from_str_radix(n.as_str(), n.radix()) {
+            Ok(_) => None,
+            Err(_) => Some(value.span()),
+        },
+        DeValue::Array(array) => array.iter().find_map(beyond),
+        DeValue::Table(table) => table.iter().find_map(|(_, v)| beyond(v)),
+        _ => None,
     }
 }

@@ -34,7 +34,7 @@ impl Check {
         match (&self.place.scene, &self.place.system) {
             (Some(name), _) => {
                 let scene = scene::load(name, &self.overrides)?;
-                memory::room_for(name, &scene, memory::MESH)?;
+                memory::room_for(name, &scene, memory::CHECK)?;
                 let body = scene.build()?;
                 writeln!(out, "scene       {}", scene.title())?;
                 let audit = body.audit();

@@ -1,108 +1,145 @@
 //! Memory of this process: what it took, and whether there is enough for what it is asked.
 
-use fracas::scene::{Body, Scene};
+use super::free::kibibytes;
+use fracas::scene::{Scene, SceneSize};
 use fracas_operators::{LinearOperator, Preconditioner};
 use fracas_solvers::amg::Summary;
 use fracas_solvers::krylov::{Fitted, KrylovChoice};
+use std::path::Path;
 
-/// What a grid node takes [bytes].
+pub(crate) use super::free::available_bytes;
+
+/// What the parts of a mesh take [bytes].
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct PerNode {
+struct Parts {
+    /// A node before fractures split them.
+    node: f64,
+    /// A copy that they make.
+    copy: f64,
+    /// A fracture face.
+    face: f64,
+}
+
+/// What a piece of work takes at its peak.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Work {
     /// Where no map moves the nodes.
-    bricks: u64,
+    bricks: Parts,
     /// Where one does.
-    mapped: u64,
+    mapped: Parts,
     /// What to do where it does not fit.
     remedy: &'static str,
 }
 
-/// Mesh, fractures and sides, measured on 1.8 million nodes.
-pub(crate) const MESH: PerNode = PerNode {
-    bricks: 160,
-    mapped: 160,
-    remedy: "use fewer cells, e.g. --set mesh.x.cells=8",
+/// The process itself [bytes].
+const PROCESS: f64 = 10e6;
+
+/// Parts of all three sorts.
+const fn parts([node, copy, face]: [f64; 3]) -> Parts {
+    Parts { node, copy, face }
+}
+
+const FEWER_CELLS: &str = "use fewer cells, e.g. --set mesh.x.cells=8";
+
+/// Mesh, fractures, sides and their audit.
+pub(crate) const CHECK: Work = Work {
+    bricks: parts(CHECKED),
+    mapped: parts(CHECKED),
+    remedy: FEWER_CELLS,
 };
 
-/// Mesh and assembled blocks, without any factorization, measured on 120 thousand nodes.
-pub(crate) const BLOCKS: PerNode = PerNode {
-    bricks: 4200,
-    mapped: 4200,
+/// Mesh and assembled blocks, without any factorization.
+pub(crate) const BLOCKS: Work = Work {
+    bricks: parts(ASSEMBLED),
+    mapped: parts(ASSEMBLED),
     remedy: "use fewer cells, e.g. --set mesh.x.cells=8, or solve with --inner geometric, which assembles no A",
 };
 
-/// Mesh, operator, hierarchy and the vectors of SQMR, without an assembled A, measured on 0.9 million nodes with few
-/// fractures.
-pub(crate) const MATRIX_FREE: PerNode = PerNode {
-    bricks: 400,
-    mapped: 870,
-    remedy: "use fewer cells, e.g. --set mesh.x.cells=8",
+/// Mesh, operator, hierarchy and the vectors of one solve, without an assembled A.
+pub(crate) const MATRIX_FREE: Work = Work {
+    bricks: parts(ON_BRICKS),
+    mapped: parts(ON_HEXAHEDRA),
+    remedy: FEWER_CELLS,
 };
+
+/// Measured on 23 to 122 thousand nodes and networks with up to 1.5 faces per node; with 1.8 million nodes 160 per node.
+const CHECKED: [f64; 3] = [130.0, 100.0, 550.0];
+
+/// Measured on 120 thousand nodes.
+const ASSEMBLED: [f64; 3] = [4200.0, 4200.0, 1000.0];
+
+/// Measured on 0.9 million nodes with few fractures, and on a network of 147 thousand faces; with the vectors of SQMR, the least that
+/// a solve takes.
+const ON_BRICKS: [f64; 3] = [400.0, 400.0, 3000.0];
+
+/// As [`ON_BRICKS`].
+const ON_HEXAHEDRA: [f64; 3] = [870.0, 870.0, 3000.0];
 
 /// What reading and checking a mesh file takes per node at its peak [bytes]: 305 to 320 measured on 1.0 million nodes, in
 /// text and binary.
-const PER_NODE_OF_FILE: u64 = 400;
+const PER_NODE_OF_FILE: f64 = 400.0;
 
-/// What a fracture face adds to [`MATRIX_FREE`] [bytes], measured on a network of 147 thousand.
-const PER_FACE: u64 = 3000;
+impl Work {
+    /// At its peak [bytes].
+    pub(crate) fn bytes(&self, size: SceneSize, bricks: bool) -> f64 {
+        let Parts { node, copy, face } = if bricks { self.bricks } else { self.mapped };
+        let [nodes, copies, faces] = [size.nodes, size.copies, size.faces].map(|n| n as f64);
+        PROCESS + node * nodes + copy * copies + face * faces
+    }
+}
 
 /// A scene that does not fit.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "{scene}: {nodes} grid nodes take about {needed:.1} GB and {available:.1} GB are free; {remedy}"
+    "{scene}: {nodes} grid nodes{} take about {needed:.1} GB and {available:.1} GB are free; {remedy}", and_faces(*faces)
 )]
 struct TooLarge {
     scene: String,
     nodes: u128,
+    faces: u128,
     needed: f64,
     available: f64,
     remedy: &'static str,
 }
 
-/// Refuses a scene that takes more memory than the system has to give, before any of it is taken.
-pub(crate) fn room_for(name: &str, scene: &Scene, bytes: PerNode) -> anyhow::Result<()> {
-    let mesh = &scene.sections().mesh;
-    let nodes = scene.nodes();
-    let (per_node, remedy) = match (&mesh.file, &mesh.map) {
-        (Some(_), _) => (bytes.mapped.max(PER_NODE_OF_FILE), "use a coarser mesh"),
-        (None, Some(_)) => (bytes.mapped, bytes.remedy),
-        (None, None) => (bytes.bricks, bytes.remedy),
-    };
-    let needed = nodes as f64 * per_node as f64;
-    match available_bytes() {
-        // beyond the numbering of the mesh, which has its own message
-        _ if nodes > fracas::mesh::MAX_NODES => Ok(()),
-        Some(available) if needed > available as f64 => Err(TooLarge {
-            scene: name.to_owned(),
-            nodes,
-            needed: needed * 1e-9,
-            available: available as f64 * 1e-9,
-            remedy,
-        }
-        .into()),
-        _ => Ok(()),
+fn and_faces(faces: u128) -> String {
+    match faces {
+        0 => String::new(),
+        faces => format!(" and {faces} fracture faces"),
     }
 }
 
-/// Refuses a meshed scene whose operator, hierarchy and vectors do not fit beside its mesh: fractures count now, too.
-pub(crate) fn room_without_a(name: &str, body: &Body) -> anyhow::Result<()> {
-    let bricks = body.mesh.grid.as_ref().is_some_and(|g| g.axis_aligned);
-    let per_node = if bricks {
-        MATRIX_FREE.bricks
-    } else {
-        MATRIX_FREE.mapped
+/// Refuses a scene that takes more memory than there is to take, before any of it is taken.
+pub(crate) fn room_for(name: &str, scene: &Scene, work: Work) -> anyhow::Result<()> {
+    // beyond the numbering of the mesh, which has its own message
+    if scene.nodes() > fracas::mesh::MAX_NODES {
+        return Ok(());
+    }
+    // nodes alone first: lines of an axis take memory, too
+    let nodes = SceneSize {
+        nodes: scene.nodes(),
+        ..SceneSize::default()
     };
-    let (nodes, faces) = (body.mesh.nodes.len(), body.fractures.faces.len());
-    let needed = (per_node * nodes as u64 + PER_FACE * faces as u64) as f64;
-    // the mesh is there already
-    let held = kibibytes("/proc/self/status", "VmRSS:").unwrap_or(0);
+    room(name, scene, work, nodes)?;
+    room(name, scene, work, scene.size())
+}
+
+fn room(name: &str, scene: &Scene, work: Work, size: SceneSize) -> anyhow::Result<()> {
+    let mesh = &scene.sections().mesh;
+    let mut needed = work.bytes(size, mesh.file.is_none() && mesh.map.is_none());
+    let mut remedy = work.remedy;
+    if mesh.file.is_some() {
+        needed = needed.max(PER_NODE_OF_FILE * size.nodes as f64);
+        remedy = "use a coarser mesh";
+    }
     match available_bytes() {
-        Some(available) if needed > (available + held) as f64 => Err(TooLargeMeshed {
+        Some(available) if needed > available as f64 => Err(TooLarge {
             scene: name.to_owned(),
-            nodes,
-            faces,
+            nodes: size.nodes,
+            faces: size.faces,
             needed: needed * 1e-9,
-            available: (available + held) as f64 * 1e-9,
-            remedy: MATRIX_FREE.remedy,
+            available: available as f64 * 1e-9,
+            remedy,
         }
         .into()),
         _ => Ok(()),
@@ -129,20 +166,6 @@ pub(crate) fn room_in_double(single: Option<&Summary>) -> anyhow::Result<()> {
         .into()),
         _ => Ok(()),
     }
-}
-
-/// A meshed scene whose solver does not fit.
-#[derive(Debug, thiserror::Error)]
-#[error(
-    "{scene}: {nodes} nodes and {faces} fracture faces take about {needed:.1} GB and {available:.1} GB are free; {remedy}"
-)]
-struct TooLargeMeshed {
-    scene: String,
-    nodes: usize,
-    faces: usize,
-    needed: f64,
-    available: f64,
-    remedy: &'static str,
 }
 
 /// Share of the free memory that vectors may take: the rest is for what the estimate does not know.
@@ -179,26 +202,13 @@ pub(crate) fn krylov_that_fits(
     Ok(fitted.ok_or(NoRoom { vectors, n })?)
 }
 
-/// Memory that can be taken without swapping [bytes], where the system tells (Linux).
-fn available_bytes() -> Option<u64> {
-    kibibytes("/proc/meminfo", "MemAvailable:")
-}
-
 /// High-water mark of the resident set [bytes], where the system tells (Linux).
 pub(crate) fn peak_bytes() -> Option<u64> {
-    kibibytes("/proc/self/status", "VmHWM:")
+    kibibytes(Path::new("/proc/self/status"), "VmHWM:")
 }
 
 /// Lets the high-water mark start again from what is resident now, where the system allows it (Linux).
 pub(crate) fn reset_peak() {
     // elsewhere the mark is that of the whole process, as before
     let _ = std::fs::write("/proc/self/clear_refs", "5");
-}
-
-/// Value of a line `key 123 kB` [bytes].
-fn kibibytes(file: &str, key: &str) -> Option<u64> {
-    let text = std::fs::read_to_string(file).ok()?;
-    let line = text.lines().find_map(|line| line.strip_prefix(key))?;
-    let kibibytes: u64 = line.split_ascii_whitespace().next()?.parse().ok()?;
-    Some(1024 * kibibytes)
 }

@@ -86,11 +86,13 @@ pub(super) enum Route {
     MatrixFree(MatrixFreeRacp),
 }
 
-/// A route and, where `auto` chose, why.
+/// A route and, where `auto` chose, why and what else there is.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Chosen {
     pub(super) route: Route,
     pub(super) reason: Option<String>,
+    /// What takes its place, in turn, where it cannot be set up.
+    pub(super) otherwise: Vec<SaddleMethod>,
 }
 
 /// Geometric multigrid where it cannot be.
@@ -177,6 +179,7 @@ impl Parts {
                         Ok(Chosen {
                             route: Route::MatrixFree(matrix_free(racp, geometric)),
                             reason: None,
+                            otherwise: Vec::new(),
                         })
                     }
                 }
@@ -185,11 +188,14 @@ impl Parts {
         }
     }
 
-    /// Geometric where everything it needs is there, else amg where the method has an inner solver.
+    /// Geometric where everything it needs is there, else amg where the method has an inner solver; then amg, then a factorization.
     fn auto(&self, asked: Asked) -> anyhow::Result<Chosen> {
         if self.method.inner().is_none() {
             return self.assembled(None, None);
         }
+        let amg = InnerChoice::Amg(Amg::default());
+        let with = |inner| self.method.with_parts(self.augmentation, Some(inner));
+        let exact = with(InnerChoice::default())?;
         let reason = match (asked, self.racp()) {
             (_, None) => format!("{} is made from assembled blocks", self.method.name()),
             (Asked::Folder, _) => "a system folder has no grid".to_owned(),
@@ -201,13 +207,16 @@ impl Parts {
                     return Ok(Chosen {
                         route: Route::MatrixFree(matrix_free(racp, Geometric::default())),
                         reason: Some("geometric, because the mesh of the scene is a grid".into()),
+                        otherwise: vec![with(amg)?, exact],
                     });
                 }
                 format!("C = {c} needs all of A")
             }
         };
-        let amg = InnerChoice::Amg(Amg::default());
-        self.assembled(Some(amg), Some(format!("amg, because {reason}")))
+        Ok(Chosen {
+            otherwise: vec![exact],
+            ..self.assembled(Some(amg), Some(format!("amg, because {reason}")))?
+        })
     }
 
     fn assembled(
@@ -219,6 +228,7 @@ impl Parts {
         Ok(Chosen {
             route: Route::Assembled(method),
             reason,
+            otherwise: Vec::new(),
         })
     }
 

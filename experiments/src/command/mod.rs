@@ -1,11 +1,14 @@
 //! The commands of `fracas`: arguments, exit status, one sentence for each bad input.
 //!
-//! Results go to standard output or to files, progress to standard error. Exit status: 0 done, 2 bad input, 3 not
-//! converged, 4 a check failed.
+//! Results go to standard output or to files, progress to standard error. Exit status: 0 done, 2 bad input or not enough
+//! memory, 3 not converged, 4 a check failed; 130 and 143: a run that SIGINT or SIGTERM stopped, with its state written.
+//! Every other command ends at once, by that signal.
 
 mod check;
 mod explain;
 mod export;
+mod free;
+mod interrupt;
 mod list;
 pub(crate) mod memory;
 mod method;
@@ -22,7 +25,9 @@ mod solve;
 mod source;
 mod spectrum;
 
+use crate::allocation::exit_on_refusal;
 use clap::{Parser, Subcommand};
+use interrupt::Signal;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
@@ -66,6 +71,8 @@ pub(crate) enum Status {
     NotConverged,
     /// 4.
     CheckFailed,
+    /// 128 and the signal.
+    Interrupted(Signal),
 }
 
 /// Most threads that can be asked for: more only cost stacks.
@@ -76,22 +83,38 @@ const BAD_INPUT: u8 = 2;
 
 /// Runs a command on a pool of its own and returns the exit status.
 pub fn main(arguments: &Arguments) -> ExitCode {
+    let listening = match arguments.command {
+        Command::Run(_) => interrupt::listen(),
+        _ => Ok(()),
+    };
+    if let Err(error) = listening.and_then(|()| exit_on_refusal(BAD_INPUT.into())) {
+        let _ = writeln!(
+            io::stderr(),
+            "warning: signals keep their default ({error})"
+        );
+    }
     let threads = arguments.threads.map_or(0, usize::from);
-    let result = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(anyhow::Error::from)
-        .and_then(|pool| pool.install(|| arguments.command.run(&mut io::stdout())));
-    match result {
-        Ok(Status::Done) => ExitCode::SUCCESS,
-        Ok(Status::NotConverged) => ExitCode::from(3),
-        Ok(Status::CheckFailed) => ExitCode::from(4),
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let (status, sentence) = match pool {
+        Ok(pool) => pool.install(|| outcome(arguments, &mut io::stdout())),
+        Err(error) => (BAD_INPUT, Some(error.to_string())),
+    };
+    if let Some(sentence) = sentence {
+        let _ = writeln!(io::stderr(), "error: {sentence}");
+    }
+    ExitCode::from(status)
+}
+
+/// Runs a command on the threads at hand: its exit status, and what is wrong with its input.
+pub fn outcome(arguments: &Arguments, out: &mut dyn Write) -> (u8, Option<String>) {
+    match arguments.command.run(out) {
+        Ok(Status::Done) => (0, None),
+        Ok(Status::NotConverged) => (3, None),
+        Ok(Status::CheckFailed) => (4, None),
+        Ok(Status::Interrupted(signal)) => (signal.status(), None),
         // The reader of our output left: nothing is wrong and nobody listens.
-        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
-        Err(error) => {
-            let _ = writeln!(io::stderr(), "error: {}", sentence::of(&error));
-            ExitCode::from(BAD_INPUT)
-        }
+        Err(error) if is_broken_pipe(&error) => (0, None),
+        Err(error) => (BAD_INPUT, Some(sentence::of(&error))),
     }
 }
 

@@ -1,5 +1,6 @@
 //! Files that commands write.
 
+use crate::report::write_whole;
 use anyhow::Context;
 use serde::Serialize;
 use std::fs::{self, OpenOptions};
@@ -76,10 +77,10 @@ pub(super) fn json(path: &Path, value: &impl Serialize, out: &mut dyn Write) -> 
     self::text(path, &text)
 }
 
-/// Writes a file, creating its folder.
+/// Writes a file, whole or not at all, creating its folder.
 pub(super) fn text(path: &Path, text: &str) -> anyhow::Result<()> {
     create_parent(path)?;
-    fs::write(path, text).with_context(|| cannot_write(path))
+    write_whole(path, text)
 }
 
 /// Two columns, aligned.

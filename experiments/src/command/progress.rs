@@ -1,11 +1,12 @@
 //! What is going on, on standard error: a bar on a terminal, a line per stage elsewhere.
 
+use super::interrupt;
 use fracas_solvers::{Observer, Step};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::ops::ControlFlow;
 
-/// Shows the steps of set-ups and iterations; never stops them.
+/// Shows the steps of set-ups and iterations; stops them where a signal asked for it.
 pub(super) struct Progress {
     bar: Option<ProgressBar>,
     /// Stages announced since the last piece of work.
@@ -86,7 +87,10 @@ impl Observer for Progress {
             }
             _ => {}
         }
-        ControlFlow::Continue(())
+        match interrupt::asked() {
+            Some(_) => ControlFlow::Break(()),
+            None => ControlFlow::Continue(()),
+        }
     }
 }
 

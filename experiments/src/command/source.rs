@@ -122,25 +122,22 @@ fn import(folder: &Path, progress: &mut Progress) -> anyhow::Result<System> {
         progress.say(&format!("note: {finding}"));
     }
     let (blocks, manifest, has_rhs) = (imported.blocks, imported.manifest, imported.has_rhs);
-    let is_ours = manifest
-        .version
-        .as_ref()
-        .is_some_and(|v| v.starts_with("fracas"));
     Ok(System {
+        is_ours: manifest.is_ours(),
         blocks,
         manifest,
         body: None,
         findings,
         has_rhs,
-        is_ours,
     })
 }
 
 impl Assembly {
     /// Jump stabilization, unless it is left out.
-    pub(super) fn stabilization(&self) -> Option<JumpStabilization> {
+    pub(super) fn stabilization(&self, body: &Body) -> Option<JumpStabilization> {
         (self.stabilization > 0.0).then_some(JumpStabilization {
             scale: self.stabilization,
+            ..body.jump_stabilization()
         })
     }
 
@@ -148,7 +145,7 @@ impl Assembly {
     pub(super) fn mesh(
         &self,
         name: &str,
-        bytes: memory::PerNode,
+        bytes: memory::Work,
         progress: &mut Progress,
     ) -> anyhow::Result<Body> {
         let scene = scene::load(name, &self.overrides)?;
@@ -166,7 +163,7 @@ impl Assembly {
         let body = self.mesh(name, memory::BLOCKS, progress)?;
         progress.say("assembling");
         let blocks = body
-            .saddle_blocks(self.stabilization())
+            .saddle_blocks(self.stabilization(&body))
             .with_context(|| format!("{name} cannot be assembled"))?;
         let states = vec![ContactState::Stick; body.fractures.faces.len()];
         let manifest = self.manifest(name, 0, 0, &states);

@@ -77,6 +77,15 @@ impl Spectrum {
     }
 }
 
+/// `a, b, c`, or that there is nothing.
+fn list_or_none(items: &[String]) -> String {
+    if items.is_empty() {
+        "none".to_owned()
+    } else {
+        items.join(", ")
+    }
+}
+
 fn print(report: &SpectrumReport, out: &mut dyn Write) -> anyhow::Result<()> {
     let number = |v: Option<f64>| v.map_or_else(|| "–".to_owned(), |v| format!("{v:.6e}"));
     let range =
@@ -91,11 +100,16 @@ fn print(report: &SpectrumReport, out: &mut dyn Write) -> anyhow::Result<()> {
             number(b.im_max)
         ),
     };
-    let verdict = match report.contained {
-        Some(true) => "every eigenvalue lies inside".to_owned(),
-        Some(false) => format!("{} eigenvalues lie OUTSIDE", report.outside.len()),
-        None => "nothing to hold against".to_owned(),
-    };
+    let hypotheses: Vec<String> = (report.hypotheses.iter())
+        .map(|h| {
+            let holds = match h.holds {
+                Some(true) => "holds",
+                Some(false) => "FAILS",
+                None => "not checked",
+            };
+            format!("{} {holds}", h.statement)
+        })
+        .collect();
     output::pairs(
         out,
         &[
@@ -131,8 +145,9 @@ fn print(report: &SpectrumReport, out: &mut dyn Write) -> anyhow::Result<()> {
                 "at 1, at ½",
                 format!("{}, {}", report.n_at_one, report.n_at_half),
             ),
+            ("hypotheses", list_or_none(&hypotheses)),
             ("bounds", theorem),
-            ("verdict", verdict),
+            ("verdict", report.verdict.clone()),
         ],
     )?;
     for mode in &report.modes {

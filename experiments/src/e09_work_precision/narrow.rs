@@ -1,6 +1,6 @@
 //! A preconditioner of f64 for an iteration in f32.
 
-use fracas_operators::Preconditioner;
+use fracas_operators::{Linearity, Preconditioner};
 
 /// `z ← fl(M⁻¹ r)`.
 pub(super) struct Narrow<M>(M);
@@ -29,11 +29,7 @@ impl<M: Preconditioner<f64>> Preconditioner<f32> for Narrow<M> {
         self.0.flops()
     }
 
-    fn is_linear(&self) -> bool {
-        self.0.is_linear()
-    }
-
-    fn is_single(&self) -> bool {
-        self.0.is_single()
+    fn linearity(&self) -> Linearity {
+        self.0.linearity()
     }
 }

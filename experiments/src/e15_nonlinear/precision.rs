@@ -200,7 +200,10 @@ pub(super) fn precision(
                     way,
                     same: profile.errors(&same),
                     fine: profile.errors(&fine),
-                    overlap: run.steps.iter().fold(0.0, |m, s| s.record.max_pen.max(m)),
+                    overlap: run
+                        .steps
+                        .iter()
+                        .fold(0.0, |m, s| s.record.max_pen.max(s.record.h_overlap).max(m)),
                     counts: Counts::total(&run.steps),
                     seconds: run.seconds,
                     amg: amg

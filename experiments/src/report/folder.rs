@@ -4,7 +4,9 @@ use super::html::page;
 use super::manifest::Manifest;
 use super::{Experiment, Findings, Level};
 use anyhow::Context;
+use fracas::io::write_atomically;
 use fracas_solvers::Observer;
+use std::io::Write;
 use std::path::Path;
 
 /// How an experiment ended.
@@ -101,6 +103,15 @@ pub fn write_report(chapters: &[Chapter], level: Level, out: &Path) -> anyhow::R
 }
 
 pub(super) fn write(folder: &Path, name: &str, text: &str) -> anyhow::Result<()> {
-    let path = folder.join(name);
-    std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))
+    write_whole(&folder.join(name), text)
+}
+
+/// Writes a file whole or not at all; into what is no file of its own (a device, a pipe, a link) it writes in place.
+pub(crate) fn write_whole(path: &Path, text: &str) -> anyhow::Result<()> {
+    let in_place = path.symlink_metadata().is_ok_and(|m| !m.is_file());
+    match in_place {
+        true => std::fs::write(path, text),
+        false => write_atomically(path, |out| out.write_all(text.as_bytes())),
+    }
+    .with_context(|| format!("cannot write {}", path.display()))
 }

@@ -13,6 +13,7 @@ mod tests;
 
 pub use check::Check;
 pub use experiment::{Experiment, Findings, Level};
+pub(crate) use folder::write_whole;
 pub use folder::{Chapter, Outcome, run_chapter, write_report};
 pub use sheet::Sheet;
 pub use table::{Cell, Column, Table};

@@ -128,6 +128,55 @@ fn files_with_defects() {
 }
 
 #[test]
+fn blocks_that_are_there_and_cannot_be_opened() {
+    for (k, file) in [
+        "H.mtx",
+        "B2.mtx",
+        "rhs_t.mtx",
+        "coords.mtx",
+        "manifest.json",
+    ]
+    .iter()
+    .enumerate()
+    {
+        let folder = system_folder(&format!("closed-{k}"));
+        let (path, system) = (folder.join(file), folder.to_str().unwrap());
+        let _ = std::fs::remove_file(&path);
+        std::os::unix::fs::symlink("nowhere", &path).unwrap();
+        let sentence =
+            format!("{file} is a link to nowhere, which leads to no file; mend it, or remove it");
+        for command in ["solve", "spectrum", "check"] {
+            refused(&[command, "--system", system], &sentence);
+        }
+        std::fs::remove_file(&path).unwrap();
+        std::fs::create_dir(&path).unwrap();
+        refused(
+            &["solve", "--system", system],
+            &format!("{file} is a folder and no file"),
+        );
+    }
+}
+
+#[test]
+fn an_exported_folder_that_has_lost_its_stabilization() {
+    let folder = crate::run::scratch("lost-h");
+    let out = folder.to_str().unwrap();
+    assert_eq!(fracas(&["export", "patch", "--out", out]).status, 0);
+    assert_eq!(fracas(&["solve", "--system", out]).status, 0);
+    std::fs::rename(folder.join("H.mtx"), folder.join("h")).unwrap();
+    refused(&["solve", "--system", out], "but the folder holds no H.mtx");
+    std::fs::rename(folder.join("h"), folder.join("H.mtx")).unwrap();
+    let manifest = std::fs::read_to_string(folder.join("manifest.json")).unwrap();
+    let denied = manifest.replace(r#""stabilization": 1.0"#, r#""stabilization": 0.0"#);
+    assert_ne!(manifest, denied);
+    write(&folder.join("manifest.json"), &denied);
+    refused(
+        &["solve", "--system", out],
+        "says stabilization = 0.0, but H.mtx holds",
+    );
+}
+
+#[test]
 fn output_that_cannot_be_written() {
     let folder = system_folder("output");
     let system = folder.to_str().unwrap();

@@ -14,3 +14,4 @@ mod restart;
 mod run;
 mod scenes;
 mod solve;
+mod spectrum;

@@ -201,17 +201,10 @@ fn killed_runs_lose_nothing(name: &str, kills: usize) {
         child.wait().unwrap();
         let from = out.display().to_string();
         let done_steps = names(&out.join("checkpoint"), "step_", ".checkpoint");
-        if done_steps.is_empty() {
-            // before the first checkpoint there is nothing to lose
-            let ran = fracas(&["run", &scene, "--restart", &from]);
-            assert_eq!(ran.status, 2, "{}", ran.stderr);
-            fs::remove_dir_all(&out).unwrap();
-            done(&run(&scene, &out, &[]));
-        } else {
-            restarts += 1;
-            let ran = fracas(&["run", &scene, "--restart", &from]);
-            assert_eq!(ran.status, 0, "{done_steps:?}: {}", ran.stderr);
-        }
+        // one that died before its first checkpoint begins again
+        restarts += usize::from(!done_steps.is_empty());
+        let ran = fracas(&["run", &scene, "--restart", &from]);
+        assert_eq!(ran.status, 0, "{done_steps:?}: {}", ran.stderr);
         same(
             &out,
             &whole,
@@ -220,6 +213,37 @@ fn killed_runs_lose_nothing(name: &str, kills: usize) {
         fs::remove_dir_all(&out).unwrap();
     }
     assert!(restarts > 0, "no kill hit a run with a checkpoint");
+}
+
+#[test]
+fn a_run_that_died_before_its_first_checkpoint_begins_again() {
+    let (folder, scene) = scene("stillborn");
+    let whole = folder.join("whole");
+    done(&run(&scene, &whole, &[]));
+    let heading = |file: &str| read(whole.join(file)).lines().next().unwrap().to_owned() + "\n";
+    for (k, again) in ["--out", "--restart"].into_iter().enumerate() {
+        let out = folder.join(format!("begun-{k}"));
+        fs::create_dir_all(out.join("checkpoint")).unwrap();
+        for file in ["history.csv", "solver.csv", "energy.csv"] {
+            write(&out.join(file), &heading(file));
+        }
+        for file in [
+            "log.jsonl",
+            "run.lock",
+            "checkpoint/.step_000000.checkpoint.tmp",
+        ] {
+            write(&out.join(file), "");
+        }
+        done(&fracas(&["run", &scene, again, out.to_str().unwrap()]));
+        same(&out, &whole, again);
+    }
+    // a step was done, and its checkpoint is gone: nothing is written over
+    fs::remove_dir_all(whole.join("checkpoint")).unwrap();
+    assert_eq!(run(&scene, &whole, &[]).status, 2);
+    let other = folder.join("other");
+    fs::create_dir(&other).unwrap();
+    write(&other.join("run.json"), "{}");
+    assert_eq!(run(&scene, &other, &[]).status, 2);
 }
 
 #[test]

@@ -26,5 +26,7 @@ mod tests;
 
 pub use error::{Defect, MatrixMarketError};
 pub use header::Symmetry;
-pub use read::{Duplicates, SparseFile, read_dense, read_sparse, read_vector};
+pub use read::{
+    Announced, Duplicates, SparseFile, read_dense, read_sizes, read_sparse, read_vector,
+};
 pub use write::{write_dense, write_sparse, write_vector};

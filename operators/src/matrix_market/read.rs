@@ -35,6 +35,29 @@ pub struct SparseFile {
     pub duplicates: Option<Duplicates>,
 }
 
+/// What the header of a file announces; the body may hold something else.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Announced {
+    /// Rows and columns.
+    pub shape: Shape,
+    /// Entries listed.
+    pub entries: usize,
+}
+
+/// Reads banner and sizes only.
+///
+/// # Errors
+/// What is wrong with them, with the line.
+pub fn read_sizes(path: &Path) -> Result<Announced, MatrixMarketError> {
+    read(path, |file| {
+        let (header, _) = header(file)?;
+        Ok(Announced {
+            shape: Shape::new(header.rows, header.columns),
+            entries: header.expected(),
+        })
+    })
+}
+
 /// Reads a sparse matrix; an `array` file gives its nonzero entries.
 ///
 /// # Cost

@@ -5,7 +5,7 @@ use crate::view::{Scalar, matrix, matrix_mut, op, par, scaled, stored};
 use faer::linalg::matmul::{matmul_with_conj, triangular};
 use faer::linalg::triangular_solve as solve;
 use faer::prelude::ReborrowMut;
-use faer::{Conj, MatMut, MatRef};
+use faer::{Conj, MatMut, MatRef, Par};
 
 /// `C ← α op(A) op(B) + β C`, C being m × n and the inner dimension k.
 ///
@@ -70,6 +70,26 @@ pub(crate) unsafe fn rank_k<T: Scalar>(
         Trans::No => (a, Conj::No, a.transpose(), conj),
         Trans::Transpose | Trans::Adjoint => (a.transpose(), conj, a, Conj::No),
     };
+    if !T::IS_REAL {
+        // faer 0.24.4 writes beyond the triangle of a complex product on some processors: column by column instead
+        for j in 0..n {
+            let (first, last) = match uplo {
+                Uplo::Lower => (j, n),
+                Uplo::Upper => (0, j + 1),
+            };
+            matmul_with_conj(
+                c.rb_mut().submatrix_mut(first, j, last - first, 1),
+                accum,
+                left.subrows(first, last - first),
+                conj_left,
+                right.subcols(j, 1),
+                conj_right,
+                *alpha,
+                Par::Seq,
+            );
+        }
+        return;
+    }
     triangular::matmul_with_conj(
         c,
         structure,

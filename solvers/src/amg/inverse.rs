@@ -11,7 +11,7 @@ use super::{Amg, AmgPlan, Cycle, Smoothing, Summary};
 use crate::{DofCoordinate, SetupError};
 use fracas_operators::sparse::SparseMatrix;
 use fracas_operators::vector::{for_row_ranges, norm_inf};
-use fracas_operators::{Preconditioner, Real};
+use fracas_operators::{Linearity, Preconditioner, Real};
 use std::sync::Arc;
 
 /// One multigrid cycle per solve.
@@ -179,11 +179,10 @@ impl Preconditioner<f64> for AmgInverse {
         }
     }
 
-    fn is_single(&self) -> bool {
-        matches!(self.hierarchy, Either::Single(_))
-    }
-
-    fn is_linear(&self) -> bool {
-        !matches!(self.shape.cycle, Cycle::K)
+    fn linearity(&self) -> Linearity {
+        Linearity {
+            linear: !matches!(self.shape.cycle, Cycle::K),
+            single: matches!(self.hierarchy, Either::Single(_)),
+        }
     }
 }

@@ -4,8 +4,8 @@ use super::nested_dissection::nested_dissection;
 use super::pattern::{BLOCK, Pattern};
 use super::{DirectSolver, Factorization, Kind, Symbolic, for_column_blocks, pivots};
 use crate::SetupError;
-use fracas_operators::Preconditioner;
 use fracas_operators::sparse::SparseMatrix;
+use fracas_operators::{Linearity, Preconditioner};
 use fracas_suitesparse_sys as sys;
 use std::ffi::c_int;
 use std::ptr::NonNull;
@@ -217,6 +217,10 @@ impl Preconditioner<f64> for CholmodFactors {
 
     fn flops(&self) -> u64 {
         4 * self.entries as u64
+    }
+
+    fn linearity(&self) -> Linearity {
+        Linearity::EXACT
     }
 }
 

@@ -3,8 +3,8 @@
 use super::pattern::BLOCK;
 use super::{Factorization, reciprocal_condition};
 use crate::SetupError;
-use fracas_operators::Preconditioner;
 use fracas_operators::sparse::SparseMatrix;
+use fracas_operators::{Linearity, Preconditioner};
 
 /// Below this `1/κ₁` of the equilibrated matrix no digit of a solution is right. Unit: 1; ten units of rounding.
 const SINGULAR: f64 = 10.0 * f64::EPSILON;
@@ -41,7 +41,7 @@ impl<F: Factorization> Equilibrated<F> {
                 block: BLOCK,
                 row: None,
                 advice: format!(
-                    "1/condition is {reciprocal:.1e} after scaling; look for unconstrained bodies or dependent constraints"
+                    "1/condition is {reciprocal:.1e} after scaling: unconstrained bodies, dependent constraints, or sides of cells or moduli so far apart that double precision does not tell"
                 ),
             });
         }
@@ -129,6 +129,10 @@ impl<F: Factorization> Preconditioner<f64> for Equilibrated<F> {
 
     fn flops(&self) -> u64 {
         2 * self.size() as u64 + self.factors.flops()
+    }
+
+    fn linearity(&self) -> Linearity {
+        self.factors.linearity()
     }
 }
 

@@ -9,6 +9,11 @@ use fracas_operators::sparse::SparseMatrix;
 use metis_sys as m;
 use std::sync::Mutex;
 
+unsafe extern "C" {
+    /// Does nothing, but brings `metis_errors.c` into the program: METIS then gives up without signals.
+    fn fracas_metis_errors();
+}
+
 /// METIS draws from the generator of the C library, which is one per process: calls take turns, so that the same
 /// pattern always gets the same order.
 static GENERATOR: Mutex<()> = Mutex::new(());
@@ -77,6 +82,7 @@ fn order_nodes(graph: &Graph, members: &[Vec<usize>]) -> Result<Vec<usize>, Setu
         .unwrap_or_else(|poisoned| poisoned.into_inner());
     // Safety: every array has the length METIS documents, and the graph is symmetric without loops.
     let status = unsafe {
+        fracas_metis_errors();
         m::METIS_NodeND(
             &mut count,
             offsets.as_mut_ptr(),
@@ -142,5 +148,39 @@ mod tests {
             runs.into_iter().map(|run| run.join().unwrap()).collect()
         });
         assert!(together.iter().all(|order| *order == alone));
+    }
+
+    /// Signals that this process handles, as a bit per number from 1.
+    #[cfg(target_os = "linux")]
+    fn caught() -> u64 {
+        let status = std::fs::read_to_string("/proc/self/status").unwrap();
+        let line = status.lines().find_map(|l| l.strip_prefix("SigCgt:"));
+        u64::from_str_radix(line.unwrap().trim(), 16).unwrap()
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn no_signal_is_handled_while_metis_is_at_work() {
+        use std::sync::atomic::{AtomicBool, Ordering};
+        let before = caught();
+        let n = 40_000;
+        let entries: Vec<_> = (0..n)
+            .flat_map(|i| [(i, i + 1), (i, i + 200), (i, i)])
+            .filter(|&(_, j)| j < n)
+            .collect();
+        let a = pattern(n, &entries);
+        let done = AtomicBool::new(false);
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                nested_dissection(&a).unwrap();
+                done.store(true, Ordering::Relaxed);
+            });
+            let mut looks = 0;
+            while !done.load(Ordering::Relaxed) {
+                assert_eq!(caught(), before, "METIS handles a signal");
+                looks += 1;
+            }
+            assert!(looks > 10, "METIS was looked at {looks} times");
+        });
     }
 }

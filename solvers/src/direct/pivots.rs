@@ -26,7 +26,7 @@ pub(super) fn check(
                 block: BLOCK,
                 row: Some(row + 1),
                 advice: format!(
-                    "the pivot is {pivot:.1e} where the diagonal entry is {a_jj:.1e}; look for unconstrained bodies or dependent constraints"
+                    "the pivot is {pivot:.1e} where the diagonal entry is {a_jj:.1e}: unconstrained bodies, dependent constraints, or sides of cells or moduli so far apart that double precision does not tell"
                 ),
             });
         }

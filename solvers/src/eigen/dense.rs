@@ -202,7 +202,25 @@ pub fn singular_values(a: MatRef<'_, f64>) -> Result<Vec<f64>, SetupError> {
 }
 
 /// `A = L Lᵀ` from the lower triangle, or the first pivot (from 0) that is not positive.
-pub fn cholesky(mut a: Mat<f64>) -> Result<Mat<f64>, usize> {
+pub fn cholesky(a: Mat<f64>) -> Result<Mat<f64>, usize> {
+    lower(a, llt::LltRegularization::default())
+}
+
+/// L of `A = L Lᵀ` for a positive semidefinite matrix with a unit diagonal: a row with a pivot of `least` or less depends on
+/// those before it and gets the pivot `left_out`, which makes its column of L zero to rounding.
+///
+/// # Errors
+/// The row that holds what is no number.
+pub fn independent_cholesky(a: Mat<f64>, least: f64, left_out: f64) -> Result<Mat<f64>, usize> {
+    let regularization = llt::LltRegularization {
+        dynamic_regularization_delta: left_out,
+        dynamic_regularization_epsilon: least,
+    };
+    lower(a, regularization)
+}
+
+/// L, zero above the diagonal.
+fn lower(mut a: Mat<f64>, regularization: llt::LltRegularization<f64>) -> Result<Mat<f64>, usize> {
     let n = a.nrows();
     let mut memory = buffer(llt::cholesky_in_place_scratch::<f64>(
         n,
@@ -211,7 +229,7 @@ pub fn cholesky(mut a: Mat<f64>) -> Result<Mat<f64>, usize> {
     ));
     llt::cholesky_in_place(
         a.as_mut(),
-        Default::default(),
+        regularization,
         Par::Seq,
         MemStack::new(&mut memory),
         Default::default(),

@@ -35,7 +35,7 @@ impl Kernel {
     }
 }
 
-/// Kernel and smallest non-zero eigenvalue of an SPSD matrix.
+/// Kernel and smallest non-zero eigenvalue of an SPSD matrix; an error where A is indefinite beyond rounding.
 ///
 /// Block inverse iteration with `A + σD`, D = diag(A), σ = 1e-9, and Rayleigh quotients of A itself; then Lanczos on
 /// the pseudo-inverse `A⁺ b = Σ_k ((A+σD)⁻¹σD)^k (A+σD)⁻¹ b` projected off the kernel.
@@ -51,6 +51,14 @@ pub fn kernel_of(a: &SparseMatrix<f64>, solver: &dyn DirectSolver) -> Result<Ker
     let mut block = 12.min(n);
     let basis = loop {
         let (values, vectors) = inverse_iteration(&a, &d, factors.as_ref(), block)?;
+        if let Some(mu) = values.first().filter(|mu| **mu < -ZERO) {
+            return Err(SetupError::NotApplicable {
+                method: "the search for rigid-body modes",
+                reason: format!(
+                    "A is indefinite (λ_min = {mu:.1e} of D^-1/2 A D^-1/2, D = diag A)"
+                ),
+            });
+        }
         let dimension = values.iter().filter(|mu| **mu < ZERO).count();
         if dimension < block || block == n {
             break orthonormal(vectors.into_iter().take(dimension).collect());
@@ -113,7 +121,8 @@ fn inverse_iteration(
             .iter()
             .flat_map(|v| v.iter().zip(d).map(|(v, d)| v * d))
             .collect();
-        factors.solve_many(block, &mut flat);
+        // vectors that the solves have made parallel are gone
+        factors.solve_many(x.len(), &mut flat);
         x = flat.chunks(n).map(<[f64]>::to_vec).collect();
         // D-orthonormal basis, then Rayleigh–Ritz: Q = XᵀAX
         let scaled =
@@ -233,6 +242,18 @@ mod tests {
                 (found / held.min(floating) - 1.0).abs() < 1e-8,
                 "{contrast}: {found}"
             );
+        }
+    }
+
+    #[test]
+    fn an_eigenvalue_just_below_zero_is_no_kernel() {
+        // eigenvalues δ and 2 − δ; A + σD comes as close to singular as it can
+        let direct = DirectChoice::Faer.solver().unwrap();
+        for k in 0..15 {
+            let delta = -SHIFT * (1.0 - 0.1f64.powi(k));
+            let a = sparse(2, 2, |i, j| if i == j { 1.0 } else { delta - 1.0 });
+            let found = kernel_of(&a, direct.as_ref());
+            assert_eq!(found.is_ok(), k == 0, "{delta:e}: {found:?}");
         }
     }
 

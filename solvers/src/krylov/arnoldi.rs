@@ -1,5 +1,6 @@
 //! The Arnoldi process behind GMRES: `A M⁻¹ V_k = V_{k+1} H_k`, with the QR factors of H_k by Givens rotations.
 
+use super::ritz::nearest_to_zero;
 use super::run::carve;
 use fracas_operators::Real;
 use fracas_operators::vector::{CHUNK, axpy, dot, scale};
@@ -140,6 +141,31 @@ impl<'w, R: Real> Arnoldi<'w, R> {
         u.fill(R::zero());
         add_combination(old, &self.rhs[..self.k], u);
         u
+    }
+
+    /// Modulus of the Ritz value of `A M⁻¹` nearest to zero, by inverse iteration with the square part of H_k; `None` where that
+    /// is singular or empty.
+    ///
+    /// `H_k = Qᵀ R̃`: the first k − 1 rotations, and R with its last diagonal entry as it was before the k-th rotation.
+    pub(super) fn ritz_nearest_to_zero(&mut self) -> Option<R> {
+        let (k, height) = (self.k, self.rhs.len());
+        let last = k.checked_sub(1)?;
+        let (triangle, cosines, sines) = (&*self.triangle, &*self.cosines, &*self.sines);
+        nearest_to_zero(&mut self.correction[..k], |y| {
+            for i in 0..last {
+                let (c, s) = (cosines[i], sines[i]);
+                (y[i], y[i + 1]) = (c * y[i] + s * y[i + 1], c * y[i + 1] - s * y[i]);
+            }
+            for j in (0..k).rev() {
+                let column = &triangle[j * height..=j * height + j];
+                let diagonal = if j == last { cosines[j] } else { R::one() } * column[j];
+                y[j] /= diagonal;
+                let y_j = y[j];
+                for (y, r) in y[..j].iter_mut().zip(column) {
+                    *y -= *r * y_j;
+                }
+            }
+        })
     }
 
     /// `x ← x + Z y` for other vectors Z.

@@ -78,6 +78,24 @@ pub enum Breakdown {
         iteration: usize,
         /// ‖b − A x‖₂ / ‖b‖₂ of the returned x.
         relative_residual: f64,
+        /// As [`Report::smallest_ritz`](super::Report::smallest_ritz).
+        smallest_ritz: Option<f64>,
+    },
+    /// The residual met what was asked of it or no longer falls, the error did not: rounding is all that is left.
+    #[error(
+        "{method}: the error of the {part} stays at {error:.1e} of their norm after {iteration} iterations (residual {relative_residual:.1e}·‖b‖): in f64 this system has no more digits"
+    )]
+    Inaccurate {
+        /// The method.
+        method: &'static str,
+        /// Where.
+        iteration: usize,
+        /// `displacements` or `tractions`.
+        part: &'static str,
+        /// Relative to the norm of that part.
+        error: f64,
+        /// ‖b − A x‖₂ / ‖b‖₂ of the returned x.
+        relative_residual: f64,
     },
     /// M changes from call to call, and the method relies on a fixed one.
     #[error("{method} needs a linear preconditioner; take fgmres")]
@@ -88,13 +106,28 @@ pub enum Breakdown {
 }
 
 impl Breakdown {
+    /// The same after so many iterations of passes before.
+    #[must_use]
+    pub fn after(mut self, before: usize) -> Self {
+        match &mut self {
+            Self::NotFinite { iteration, .. }
+            | Self::NotPositiveDefinite { iteration, .. }
+            | Self::Lanczos { iteration, .. }
+            | Self::Stagnation { iteration, .. }
+            | Self::Inaccurate { iteration, .. } => *iteration += before,
+            Self::OutOfRange { .. } | Self::NonlinearPreconditioner { .. } => {}
+        }
+        self
+    }
+
     /// Iterations done when it happened.
     pub fn iteration(&self) -> usize {
         match self {
             Self::NotFinite { iteration, .. }
             | Self::NotPositiveDefinite { iteration, .. }
             | Self::Lanczos { iteration, .. }
-            | Self::Stagnation { iteration, .. } => *iteration,
+            | Self::Stagnation { iteration, .. }
+            | Self::Inaccurate { iteration, .. } => *iteration,
             Self::OutOfRange { .. } | Self::NonlinearPreconditioner { .. } => 0,
         }
     }

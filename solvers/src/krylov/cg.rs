@@ -1,5 +1,6 @@
 //! Conjugate gradients.
 
+use super::ritz::Coefficients;
 use super::run::{End, Run, carve, drive, require_linear, work_len};
 use super::{Breakdown, Criteria, Factor, KrylovMethod, Report, System};
 use crate::Observer;
@@ -27,8 +28,8 @@ impl<R: Real> KrylovMethod<R> for Cg {
         "cg"
     }
 
-    fn work_len(&self, system: &System<R>, _criteria: &Criteria) -> usize {
-        work_len(system, 3)
+    fn work_len(&self, system: &System<R>, criteria: &Criteria) -> usize {
+        work_len(system, 3) + Coefficients::<R>::work_len(criteria.max_iterations)
     }
 
     fn solve_in(
@@ -52,6 +53,8 @@ fn cycle<R: Real>(
 ) -> Result<End, Breakdown> {
     let n = x.len();
     let [z, p, q] = [0; 3].map(|_| carve(&mut work, n));
+    let mut coefficients = Coefficients::new(run.max_iterations(), &mut work);
+    let mut norm_r = run.start();
     let indefinite = |run: &Run<R>, factor| Breakdown::NotPositiveDefinite {
         method: "cg",
         factor,
@@ -71,14 +74,18 @@ fn cycle<R: Real>(
             return Err(indefinite(run, Factor::Operator));
         }
         let alpha = rho / curvature;
+        coefficients.advance(alpha, norm_r);
         axpy(alpha, p, x);
         axpy(-alpha, q, r);
-        if let Some(end) = run.step(norm2(r))? {
+        norm_r = norm2(r);
+        if let Some(end) = run.step(norm_r)? {
+            run.ritz(coefficients.ritz_nearest_to_zero());
             return Ok(end);
         }
         // z = M⁻¹r,  β = rᵀz / (rᵀz before),  p ← z + β p
         run.solve(r, z);
         let next = run.finite(dot(r, z))?;
+        coefficients.turn(next / rho);
         xpby(z, next / rho, p);
         rho = next;
     }

@@ -81,6 +81,7 @@ fn cycle<R: Real>(
             None => {}
         }
     };
+    run.ritz(arnoldi.ritz_nearest_to_zero());
     // x ← x + Z y
     arnoldi.combine_onto(z, x);
     Ok(end)
@@ -92,7 +93,7 @@ mod tests {
     use super::super::{Gmres, KrylovChoice};
     use super::*;
     use fracas_operators::laws::probe;
-    use fracas_operators::{Identity, Preconditioner};
+    use fracas_operators::{Identity, Linearity, Preconditioner};
     use std::sync::atomic::{AtomicU64, Ordering};
 
     /// Divides by 1, 2, 3, 1, … from call to call.
@@ -114,8 +115,8 @@ mod tests {
         fn flops(&self) -> u64 {
             self.n as u64
         }
-        fn is_linear(&self) -> bool {
-            false
+        fn linearity(&self) -> Linearity {
+            Linearity::NONLINEAR
         }
     }
 

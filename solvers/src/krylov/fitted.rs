@@ -42,7 +42,7 @@ impl KrylovChoice {
             });
         }
         let full = per_step * FULL + 4;
-        let choice = if symmetric && preconditioner.is_linear() && vectors >= 8 {
+        let choice = if symmetric && preconditioner.linearity().linear && vectors >= 8 {
             Self::Sqmr(Sqmr {})
         } else if steps >= SHORT {
             Self::Gmres(Gmres::restarted(steps)).flexible_for(preconditioner)
@@ -63,31 +63,8 @@ impl KrylovChoice {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fracas_operators::Identity;
-
-    /// The identity, said to be so.
-    struct Said {
-        single: bool,
-        linear: bool,
-    }
-
-    impl Preconditioner<f64> for Said {
-        fn size(&self) -> usize {
-            3
-        }
-        fn solve(&self, r: &[f64], z: &mut [f64], _: &mut [f64]) {
-            z.copy_from_slice(r);
-        }
-        fn flops(&self) -> u64 {
-            0
-        }
-        fn is_single(&self) -> bool {
-            self.single
-        }
-        fn is_linear(&self) -> bool {
-            self.linear
-        }
-    }
+    use fracas_operators::laws::Part;
+    use fracas_operators::{Identity, Linearity};
 
     fn name(vectors: usize, symmetric: bool, m: &dyn Preconditioner<f64>) -> Option<String> {
         Some(
@@ -100,16 +77,8 @@ mod tests {
     #[test]
     fn the_basis_shrinks_with_memory_and_short_recurrences_take_over() {
         let m = Identity { n: 3 };
-        let (single, nonlinear) = (
-            Said {
-                single: true,
-                linear: true,
-            },
-            Said {
-                single: false,
-                linear: false,
-            },
-        );
+        let [single, nonlinear] =
+            [Linearity::SINGLE, Linearity::NONLINEAR].map(|linearity| Part { n: 3, linearity });
         let some = |name: &str| Some(name.to_owned());
         assert_eq!(name(1000, true, &m), some("gmres:100"));
         assert_eq!(name(64, true, &m), some("gmres:60"));

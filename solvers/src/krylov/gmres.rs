@@ -108,6 +108,7 @@ fn cycle<R: Real>(
             None => {}
         }
     };
+    run.ritz(arnoldi.ritz_nearest_to_zero());
     // x ← x + M⁻¹ V y
     run.solve(arnoldi.combine(), z);
     axpy(R::one(), z, x);

@@ -25,6 +25,7 @@ mod gmres;
 mod minres;
 #[cfg(test)]
 pub(crate) mod oracle;
+mod ritz;
 mod run;
 mod sqmr;
 mod system;
@@ -41,7 +42,7 @@ pub use sqmr::Sqmr;
 pub use system::{Criteria, Outcome, Report, System};
 
 use crate::Observer;
-use fracas_operators::{Preconditioner, Real};
+use fracas_operators::{Linearity, Preconditioner, Real};
 use serde::Deserialize;
 use std::fmt::Debug;
 
@@ -151,9 +152,7 @@ impl KrylovChoice {
     /// nothing else changes.
     pub fn flexible_for<R: Real>(self, preconditioner: &dyn Preconditioner<R>) -> Self {
         match self {
-            Self::Gmres(Gmres { restart })
-                if !preconditioner.is_linear() || preconditioner.is_single() =>
-            {
+            Self::Gmres(Gmres { restart }) if preconditioner.linearity() != Linearity::EXACT => {
                 Self::Fgmres(Fgmres { restart })
             }
             other => other,

@@ -34,6 +34,7 @@ pub(super) struct Run<'s, R> {
     iterations: usize,
     products: u64,
     solves: u64,
+    smallest_ritz: Option<f64>,
 }
 
 /// Cuts the first `n` entries off `work`.
@@ -74,6 +75,7 @@ pub(super) fn drive<R: Real>(
         iterations: 0,
         products: 0,
         solves: 0,
+        smallest_ritz: None,
     };
     run.check_range()?;
     if run.norm_b == 0.0 {
@@ -100,6 +102,7 @@ pub(super) fn drive<R: Real>(
                     method,
                     iteration: run.iterations,
                     relative_residual: relative,
+                    smallest_ritz: run.smallest_ritz,
                 });
             }
             _ if run.iterations >= criteria.max_iterations => {
@@ -116,6 +119,11 @@ impl<R: Real> Run<'_, R> {
     /// Residual norm that counts as converged.
     fn target(&self) -> f64 {
         self.criteria.relative_tolerance * self.norm_b
+    }
+
+    /// Most iterations over all restarts.
+    pub(super) fn max_iterations(&self) -> usize {
+        self.criteria.max_iterations
     }
 
     /// ‖r‖₂ where the running cycle began.
@@ -166,6 +174,13 @@ impl<R: Real> Run<'_, R> {
         } else {
             None
         })
+    }
+
+    /// Takes note of a Ritz value's modulus.
+    pub(super) fn ritz(&mut self, value: Option<R>) {
+        if let Some(value) = value.map(|v| v.to_f64_exact()).filter(|v| v.is_finite()) {
+            self.smallest_ritz = Some(self.smallest_ritz.map_or(value, |s| s.min(value)));
+        }
     }
 
     /// True when a residual norm meets the tolerance, or is what rounding leaves of the cycle's first one.
@@ -242,6 +257,7 @@ impl<R: Real> Run<'_, R> {
             estimated_residual: self.estimate,
             products: self.products,
             preconditioner_solves: self.solves,
+            smallest_ritz: self.smallest_ritz,
         }
     }
 }
@@ -251,7 +267,7 @@ pub(super) fn require_linear<R: Real>(
     method: &'static str,
     system: &System<R>,
 ) -> Result<(), Breakdown> {
-    if system.preconditioner.is_linear() {
+    if system.preconditioner.linearity().linear {
         Ok(())
     } else {
         Err(Breakdown::NonlinearPreconditioner { method })

@@ -1,5 +1,6 @@
 //! Symmetric quasi-minimal residuals.
 
+use super::ritz::Coefficients;
 use super::run::{End, Run, carve, drive, require_linear, work_len};
 use super::{Breakdown, Criteria, KrylovMethod, Report, System};
 use crate::Observer;
@@ -31,8 +32,8 @@ impl<R: Real> KrylovMethod<R> for Sqmr {
         "sqmr"
     }
 
-    fn work_len(&self, system: &System<R>, _criteria: &Criteria) -> usize {
-        work_len(system, 5)
+    fn work_len(&self, system: &System<R>, criteria: &Criteria) -> usize {
+        work_len(system, 5) + Coefficients::<R>::work_len(criteria.max_iterations)
     }
 
     fn solve_in(
@@ -56,6 +57,7 @@ fn cycle<R: Real>(
 ) -> Result<End, Breakdown> {
     let n = x.len();
     let [smooth, t, u, q, d] = [0; 5].map(|_| carve(&mut work, n));
+    let mut coefficients = Coefficients::new(run.max_iterations(), &mut work);
     let epsilon = R::epsilon();
     copy(r, smooth);
     d.fill(R::zero());
@@ -75,6 +77,7 @@ fn cycle<R: Real>(
             return run.lanczos("qᵀA q");
         }
         let alpha = rho / sigma;
+        coefficients.advance(alpha, norm_r);
         axpy(-alpha, t, r);
         norm_r = run.finite(norm2(r))?;
         // d ← c²ϑ² d + c²α q,  x ← x + d
@@ -87,11 +90,13 @@ fn cycle<R: Real>(
         // s ← (1 − c²) s + c² r
         axpby(c_square, r, R::one() - c_square, smooth);
         if let Some(end) = run.step(norm2(smooth))? {
+            run.ritz(coefficients.ritz_nearest_to_zero());
             return Ok(end);
         }
         // β = ρ / (ρ before),  q ← M⁻¹r + β q
         run.solve(r, u);
         let next = run.finite(dot(r, u))?;
+        coefficients.turn(next / rho);
         xpby(u, next / rho, q);
         rho = next;
     }

@@ -74,4 +74,7 @@ pub struct Report {
     pub products: u64,
     /// Solves with M.
     pub preconditioner_solves: u64,
+    /// Modulus of the Ritz value of A M⁻¹ nearest to zero, over all cycles; `None` where the method knows none. The error may
+    /// be larger than M⁻¹r by its inverse.
+    pub smallest_ritz: Option<f64>,
 }

@@ -1,7 +1,8 @@
 //! The solver below the coarsest level.
 
+use super::semidefinite::Semidefinite;
 use crate::amg::scratch::doubles_of;
-use fracas_operators::{Preconditioner, Real};
+use fracas_operators::{Linearity, Preconditioner, Real};
 
 /// `A⁻¹`, or an approximation of it, over the free unknowns of the coarsest level.
 pub struct Bottom {
@@ -9,13 +10,42 @@ pub struct Bottom {
     /// Where the unknowns of `inverse` stand among those of the level.
     free: Vec<u32>,
     n: usize,
+    /// What the coarse matrix maps to rounding, over all unknowns of the level.
+    null: Option<Vec<f64>>,
 }
 
 impl Bottom {
     /// `inverse` over the unknowns `free` of a level of n.
     pub fn new(inverse: Box<dyn Preconditioner<f64>>, free: Vec<u32>, n: usize) -> Self {
         assert_eq!(inverse.size(), free.len(), "free unknowns of another level");
-        Self { inverse, free, n }
+        let null = None;
+        Self {
+            inverse,
+            free,
+            n,
+            null,
+        }
+    }
+
+    /// `A_c⁺` where functions of the coarsest level may depend on each other.
+    pub fn semidefinite(inverse: Semidefinite, free: Vec<u32>, n: usize) -> Self {
+        let full = |null: &[f64]| {
+            let mut full = vec![0.0; n];
+            free.iter()
+                .zip(null)
+                .for_each(|(i, v)| full[*i as usize] = *v);
+            full
+        };
+        let null = inverse.null().map(full);
+        Self {
+            null,
+            ..Self::new(Box::new(inverse), free, n)
+        }
+    }
+
+    /// A random vector that the coarse matrix maps to rounding, where some functions are left out.
+    pub(super) fn null(&self) -> Option<&[f64]> {
+        self.null.as_deref()
     }
 
     /// Unknowns of the level, fixed ones included.
@@ -44,8 +74,8 @@ impl Bottom {
         (entries + 1) * (size_of::<f64>() / size_of::<R>())
     }
 
-    pub(super) fn is_linear(&self) -> bool {
-        self.inverse.is_linear()
+    pub(super) fn linearity(&self) -> Linearity {
+        self.inverse.linearity()
     }
 
     pub(super) fn flops(&self) -> u64 {

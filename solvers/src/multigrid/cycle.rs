@@ -3,8 +3,8 @@
 use super::bottom::Bottom;
 use super::level::{Chebyshev, Level};
 use crate::amg::{LevelSummary, Smoother, Smoothing, Summary};
-use fracas_operators::Real;
 use fracas_operators::vector::{axpby, axpy, dot, scale};
+use fracas_operators::{Linearity, Real};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -121,14 +121,24 @@ impl<R: Real> Hierarchy<R> {
         &self.levels
     }
 
+    /// The solver below them.
+    pub(super) fn bottom(&self) -> &Bottom {
+        &self.bottom
+    }
+
     /// Unknowns of level k, the coarsest included.
     fn size(&self, k: usize) -> usize {
         self.levels.get(k).map_or(self.bottom.size(), Level::size)
     }
 
-    /// True if `M⁻¹` is a linear map.
-    pub(super) fn is_linear(&self) -> bool {
-        self.bottom.is_linear() && !self.visits.contains(&Visit::TwoSteps)
+    /// How far a cycle in exact arithmetic is a linear map.
+    pub(super) fn linearity(&self) -> Linearity {
+        let cycle = if self.visits.contains(&Visit::TwoSteps) {
+            Linearity::NONLINEAR
+        } else {
+            Linearity::EXACT
+        };
+        cycle.and(self.bottom.linearity())
     }
 
     /// Scratch entries of a cycle.
@@ -246,13 +256,13 @@ impl<R: Real> Hierarchy<R> {
     }
 
     /// Levels and memory; `nnz` counts half the flops of a product, which is the stored entries where there are any.
-    pub(super) fn summary(&self, below: &Summary, spaces: &'static str) -> Summary {
+    pub(super) fn summary(&self, below: &[LevelSummary], spaces: &'static str) -> Summary {
         let smoothing = self.levels.iter().map(|level| LevelSummary {
             n: level.size() - level.fixed.len(),
             nnz: level.operator.flops() as usize / 2,
             bytes: level.total_bytes(),
         });
-        let levels: Vec<LevelSummary> = smoothing.chain(below.levels.iter().copied()).collect();
+        let levels: Vec<LevelSummary> = smoothing.chain(below.iter().copied()).collect();
         let total = |of: fn(&LevelSummary) -> usize| {
             levels.iter().map(of).sum::<usize>() as f64 / of(&levels[0]).max(1) as f64
         };

@@ -1,10 +1,10 @@
 //! The ready preconditioner: f64 and free unknowns outside.
 
 use super::cycle::Hierarchy;
-use crate::amg::Summary;
 use crate::amg::scratch::{cast, doubles};
+use crate::amg::{LevelSummary, Summary};
 use fracas_operators::vector::{for_row_ranges, norm2};
-use fracas_operators::{Preconditioner, Real};
+use fracas_operators::{Linearity, Preconditioner, Real};
 
 /// Entries that one task copies.
 const GRAIN: usize = 16_384;
@@ -22,7 +22,7 @@ pub struct MultigridInverse {
     hierarchy: SomeHierarchy,
     /// What the operator was divided by, and f.
     factor: f64,
-    below: Summary,
+    below: Vec<LevelSummary>,
     spaces: &'static str,
 }
 
@@ -34,7 +34,7 @@ impl MultigridInverse {
         hierarchy: SomeHierarchy,
         scale: f64,
         over_correction: f64,
-        below: Summary,
+        below: Vec<LevelSummary>,
         spaces: &'static str,
     ) -> Self {
         Self {
@@ -163,15 +163,11 @@ impl Preconditioner<f64> for MultigridInverse {
         }
     }
 
-    fn is_linear(&self) -> bool {
+    fn linearity(&self) -> Linearity {
         match &self.hierarchy {
-            SomeHierarchy::Single(h) => h.is_linear(),
-            SomeHierarchy::Double(h) => h.is_linear(),
+            SomeHierarchy::Single(h) => h.linearity().and(Linearity::SINGLE),
+            SomeHierarchy::Double(h) => h.linearity(),
         }
-    }
-
-    fn is_single(&self) -> bool {
-        matches!(self.hierarchy, SomeHierarchy::Single(_))
     }
 }
 

@@ -111,6 +111,11 @@ impl<R: Real> Level<R> {
         self.lambda_max
     }
 
+    /// `z ← D⁻¹ r`, zero in fixed components.
+    pub(super) fn divide_by_diagonal(&self, r: &[R], z: &mut [R]) {
+        self.jacobi.solve(r, z);
+    }
+
     /// Bytes of operator, smoother and transfer.
     pub(super) fn total_bytes(&self) -> usize {
         self.bytes + self.jacobi.bytes() + self.transfer.bytes() + size_of_val(&*self.fixed)

@@ -10,6 +10,7 @@
 //! | a level, λ_max, smoothing | `level` |
 //! | V, W and K | `cycle` |
 //! | digits that a cycle in f32 loses | `noise` |
+//! | the coarsest level, functions that depend on each other left out | `semidefinite` |
 //! | f64 outside, f32 or f64 inside, free unknowns outside, all of them inside | `inverse` |
 
 mod block_jacobi;
@@ -19,9 +20,11 @@ mod groups;
 mod inverse;
 mod level;
 mod noise;
+mod semidefinite;
 
 pub use block_jacobi::{BlockJacobi, NoInverse, Symmetric};
 pub use bottom::Bottom;
 pub use cycle::{Cycle, Hierarchy};
 pub use inverse::{MultigridInverse, SomeHierarchy};
 pub use level::{Chebyshev, Level, Transfer};
+pub use semidefinite::Semidefinite;

@@ -1,4 +1,4 @@
-//! What rounding makes of a cycle.
+//! What rounding makes of a cycle, and what the coarsest level leaves out.
 
 use super::cycle::Hierarchy;
 use fracas_operators::Real;
@@ -39,5 +39,36 @@ impl<R: Real> Hierarchy<R> {
         let forces = (n - level.fixed().len()) as f64;
         let noise = 0.5 * R::epsilon().to_f64_exact() * norm2(&b).to_f64_exact() / forces.sqrt();
         if noise.is_nan() { f64::INFINITY } else { noise }
+    }
+
+    /// What the functions that the coarsest level leaves out cost on the finest one, `None` where none are:
+    ///
+    /// ```text
+    /// ‖D⁻¹A x‖ / ‖x‖,  x = P n,  A_c n ≈ 0
+    /// ```
+    ///
+    /// Functions that depend on each other leave the rounding of 0 in x, which is rough, so that this is around 1; a motion that
+    /// nothing holds, or what holds it is lost in rounding, leaves that motion and hardly a force.
+    ///
+    /// # Cost
+    /// A prolongation through all levels and one product.
+    pub fn left_out(&self) -> Option<f64> {
+        let mut x: Vec<R> = self.bottom().null()?.iter().map(|v| R::of(*v)).collect();
+        for level in self.levels().iter().rev() {
+            let mut finer = vec![R::zero(); level.size()];
+            level.transfer().prolong(&x, &mut finer);
+            level.clear_fixed(&mut finer);
+            x = finer;
+        }
+        let level = &self.levels()[0];
+        let mut force = vec![R::zero(); x.len()];
+        let work_len = level.operator().work_len();
+        level
+            .operator()
+            .apply(&x, &mut force, &mut vec![R::zero(); work_len]);
+        let size = norm2(&x).to_f64_exact();
+        level.divide_by_diagonal(&force, &mut x);
+        let cost = norm2(&x).to_f64_exact() / size;
+        Some(if cost.is_nan() { f64::INFINITY } else { cost })
     }
 }

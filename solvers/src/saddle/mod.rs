@@ -1,5 +1,6 @@
 //! Saddle points `[A B1; B2 −H]`, their augmentations C and their preconditioners.
 
+mod accurate;
 pub mod augmentation;
 pub mod augmented_lagrangian;
 pub mod block_diagonal;
@@ -7,6 +8,7 @@ pub mod block_triangular;
 pub mod blocks;
 pub mod cost;
 pub mod elimination;
+mod energy_norms;
 pub mod folder;
 pub mod inner;
 pub mod mcp;
@@ -25,6 +27,7 @@ pub mod simple;
 mod unit;
 
 pub use crate::DofCoordinate;
+pub use accurate::{Accurate, Measure, solve_accurately};
 pub use augmentation::{Augmentation, AugmentationChoice, AugmentationMatrix, Block};
 pub use augmented_lagrangian::{AugmentedLagrangian, AugmentedLagrangianInverse};
 pub use block_diagonal::{BlockDiagonal, BlockDiagonalInverse};
@@ -32,6 +35,7 @@ pub use block_triangular::{BlockTriangular, BlockTriangularInverse};
 pub use blocks::{FlowBlocks, SaddleBlocks};
 pub use cost::Cost;
 pub use elimination::{EliminatedInverse, Elimination};
+pub use energy_norms::{EnergyNorms, Stiffness, StrainNorm};
 pub use inner::{InnerChoice, PartCost, Ready};
 pub use mcp::{Mcp, McpInverse};
 pub use method::{NoSuchPart, SaddleMethod, SaddleSettings, UnknownSaddleMethod};

@@ -6,7 +6,7 @@ use crate::eigen::dense;
 use faer::linalg::solvers::{FullPivLu, Solve};
 use faer::{Mat, c64};
 use fracas_operators::sparse::SparseMatrix;
-use fracas_operators::{Dense, LinearOperator, Preconditioner};
+use fracas_operators::{Dense, LinearOperator, Linearity, Preconditioner};
 
 /// With all its zeros.
 pub(crate) fn full(m: &SparseMatrix<f64>) -> Mat<f64> {
@@ -83,6 +83,10 @@ impl Preconditioner<f64> for DenseInverse {
 
     fn flops(&self) -> u64 {
         2 * (self.size() * self.size()) as u64
+    }
+
+    fn linearity(&self) -> Linearity {
+        Linearity::EXACT
     }
 }
 

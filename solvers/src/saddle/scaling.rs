@@ -2,8 +2,8 @@
 
 use crate::SetupError;
 use crate::direct::{DirectSolver, Factorization, Kind, reciprocal_condition};
-use fracas_operators::Preconditioner;
 use fracas_operators::sparse::SparseMatrix;
+use fracas_operators::{Linearity, Preconditioner};
 
 /// 1/κ₁ of a matrix with unit diagonal below which it counts as singular. Unit: 1.
 const SINGULAR: f64 = 1e-13;
@@ -112,5 +112,9 @@ impl Preconditioner<f64> for ScaledInverse {
 
     fn flops(&self) -> u64 {
         self.factors.flops() + 2 * self.size() as u64
+    }
+
+    fn linearity(&self) -> Linearity {
+        self.factors.linearity()
     }
 }

@@ -4,8 +4,8 @@ use super::scaling::ScaledInverse;
 use super::{AugmentationMatrix, SaddleBlocks};
 use crate::SetupError;
 use crate::direct::{DirectChoice, DirectSolver, Factorization, Kind};
-use fracas_operators::Preconditioner;
 use fracas_operators::sparse::{SparseMatrix, Triplets};
+use fracas_operators::{Linearity, Preconditioner};
 
 /// `S_u = A + (BF)(BF)ᵀ` with `C⁻¹ = F Fᵀ`: symmetric to the last bit where A is.
 ///
@@ -154,5 +154,9 @@ impl Preconditioner<f64> for QuasiDefinite {
 
     fn flops(&self) -> u64 {
         self.factors.flops()
+    }
+
+    fn linearity(&self) -> Linearity {
+        self.factors.linearity()
     }
 }

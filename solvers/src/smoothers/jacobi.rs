@@ -2,8 +2,8 @@
 
 use super::entries::{BLOCK, positive_diagonal, relaxation, rows};
 use crate::{Prepare, SetupError};
-use fracas_operators::Preconditioner;
 use fracas_operators::sparse::SparseMatrix;
+use fracas_operators::{Linearity, Preconditioner};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -151,6 +151,10 @@ impl Preconditioner<f64> for JacobiInverse {
             Self::Point(inverse) => inverse.len() as u64,
             Self::Node(inverse) => 15 * inverse.len() as u64,
         }
+    }
+
+    fn linearity(&self) -> Linearity {
+        Linearity::EXACT
     }
 }
 

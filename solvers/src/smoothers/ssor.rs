@@ -2,8 +2,8 @@
 
 use super::entries::{positive_diagonal, relaxation, rows};
 use crate::{Prepare, SetupError};
-use fracas_operators::Preconditioner;
 use fracas_operators::sparse::SparseMatrix;
+use fracas_operators::{Linearity, Preconditioner};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -119,6 +119,10 @@ impl Preconditioner<f64> for SsorInverse {
 
     fn flops(&self) -> u64 {
         2 * (self.lower.values.len() + self.upper.values.len()) as u64 + 7 * self.size() as u64
+    }
+
+    fn linearity(&self) -> Linearity {
+        Linearity::EXACT
     }
 }
 

@@ -11,7 +11,7 @@ pub enum Theorem {
     /// Its extension to symmetric H ≠ 0, B2 = B1ᵀ.
     #[serde(rename = "H!=0")]
     WithH,
-    /// None: B2 ≠ B1ᵀ, H or A unsymmetric, or S̃_u not SPD.
+    /// None: B2 ≠ B1ᵀ, H or A unsymmetric, A indefinite, or S̃_u not SPD.
     #[serde(rename = "none")]
     None,
 }
@@ -122,7 +122,7 @@ impl Bounds {
     }
 
     /// With exact S_u the whole spectrum is real, in `[λ_min(GᵀG), max(1, λ_max(Ĥ))]` for SPSD H: besides 1 it is
-    /// `1 − W^{1/2}(I − Ĥ)W^{1/2}` with `W = I − GᵀG`, `0 ≤ W ≤ I`.
+    /// `1 − W^{1/2}(I − Ĥ)W^{1/2}` with `W = I − GᵀG`, `0 ≤ W ≤ I` because A is SPSD.
     pub fn exact_s_u(i: &Ingredients) -> (f64, f64) {
         (i.g.0 * i.g.0, i.h_hat.1.max(1.0))
     }

@@ -6,7 +6,7 @@ use crate::eigen::{Extreme, LanczosSettings, Map, extreme_eigenvalues, kernel_of
 use crate::saddle::scaling::ScaledInverse;
 use crate::saddle::{AugmentationMatrix, SaddleBlocks, schur};
 use fracas_operators::sparse::Csr;
-use fracas_operators::{AdjointOperator, LinearOperator, Preconditioner};
+use fracas_operators::{AdjointOperator, LinearOperator, Linearity, Preconditioner};
 
 /// Both ends of the spectrum of an SPD matrix.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -202,6 +202,10 @@ impl Preconditioner<f64> for Weighted<'_> {
 
     fn flops(&self) -> u64 {
         self.inverse.flops() + 2 * self.size() as u64
+    }
+
+    fn linearity(&self) -> Linearity {
+        self.inverse.linearity()
     }
 }
 

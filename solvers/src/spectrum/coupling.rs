@@ -1,10 +1,10 @@
-//! The whole spectrum when S_u is inverted exactly and B2 = B1ᵀ: an n_t × n_t symmetric problem.
+//! The whole spectrum when S_u is inverted exactly and B2 = B1ᵀ: an n_t × n_t problem, symmetric where A is SPSD.
 
 use super::bounds::Ingredients;
 use crate::SetupError;
 use crate::eigen::dense;
 use crate::saddle::{AugmentationMatrix, SaddleBlocks, schur};
-use faer::Mat;
+use faer::{Mat, c64};
 use fracas_operators::Preconditioner;
 use fracas_operators::sparse::SparseMatrix;
 use rayon::prelude::*;
@@ -12,8 +12,9 @@ use rayon::prelude::*;
 /// `M⁻¹𝒜` with exact S_u, in the eigenbasis of GᵀG.
 ///
 /// With K₀ = I, `P = [I 0; −Gᵀ I]` turns T into `P⁻¹TP = [I, G(I−Ĥ); 0, Ĥ + GᵀG(I−Ĥ)]`: the eigenvalue 1 at least n_u
-/// times, and those of `I − W(I−Ĥ)`, `W = I − GᵀG`, which are those of the symmetric `Y = I − W^{1/2}(I−Ĥ)W^{1/2}`.
-/// W is SPSD because `GᵀG ≤ I` when A is SPSD; A may be singular.
+/// times, and those of `I − W(I−Ĥ)`, `W = I − GᵀG`, which are those of `Y = I − J|W|^{1/2}(I−Ĥ)|W|^{1/2}`, J = sign W.
+/// `EᵀAE = I − GGᵀ`, so W is SPSD and Y symmetric exactly when A is SPSD; A may be singular. For an indefinite A, Y is
+/// unsymmetric and its eigenvalues may be complex.
 pub(super) struct Coupling {
     /// Singular values of G squared, ascending: eigenvalues of GᵀG.
     pub(super) sigma_squared: Vec<f64>,
@@ -22,6 +23,8 @@ pub(super) struct Coupling {
     /// VᵀĤV, absent when H = 0.
     h_hat: Option<Mat<f64>>,
     n_u: usize,
+    /// A is SPSD: what is negative in W is rounding.
+    semi_definite: bool,
 }
 
 impl Coupling {
@@ -29,7 +32,7 @@ impl Coupling {
     pub(super) fn dense(
         blocks: &SaddleBlocks,
         c: &AugmentationMatrix,
-        h: Option<&SparseMatrix<f64>>,
+        semi_definite: bool,
     ) -> Result<Self, SetupError> {
         let root = c.inverse_root()?;
         let s_u = schur::primal_schur(&blocks.a, &blocks.b1, c)?;
@@ -50,14 +53,14 @@ impl Coupling {
             .collect();
         singular.resize(blocks.n_t(), 0.0);
         singular.reverse();
-        Self::new(gram, Some(singular), h, &root, blocks.n_u())
+        Self::new(gram, Some(singular), blocks, &root, semi_definite)
     }
 
     /// From solves with sparse factors: `GᵀG = Fᵀ Bᵀ S_u⁻¹ B F`, any n_u.
     pub(super) fn sparse(
         blocks: &SaddleBlocks,
         c: &AugmentationMatrix,
-        h: Option<&SparseMatrix<f64>>,
+        semi_definite: bool,
         inverse: &dyn Preconditioner<f64>,
     ) -> Result<Self, SetupError> {
         let root = c.inverse_root()?;
@@ -88,20 +91,20 @@ impl Coupling {
             )
             .collect();
         let gram = Mat::from_fn(n_t, n_t, |i, j| columns[j][i]);
-        Self::new(gram, None, h, &root, blocks.n_u())
+        Self::new(gram, None, blocks, &root, semi_definite)
     }
 
     fn new(
         mut gram: Mat<f64>,
         singular: Option<Vec<f64>>,
-        h: Option<&SparseMatrix<f64>>,
+        blocks: &SaddleBlocks,
         root: &SparseMatrix<f64>,
-        n_u: usize,
+        semi_definite: bool,
     ) -> Result<Self, SetupError> {
         dense::symmetrize(&mut gram);
         let (values, basis) = dense::symmetric_eigen(gram.as_ref())?;
         let sigma_squared = singular.unwrap_or_else(|| values.iter().map(|v| v.max(0.0)).collect());
-        let h_hat = h.map(|h| {
+        let h_hat = blocks.h.as_ref().map(|h| {
             let image = dense::sparse_multiply(root, basis.as_ref());
             let mut h_hat = dense::multiply(
                 image.transpose(),
@@ -114,47 +117,64 @@ impl Coupling {
             sigma_squared,
             basis,
             h_hat,
-            n_u,
+            n_u: blocks.n_u(),
+            semi_definite,
         })
     }
 
-    /// The n_t eigenvalues besides 1, ascending.
-    pub(super) fn eigenvalues(&self) -> Result<Vec<f64>, SetupError> {
-        match self.symmetric_form() {
+    /// The n_t eigenvalues besides 1.
+    pub(super) fn eigenvalues(&self) -> Result<Vec<c64>, SetupError> {
+        match self.y() {
             // H = 0: Y = I − W = GᵀG
-            None => Ok(self.sigma_squared.clone()),
-            Some(y) => dense::symmetric_eigenvalues(y.as_ref()),
+            None => Ok(real(self.sigma_squared.clone())),
+            Some(y) if self.semi_definite => Ok(real(dense::symmetric_eigenvalues(y.as_ref())?)),
+            Some(y) => dense::general_eigenvalues(y.as_ref()),
         }
     }
 
     /// Eigenvalues with eigenvectors t' of `I − W(I−Ĥ)` in the original scaled traction basis, one a column.
-    pub(super) fn eigenvectors(&self) -> Result<(Vec<f64>, Mat<f64>), SetupError> {
-        let Some(y) = self.symmetric_form() else {
-            return Ok((self.sigma_squared.clone(), self.basis.clone()));
+    pub(super) fn eigenvectors(&self) -> Result<(Vec<c64>, Mat<c64>), SetupError> {
+        let complex =
+            |m: &Mat<f64>| Mat::from_fn(m.nrows(), m.ncols(), |i, j| c64::new(m[(i, j)], 0.0));
+        let Some(y) = self.y() else {
+            return Ok((real(self.sigma_squared.clone()), complex(&self.basis)));
         };
-        let (values, mut vectors) = dense::symmetric_eigen(y.as_ref())?;
-        // t' = V W^{1/2} y
-        for j in 0..vectors.ncols() {
-            for i in 0..vectors.nrows() {
-                vectors[(i, j)] *= self.root_w(i);
-            }
-        }
-        Ok((
-            values,
-            dense::multiply(self.basis.as_ref(), vectors.as_ref()),
-        ))
+        let (values, vectors) = if self.semi_definite {
+            let (values, vectors) = dense::symmetric_eigen(y.as_ref())?;
+            (real(values), complex(&vectors))
+        } else {
+            dense::general_eigen(y.as_ref())?
+        };
+        // t' = V |W|^{1/2} y
+        let part = |f: fn(&c64) -> f64| {
+            let scaled = Mat::from_fn(vectors.nrows(), vectors.ncols(), |i, j| {
+                self.root_w(i) * f(&vectors[(i, j)])
+            });
+            dense::multiply(self.basis.as_ref(), scaled.as_ref())
+        };
+        let (re, im) = (part(|v| v.re), part(|v| v.im));
+        let whole = Mat::from_fn(re.nrows(), re.ncols(), |i, j| {
+            c64::new(re[(i, j)], im[(i, j)])
+        });
+        Ok((values, whole))
+    }
+
+    fn w(&self, i: usize) -> f64 {
+        let w = 1.0 - self.sigma_squared[i];
+        if self.semi_definite { w.max(0.0) } else { w }
     }
 
     fn root_w(&self, i: usize) -> f64 {
-        (1.0 - self.sigma_squared[i]).max(0.0).sqrt()
+        self.w(i).abs().sqrt()
     }
 
-    /// `Y = I − W^{1/2}(I−Ĥ)W^{1/2}` in the eigenbasis of GᵀG.
-    fn symmetric_form(&self) -> Option<Mat<f64>> {
+    /// Y in the eigenbasis of GᵀG; `None` for H = 0.
+    fn y(&self) -> Option<Mat<f64>> {
         self.h_hat.as_ref().map(|h_hat| {
             Mat::from_fn(h_hat.nrows(), h_hat.nrows(), |i, j| {
                 let diagonal = if i == j { self.sigma_squared[i] } else { 0.0 };
-                diagonal + self.root_w(i) * h_hat[(i, j)] * self.root_w(j)
+                let left = self.root_w(i).copysign(self.w(i));
+                diagonal + left * h_hat[(i, j)] * self.root_w(j)
             })
         })
     }
@@ -208,4 +228,9 @@ impl Coupling {
             coupling: dense::singular_values(product.as_ref())?[0],
         })
     }
+}
+
+/// Real numbers as complex ones.
+fn real(values: Vec<f64>) -> Vec<c64> {
+    values.into_iter().map(|v| c64::new(v, 0.0)).collect()
 }

@@ -1,13 +1,13 @@
 //! One call: C, S_u, conditions, eigenvalues, bounds, verdicts.
 
-use super::bounds::{Bounds, Ingredients};
+use super::bounds::{Bounds, Ingredients, Theorem};
 use super::condition::StiffnessEnds;
 use super::coupling::Coupling;
 use super::modes::{self, Judge, ModeTarget};
 use super::product::{Preconditioned, energy_scales};
 use super::report::{Eigenvalues, Method, Parts, SpectrumReport};
 use super::similarity::Similarity;
-use super::{condition, field_of_values, iterative};
+use super::{Hypothesis, condition, field_of_values, hypotheses, iterative};
 use crate::direct::{DirectChoice, DirectSolver};
 use crate::eigen::dense;
 use crate::saddle::{
@@ -58,12 +58,15 @@ pub(super) struct Structure {
     /// B2 = B1ᵀ, A and H symmetric.
     pub(super) symmetric: bool,
     h_is_zero: bool,
+    /// What it says, condition by condition.
+    hypotheses: Vec<Hypothesis>,
 }
 
 /// Analyses M⁻¹𝒜: whatever can still be done is done, with notes.
 ///
-/// With exact S_u and B2 = B1ᵀ the spectrum is 1 (n_u times) and that of a symmetric n_t × n_t matrix, so n_u does not
-/// limit it. Everything else takes an unsymmetric eigenvalue problem of size n_u + n_t.
+/// With exact S_u and B2 = B1ᵀ the spectrum is 1 (n_u times) and that of an n_t × n_t matrix, symmetric where A is SPSD, so
+/// n_u does not limit it. Everything else takes an unsymmetric eigenvalue problem of size n_u + n_t. Bounds are stated and
+/// judged only where all hypotheses of the report hold.
 ///
 /// # Errors
 /// Those of the augmentation and of the factorizations: C = exact with singular A, singular S_u, NaN, shapes.
@@ -89,7 +92,17 @@ pub fn analyse(
         ));
     }
     let c = augmentation.matrix;
-    let inner = request.inner.prepare(&blocks, &c)?.inverse;
+    let mut hypotheses = structure.hypotheses.clone();
+    let semi_definite = if structure.symmetric {
+        hypotheses::semi_definite(&blocks.a, direct.as_ref())
+    } else {
+        Hypothesis::not_needed("A ⪰ 0")
+    };
+    let a_holds = semi_definite.holds == Some(true);
+    let inner = (request.inner.prepare(&blocks, &c))
+        .map_err(|error| for_indefinite(error, &semi_definite))?
+        .inverse;
+    hypotheses.push(semi_definite);
     stages.next("inner solver");
     let parts = Parts {
         preconditioner: "racp".to_owned(),
@@ -98,6 +111,7 @@ pub fn analyse(
         c_extremes: c.extremes()?,
     };
     let mut report = SpectrumReport::empty(&blocks, parts, notes);
+    report.hypotheses = hypotheses;
     if request.conditions {
         conditions(
             &mut report,
@@ -120,12 +134,12 @@ pub fn analyse(
         scales: &scales,
     };
     let eigenvalues = if exact && structure.symmetric && blocks.n_t() <= request.dense_limit {
-        let h = blocks.h.as_ref();
         let coupling = if blocks.n_u() <= request.dense_limit {
-            Coupling::dense(&blocks, &c, h)?
+            Coupling::dense(&blocks, &c, a_holds)?
         } else {
-            Coupling::sparse(&blocks, &c, h, inner.as_ref())?
+            Coupling::sparse(&blocks, &c, a_holds, inner.as_ref())?
         };
+        report.hypotheses.push(by_cholesky());
         report.modes = modes::of_coupling(
             &request.modes,
             &coupling,
@@ -136,11 +150,7 @@ pub fn analyse(
         )?;
         report.ingredients = Some(coupling.ingredients()?);
         let ones = vec![c64::new(1.0, 0.0); blocks.n_u()];
-        let others = coupling
-            .eigenvalues()?
-            .into_iter()
-            .map(|v| c64::new(v, 0.0));
-        ones.into_iter().chain(others).collect()
+        ones.into_iter().chain(coupling.eigenvalues()?).collect()
     } else if n <= request.dense_limit {
         dense_eigenvalues(
             &mut report,
@@ -157,6 +167,11 @@ pub fn analyse(
             "n_u + n_t = {n} is above the dense limit {}: only outer eigenvalues, without multiplicities",
             request.dense_limit
         ));
+        report.hypotheses.push(if exact {
+            by_cholesky()
+        } else {
+            hypotheses::probed(inner.as_ref())
+        });
         if structure.symmetric {
             let (ingredients, error) = iterative::ingredients(&blocks, &c, inner.as_ref())?;
             report.ingredients = Some(ingredients);
@@ -171,9 +186,36 @@ pub fn analyse(
     };
     stages.next("eigenvalues");
     state_bounds(&mut report, &structure, exact);
-    let disc = structure.symmetric && structure.h_is_zero && report.ingredients.is_some();
+    let disc = report.bounds.theorem == Theorem::WithoutH;
     report.judge(Eigenvalues::sorted(eigenvalues), disc);
     Ok(report)
+}
+
+/// The name of the approximation in hypotheses.
+const S_U: &str = "S̃_u ≻ 0";
+
+/// What an exact inner solver has found.
+fn by_cholesky() -> Hypothesis {
+    Hypothesis::new(S_U, true, "Cholesky factorization of S_u")
+}
+
+/// Says that it is A where an indefinite one leaves S_u without a factorization.
+fn for_indefinite(error: SetupError, semi_definite: &Hypothesis) -> SetupError {
+    match (&error, semi_definite.holds) {
+        (
+            SetupError::NotPositiveDefinite { .. }
+            | SetupError::Singular { .. }
+            | SetupError::BadDiagonal { .. },
+            Some(false),
+        ) => SetupError::NotApplicable {
+            method: "this inner solver",
+            reason: format!(
+                "{}, and S_u = A + B C⁻¹Bᵀ with it: {error}; take a smaller C (--augmentation global_times=FACTOR) or another inner solver",
+                semi_definite.reason
+            ),
+        },
+        _ => error,
+    }
 }
 
 /// Tells the observer what is done.
@@ -216,21 +258,32 @@ pub(super) fn simplified(blocks: &SaddleBlocks) -> (SaddleBlocks, Structure, Vec
     }
     let is_symmetric = |m: &SparseMatrix<f64>| agree(m, &m.transpose_view().to_csr());
     let conditions = [
-        (blocks.b2.is_none(), "B2 differs from B1ᵀ"),
-        (is_symmetric(&blocks.a), "A is not symmetric"),
+        ("B2 = B1ᵀ", blocks.b2.is_none(), "B2 differs from B1ᵀ"),
+        ("A = Aᵀ", is_symmetric(&blocks.a), "A is not symmetric"),
         (
+            "H = Hᵀ",
             blocks.h.as_ref().is_none_or(is_symmetric),
             "H is not symmetric",
         ),
     ];
-    for (_, reason) in conditions.iter().filter(|(holds, _)| !holds) {
+    for (_, _, reason) in conditions.iter().filter(|(_, holds, _)| !holds) {
         notes.push(format!(
             "{reason}: no bound is proved; see the field of values"
         ));
     }
     let structure = Structure {
-        symmetric: conditions.iter().all(|(holds, _)| *holds),
+        symmetric: conditions.iter().all(|(_, holds, _)| *holds),
         h_is_zero: blocks.h.is_none(),
+        hypotheses: conditions
+            .map(|(statement, holds, reason)| {
+                let found = if holds {
+                    "compared entry by entry"
+                } else {
+                    reason
+                };
+                Hypothesis::new(statement, holds, found)
+            })
+            .into(),
     };
     (blocks, structure, notes)
 }
@@ -322,6 +375,10 @@ fn dense_eigenvalues(
 ) -> Result<Vec<c64>, SetupError> {
     let matrix = match Similarity::new(blocks, c, request.inner, inner) {
         Ok(similarity) => {
+            report.hypotheses.push(match request.inner {
+                InnerChoice::Exact { .. } => by_cholesky(),
+                _ => Hypothesis::new(S_U, true, "Cholesky factorization of S̃_u⁻¹"),
+            });
             report.ingredients = Some(similarity.ingredients()?);
             let matrix = similarity.matrix();
             report.modes = modes::of_similarity(&request.modes, &similarity, &matrix, judge)?;
@@ -330,10 +387,11 @@ fn dense_eigenvalues(
             }
             matrix
         }
-        Err(SetupError::NotApplicable { reason, .. }) if inner.is_linear() => {
+        Err(SetupError::NotApplicable { reason, .. }) if inner.linearity().linear => {
             report.notes.push(format!(
                 "{reason}: eigenvalues of M⁻¹𝒜 itself, no bounds, no modes"
             ));
+            report.hypotheses.push(Hypothesis::new(S_U, false, reason));
             let product = Dense::of_operator(judge.operator);
             let (n, d) = (judge.scales.len(), judge.scales);
             Mat::from_fn(n, n, |i, j| d[i] * product.entry(i, j) / d[j])
@@ -345,16 +403,17 @@ fn dense_eigenvalues(
 
 /// Chooses the statement that holds.
 fn state_bounds(report: &mut SpectrumReport, structure: &Structure, exact: bool) {
+    let holds = report.objection().is_none();
     report.bounds = match &report.ingredients {
-        Some(i) if structure.symmetric && structure.h_is_zero => Bounds::printed(i),
-        Some(i) if structure.symmetric => Bounds::with_h(i),
+        Some(i) if holds && structure.h_is_zero => Bounds::printed(i),
+        Some(i) if holds => Bounds::with_h(i),
         other => Bounds::none(other.as_ref()),
     };
     let semi_definite = |i: &Ingredients| i.h_hat.0 >= -1e-12 * i.h_hat.1.abs().max(1.0);
     if let Some(i) = report
         .ingredients
         .as_ref()
-        .filter(|i| exact && structure.symmetric && semi_definite(i))
+        .filter(|i| exact && holds && semi_definite(i))
     {
         report.exact_S_u_interval = Some(Bounds::exact_s_u(i));
     }

@@ -101,32 +101,48 @@ pub(super) fn of_coupling(
     let (values, vectors) = coupling.eigenvectors()?;
     let root = c.inverse_root()?;
     let others: Vec<usize> = (0..values.len())
-        .filter(|&j| (values[j] - 1.0).abs() > 1e-9)
+        .filter(|&j| (values[j] - 1.0).norm() > 1e-9)
         .collect();
     let mut modes = Vec::new();
     for target in targets {
-        let Some(choice) = target.choose(others.iter().map(|&j| (values[j], 0.0))) else {
+        let Some(choice) = target.choose(others.iter().map(|&j| (values[j].re, values[j].im)))
+        else {
             continue;
         };
         let j = others[choice];
         let lambda = values[j];
-        // t = F t', and F (I−Ĥ) t' = t − C⁻¹H t
-        let t = product(
-            &root,
-            &Mat::from_fn(values.len(), 1, |i, _| vectors[(i, j)]),
-        );
-        let mut w = t.clone();
-        if let Some(h) = &blocks.h {
-            let image = product(h, &column(&t));
-            let mut scaled = vec![0.0; t.len()];
-            c.solve(&image, &mut scaled, &mut []);
-            w.iter_mut().zip(&scaled).for_each(|(w, s)| *w -= s);
+        // t = F t', F (I−Ĥ) t' = t − C⁻¹H t, and (λ−1) u
+        let part = |f: fn(&c64) -> f64| {
+            let t = product(
+                &root,
+                &Mat::from_fn(values.len(), 1, |i, _| f(&vectors[(i, j)])),
+            );
+            let mut w = t.clone();
+            if let Some(h) = &blocks.h {
+                let image = product(h, &column(&t));
+                let mut scaled = vec![0.0; t.len()];
+                c.solve(&image, &mut scaled, &mut []);
+                w.iter_mut().zip(&scaled).for_each(|(w, s)| *w -= s);
+            }
+            let force = product(&blocks.b1, &column(&w));
+            let mut u = vec![0.0; force.len()];
+            inner.solve(&force, &mut u, &mut vec![0.0; inner.work_len()]);
+            (u, t)
+        };
+        let (mut u, t) = part(|v| v.re);
+        let im = (lambda.im != 0.0).then(|| part(|v| v.im));
+        let shifted = lambda - 1.0;
+        let im = im.map(|(mut v, s)| {
+            for (u, v) in u.iter_mut().zip(&mut v) {
+                let quotient = c64::new(*u, *v) / shifted;
+                (*u, *v) = (quotient.re, quotient.im);
+            }
+            (v, s)
+        });
+        if im.is_none() {
+            u.iter_mut().for_each(|u| *u /= shifted.re);
         }
-        let force = product(&blocks.b1, &column(&w));
-        let mut u = vec![0.0; force.len()];
-        inner.solve(&force, &mut u, &mut vec![0.0; inner.work_len()]);
-        u.iter_mut().for_each(|u| *u /= lambda - 1.0);
-        modes.push(judge.mode(c64::new(lambda, 0.0), (u, t), None));
+        modes.push(judge.mode(lambda, (u, t), im));
     }
     Ok(modes)
 }

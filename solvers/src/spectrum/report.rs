@@ -1,7 +1,7 @@
 //! What `analyse` says, as the JSON that other tools read.
 
 use super::bounds::{Bounds, Ingredients, Theorem, Verdict, is_non_real};
-use super::{FieldOfValues, Mode};
+use super::{FieldOfValues, Hypothesis, Mode};
 use crate::saddle::SaddleBlocks;
 use faer::c64;
 use serde::Serialize;
@@ -116,6 +116,10 @@ pub struct SpectrumReport {
     pub bounds: Bounds,
     /// All eigenvalues lie inside; null when nothing is proved.
     pub contained: Option<bool>,
+    /// What the bounds rest on; empty where none is stated.
+    pub hypotheses: Vec<Hypothesis>,
+    /// In a sentence: inside, outside, or the hypothesis that fails.
+    pub verdict: String,
     /// How.
     pub method: Method,
     /// Eigenvalues outside the bounds or the disc |λ − ½| ≤ ½.
@@ -179,6 +183,8 @@ impl SpectrumReport {
             n_at_half: 0,
             bounds: Bounds::none(None),
             contained: None,
+            hypotheses: Vec::new(),
+            verdict: String::new(),
             method: Method::Dense,
             outside: Vec::new(),
             printed: None,
@@ -193,6 +199,11 @@ impl SpectrumReport {
             modes: Vec::new(),
             notes,
         }
+    }
+
+    /// The first hypothesis that does not hold.
+    pub(super) fn objection(&self) -> Option<String> {
+        self.hypotheses.iter().find_map(Hypothesis::objection)
     }
 
     /// Fills in the statistics and verdicts of the eigenvalues.
@@ -231,6 +242,12 @@ impl SpectrumReport {
         };
         self.outside = outside(&eigenvalues, &region);
         self.contained = proved.then_some(self.outside.is_empty());
+        self.verdict = match (self.contained, self.objection()) {
+            (Some(true), _) => "every eigenvalue lies inside".to_owned(),
+            (Some(false), _) => format!("{} eigenvalues lie OUTSIDE", self.outside.len()),
+            (None, Some(objection)) => objection,
+            (None, None) => "nothing to hold against".to_owned(),
+        };
         self.printed = self.ingredients.as_ref().map(|ingredients| {
             let bounds = Bounds::printed(ingredients);
             Printed {

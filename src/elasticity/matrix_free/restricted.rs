@@ -2,6 +2,7 @@
 
 use crate::elasticity::Constraints;
 use fracas_operators::operator::assert_product;
+use fracas_operators::vector::dot;
 use fracas_operators::{AdjointOperator, LinearOperator, Real, Shape};
 
 /// `A_ff = P A Pᵀ`: spread the free values over zeros, multiply, gather.
@@ -29,6 +30,23 @@ impl<A> Restricted<A> {
     /// The operator in full numbering.
     pub fn full(&self) -> &A {
         &self.full
+    }
+
+    /// `√(wᵀA w)`, w = `u` with the prescribed values in their places: √2 times the root of the strain energy.
+    pub fn strain_norm(&self, u: &[f64]) -> f64
+    where
+        A: LinearOperator<f64>,
+    {
+        let w = self.constraints.expand(u);
+        let mut image = vec![0.0; w.len()];
+        let mut work = vec![0.0; self.full.work_len()];
+        self.full.apply_add(1.0, &w, &mut image, &mut work);
+        dot(&w, &image).max(0.0).sqrt()
+    }
+
+    /// True where a displacement is prescribed that is not 0.
+    pub fn is_displaced(&self) -> bool {
+        self.constraints.prescribed().iter().any(|(_, u)| *u != 0.0)
     }
 
     /// Runs `product(x_full, y_full, work)` between spreading and gathering.

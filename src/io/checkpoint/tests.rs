@@ -20,6 +20,7 @@ fn state(step: usize) -> State {
         u: vec![-0.0, 1.0 / 3.0, f64::NAN, f64::INFINITY, 1e-310],
         t: vec![-1e7, 2.0, 3.0, 0.0, -0.0, 1e-30],
         states: vec![ContactState::Open, ContactState::NewSlip],
+        slip: vec![-0.0, 1e-310, 1.0 / 3.0, 7.0],
         flips: vec![3, u32::MAX],
     }
 }
@@ -67,6 +68,7 @@ fn every_bit_comes_back() {
     assert_eq!((read.step, scalars(&read)), (12, scalars(&written)));
     assert_eq!(bits(&read.u), bits(&written.u));
     assert_eq!(bits(&read.t), bits(&written.t));
+    assert_eq!(bits(&read.slip), bits(&written.slip));
     assert_eq!((read.states, read.flips), (written.states, written.flips));
 }
 

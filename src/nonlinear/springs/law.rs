@@ -9,7 +9,7 @@ const FLOOR: f64 = 0.1;
 /// Springs of stiffness κ per area around multipliers λ, with Coulomb's return:
 /// ```text
 /// t_N = min(λ_N + κ g_N, 0)
-/// w   = λ_T + κ Δg_T        t_T = w min(1, τ_L(t_N, ‖g_T‖)/‖w‖)
+/// w   = λ_T + κ Δg_T        t_T = w min(1, τ_L(t_N, ‖γ‖)/‖w‖)
 /// ```
 /// The states follow: open where λ_N + κ g_N > 0, slip where ‖w‖ > τ_L, stick elsewhere.
 ///
@@ -27,10 +27,10 @@ pub(super) struct SpringLaw {
 
 /// What the springs of a face do.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Spring {
-    pub(super) state: ContactState,
+pub(in crate::nonlinear) struct Spring {
+    pub(in crate::nonlinear) state: ContactState,
     /// t [Pa].
-    pub(super) traction: [f64; 3],
+    pub(in crate::nonlinear) traction: [f64; 3],
     /// K = ∂t/∂g [Pa/m]; unsymmetric in slip: the limit follows the normal traction.
     pub(super) tangent: Block,
     /// m, in slip.
@@ -40,7 +40,7 @@ pub(super) struct Spring {
 }
 
 impl SpringLaw {
-    /// At the jump (g_N, Δg_1, Δg_2), tangential jump (g_1, g_2) at the start of the step [m]. A `held` face that sticks
+    /// At the jump (g_N, Δg_1, Δg_2), slip (γ_1, γ_2) at the start of the step [m]. A `held` face that sticks
     /// or is open stays so, whatever its springs say.
     pub(super) fn at(&self, jump: [f64; 3], start: [f64; 2], held: Option<ContactState>) -> Spring {
         let kappa = self.stiffness;
@@ -77,6 +77,49 @@ impl SpringLaw {
 }
 
 impl Spring {
+    /// The projection of w onto `K = {t_N ≤ 0} × {‖t_T‖ ≤ τ}` with a limit τ that nothing moves, and its derivative times κ,
+    /// which is symmetric; a direction in which it is none gets `loose` κ:
+    /// ```text
+    /// t_N = min(w_N, 0)        t_T = w_T min(1, τ/‖w_T‖)
+    /// ```
+    pub(in crate::nonlinear) fn projected(kappa: f64, w: [f64; 3], tau: f64, loose: f64) -> Self {
+        let mut spring = Self::held(ContactState::Stick);
+        let size = w[1].hypot(w[2]);
+        let soft = loose * kappa;
+        (0..3).for_each(|k| spring.tangent[k][k] = soft);
+        if size <= tau {
+            spring.traction = [0.0, w[1], w[2]];
+            (1..3).for_each(|k| spring.tangent[k][k] = kappa);
+        } else {
+            spring.state = ContactState::Slip;
+            let (m, turning) = ([w[1] / size, w[2] / size], tau / size);
+            spring.direction = m;
+            spring.across = kappa * turning;
+            for i in 0..2 {
+                spring.traction[1 + i] = tau * m[i];
+                for j in 0..2 {
+                    let one = f64::from(u8::from(i == j));
+                    let across = kappa * turning * (one - m[i] * m[j]);
+                    spring.tangent[1 + i][1 + j] = across + soft * one;
+                }
+            }
+        }
+        match w[0] > 0.0 {
+            true => spring.state = ContactState::Open,
+            false => {
+                spring.traction[0] = w[0];
+                spring.tangent[0][0] = kappa;
+            }
+        }
+        spring
+    }
+
+    /// True where K is symmetric.
+    pub(super) fn is_symmetric(&self) -> bool {
+        let k = &self.tangent;
+        k[1][0] == k[0][1] && k[2][0] == k[0][2] && k[1][2] == k[2][1]
+    }
+
     /// A face in this state, without a traction.
     fn held(state: ContactState) -> Self {
         Self {

@@ -2,12 +2,13 @@
 
 use super::law::Spring;
 use super::operator::SpringJacobian;
-use crate::contact::ContactState;
 use crate::mesh::FractureFace;
 use crate::nonlinear::fallback::Fallbacks;
 use crate::nonlinear::kept::{Kept, Ready};
 use crate::nonlinear::krylov::{self, Asked, Ended, Solved};
+use crate::nonlinear::workspace::{FreeMemory, Workspace};
 use crate::nonlinear::{ContactProblem, LinearFailure, Prepared, RunPreconditioner};
+use fracas_operators::Preconditioner;
 use fracas_solvers::Observer;
 use fracas_solvers::krylov::{Cg, KrylovChoice, System};
 use fracas_solvers::saddle::{AugmentationMatrix, SaddleBlocks};
@@ -18,25 +19,30 @@ const PATIENCE: usize = 40;
 /// Solves tangents with S̃⁻¹ of `S = A + B C⁻¹Bᵀ`, `C = A_f K̃⁻¹` and K̃ the symmetric part of K in the springs of some step.
 ///
 /// With stiff springs S of one contact state says little of another one.
-pub(super) struct SpringLinear {
+pub(in crate::nonlinear) struct SpringLinear {
     settings: RunPreconditioner,
     max_krylov: usize,
     blocks: Option<SaddleBlocks>,
     kept: Kept,
-    work: Vec<f64>,
-    pub(super) fallbacks: Fallbacks,
+    work: Workspace,
+    pub(in crate::nonlinear) fallbacks: Fallbacks,
 }
 
 impl SpringLinear {
-    pub(super) fn new(settings: RunPreconditioner, max_krylov: usize) -> Self {
+    pub(in crate::nonlinear) fn new(settings: RunPreconditioner, max_krylov: usize) -> Self {
         Self {
             settings,
             max_krylov,
             blocks: None,
             kept: Kept::default(),
-            work: Vec::new(),
+            work: Workspace::default(),
             fallbacks: Fallbacks::default(),
         }
+    }
+
+    /// Takes no more vectors than fit into this memory.
+    pub(super) fn limited_by(&mut self, free: FreeMemory) {
+        self.work = Workspace::limited_by(free);
     }
 
     /// A step begins, with the preconditioner that was kept for it.
@@ -50,7 +56,7 @@ impl SpringLinear {
     }
 
     /// `x ← J⁻¹ b` to a relative residual; CG where J is symmetric.
-    pub(super) fn solve(
+    pub(in crate::nonlinear) fn solve(
         &mut self,
         problem: &ContactProblem<'_>,
         (springs, stiffness): (&[Spring], &[f64]),
@@ -60,7 +66,7 @@ impl SpringLinear {
         observer: &mut dyn Observer,
     ) -> Result<Solved, LinearFailure> {
         let jacobian = jacobian(problem, springs);
-        let symmetric = springs.iter().all(|s| s.state != ContactState::Slip);
+        let symmetric = springs.iter().all(Spring::is_symmetric);
         if let Some(owed) = self.kept.owed.take() {
             self.kept.ready = Some(self.prepare(problem, owed)?);
         }
@@ -107,19 +113,35 @@ impl SpringLinear {
         of: Prepared,
     ) -> Result<Ready, LinearFailure> {
         let c = AugmentationMatrix::from_face_blocks(of.c.clone())?;
-        let inverse = match self.settings {
+        let mut settings = self.settings;
+        let inverse = loop {
+            match self.inverse(problem, settings, &c) {
+                Ok(inverse) => break inverse,
+                Err(failure) => settings = self.fallbacks.instead(problem, settings, failure)?,
+            }
+        };
+        Ok(Ready { of, inverse })
+    }
+
+    /// S̃⁻¹ with this C by these settings.
+    fn inverse(
+        &mut self,
+        problem: &ContactProblem<'_>,
+        settings: RunPreconditioner,
+        c: &AugmentationMatrix,
+    ) -> Result<Box<dyn Preconditioner<f64>>, LinearFailure> {
+        Ok(match settings {
             RunPreconditioner::Assembled(racp) => {
                 let blocks = match &mut self.blocks {
                     Some(blocks) => blocks,
                     none => none.insert(problem.stick_blocks()?),
                 };
-                racp.inner.prepare(blocks, &c)?.inverse
+                racp.inner.prepare(blocks, c)?.inverse
             }
             RunPreconditioner::MatrixFree(racp) => {
-                Box::new(self.fallbacks.build(problem, racp, &c)?)
+                Box::new(self.fallbacks.build(problem, racp, c)?)
             }
-        };
-        Ok(Ready { of, inverse })
+        })
     }
 }
 

@@ -8,15 +8,15 @@
 //! P is the return to Coulomb's cone. One traction per face, as for multipliers, but no jump stabilization: springs leave
 //! no traction without stiffness.
 
-mod law;
-mod linear;
+pub(super) mod law;
+pub(super) mod linear;
 mod newton;
 mod operator;
 
-use super::active_set::{Log, Settled, or_closing};
+use super::active_set::{Log, Settled, or_closing, slip_violation};
 use super::fallback::Fallbacks;
 use super::newton::{Attempt, Iterate};
-use super::{ContactProblem, Event, Failure, Prepared, RunPreconditioner};
+use super::{ContactProblem, Event, Failure, FreeMemory, Prepared, RunPreconditioner};
 use crate::contact::ContactState;
 use crate::scene::{AugmentedLagrangian, Method};
 use fracas_solvers::{Observer, Step};
@@ -54,6 +54,11 @@ impl SpringMethod {
             max_updates,
             linear: SpringLinear::new(preconditioner, solver.max_krylov),
         })
+    }
+
+    /// Takes no more vectors than fit into this memory.
+    pub(super) fn limited_by(&mut self, free: FreeMemory) {
+        self.linear.limited_by(free);
     }
 
     /// A step begins, with the preconditioner that was kept for it.
@@ -129,11 +134,15 @@ impl SpringMethod {
                 return Err(Failure::Stopped);
             }
             if wrong.is_empty() {
+                let slip_violation = slip_violation(attempt, &states, [&t, &at.jumps], traction);
                 return Ok(Settled {
                     states,
                     x: Iterate { u, t },
                     force: attempt.scale,
                     traction,
+                    effective: at.jumps,
+                    slip_violation,
+                    unstable: None,
                 });
             }
             if self.max_updates.is_some_and(|most| update + 1 >= most) {

@@ -66,7 +66,8 @@ fn evaluate(
             friction: problem.friction(f),
         };
         let held = held.get(f).copied().flatten();
-        law.at([g[0], g[1] - from[0], g[2] - from[1]], from, held)
+        let slip = [0, 1].map(|k| attempt.start.slip[2 * f + k]);
+        law.at([g[0], g[1] - from[0], g[2] - from[1]], slip, held)
     };
     let springs = jumps.chunks_exact(3).enumerate().map(spring).collect();
     let mut at = Evaluation {

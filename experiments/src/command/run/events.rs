@@ -3,6 +3,9 @@
 use fracas::nonlinear::Event;
 use serde_json::{Value, json};
 
+/// What is done where states do not settle.
+const PROJECTION: &str = "proximal iterations towards tractions in Coulomb's cones";
+
 /// Name and members of an event in `log.jsonl`.
 pub(super) fn event(event: &Event) -> (&'static str, Value) {
     match event {
@@ -10,14 +13,32 @@ pub(super) fn event(event: &Event) -> (&'static str, Value) {
             round,
             period,
             faces,
-            remedy,
         } => (
             "cycle",
-            json!({ "round": round, "period": period, "faces": faces, "remedy": remedy.text() }),
+            json!({ "round": round, "period": period, "faces": faces, "remedy": PROJECTION }),
+        ),
+        Event::Projection { round, reason } => (
+            "projection",
+            json!({ "round": round, "reason": reason, "remedy": PROJECTION }),
+        ),
+        Event::Arrested { patch } => (
+            "arrested",
+            json!({
+                "text": format!("unstable: {patch}; the step goes to where slip comes to rest without inertia"),
+                "fracture": patch.fracture,
+                "faces": patch.faces,
+                "center_m": patch.center,
+                "extent_m": patch.extent,
+                "slope_pa_per_m": patch.slope,
+                "ratio": patch.ratio,
+                "nucleation_half_length_m": patch.nucleation,
+                "slip_m": patch.slip,
+            }),
         ),
         Event::Retry { reason } => ("retry", json!({ "reason": reason })),
         Event::Cut { reason, next } => ("cut", json!({ "reason": reason, "next": next })),
         Event::Precision { reason } => ("precision", json!({ "reason": reason, "now": "f64" })),
+        Event::Inner { reason, now } => ("inner", json!({ "reason": reason, "now": now })),
         Event::Setup { faces } => ("setup", json!({ "faces": faces })),
     }
 }

@@ -6,10 +6,11 @@ use super::manifest::{Manifest, Outcome};
 use super::page;
 use super::settings;
 use super::tree::{RESOLVED, Tree};
+use crate::command::interrupt::{self, Signal};
 use crate::command::progress::Progress;
 use crate::report::format_real;
 use fracas::io::Fields;
-use fracas::nonlinear::{Event, Simulation, State, StepRecord, friction_remarks};
+use fracas::nonlinear::{Event, Failure, Simulation, State, StepRecord, friction_remarks};
 use fracas::scene::{Body, Scene};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -72,12 +73,16 @@ impl Going<'_> {
             if left == Some(0) {
                 return self.end(&state, Outcome::Stopped, None);
             }
+            if let Some(signal) = interrupt::asked() {
+                return self.interrupted(&state, signal);
+            }
             left = left.map(|n| n - 1);
             let clock = Instant::now();
             match self.simulation.advance(&state, &mut self.progress) {
                 Ok(accepted) => {
                     let wall_s = clock.elapsed().as_secs_f64();
                     let record = &accepted.record;
+                    self.manifest.arrested += usize::from(record.arrested);
                     let every = self.command.fields_every as usize;
                     if record.step.is_multiple_of(every) {
                         self.fields(&accepted.state)?;
@@ -89,23 +94,34 @@ impl Going<'_> {
                     self.progress.tell(&line(record));
                     state = accepted.state;
                 }
+                // nothing of the step that it was in is kept
+                Err(_) if interrupt::asked().is_some() => {}
                 Err(failure) => {
                     self.tree.give_up(state.step, &failure)?;
                     self.warn(&failure.events);
                     let reason = failure.to_string();
-                    return self.end(&state, Outcome::NotConverged, Some(reason));
+                    let outcome = match failure.reason {
+                        Failure::Unstable(_) => Outcome::Unstable,
+                        _ => Outcome::NotConverged,
+                    };
+                    return self.end(&state, outcome, Some(reason));
                 }
             }
         }
     }
 
-    /// Says that f32 gave way to f64.
+    /// Says what gave way: f32 to f64, an inner solver to another, equilibrium under weakening.
     fn warn(&self, events: &[Event]) {
         for event in events {
-            if let Event::Precision { reason } = event {
-                let warning = format!("warning: {reason}; the hierarchy is in f64");
-                self.progress.tell(&warning);
-            }
+            let warning = match event {
+                Event::Precision { reason } => format!("{reason}; the hierarchy is in f64"),
+                Event::Inner { reason, now } => {
+                    format!("{reason}; the inner solver is {now} instead")
+                }
+                Event::Arrested { patch } => format!("unstable: {patch}; stepped over"),
+                _ => continue,
+            };
+            self.progress.tell(&format!("warning: {warning}"));
         }
     }
 
@@ -123,6 +139,17 @@ impl Going<'_> {
         self.tree.collection.add(step, state.time, &fields)
     }
 
+    /// How to go on after a signal; fields stay those of `--fields-every`, so that going on leaves what an unbroken run leaves.
+    fn interrupted(&mut self, state: &State, signal: Signal) -> anyhow::Result<Outcome> {
+        let reason = format!(
+            "{signal} before step {} was done: go on with fracas run {} --restart {}",
+            state.step,
+            self.command.scene,
+            self.folder.display()
+        );
+        self.finish(state, Outcome::Interrupted, Some(reason))
+    }
+
     /// The last good state with its fields, the page, and how it ended.
     fn end(
         &mut self,
@@ -131,9 +158,26 @@ impl Going<'_> {
         reason: Option<String>,
     ) -> anyhow::Result<Outcome> {
         self.fields(state)?;
+        self.finish(state, outcome, reason)
+    }
+
+    /// The page, and how it ended.
+    fn finish(
+        &mut self,
+        state: &State,
+        outcome: Outcome,
+        reason: Option<String>,
+    ) -> anyhow::Result<Outcome> {
         let (event, lead) = match outcome {
-            Outcome::NotConverged => (
-                "not_converged",
+            Outcome::NotConverged | Outcome::Unstable => (
+                match outcome {
+                    Outcome::Unstable => "unstable",
+                    _ => "not_converged",
+                },
+                format!("Stopped: {}.", reason.as_deref().unwrap_or_default()),
+            ),
+            Outcome::Interrupted => (
+                "interrupted",
                 format!("Stopped: {}.", reason.as_deref().unwrap_or_default()),
             ),
             Outcome::Stopped => (

@@ -3,16 +3,16 @@
 use fracas::nonlinear::{EnergyRecord, LinearRecord, StepRecord};
 
 /// First line of `history.csv`.
-pub(super) const HISTORY: &str = "step,time_s,dt_s,active_it,newton_it,lin_it,lin_res,stick,newslip,slip,open,changed_area,max_pen,max_tau_viol,slip_max_m,cuts,wall_s\n";
+pub(super) const HISTORY: &str = "step,time_s,dt_s,active_it,newton_it,lin_it,lin_res,stick,newslip,slip,open,changed_area,max_pen,max_tau_viol,slip_max_m,h_jump_max_m,h_overlap_max_m,cuts,wall_s,max_slip_viol,arrested\n";
 
 /// First line of `solver.csv`.
 pub(super) const SOLVER: &str = "step,attempt,active,newton,krylov,iterations,tolerance,relative_residual,residual,step_length,setup,stick,newslip,slip,open\n";
 
 /// First line of `energy.csv`.
-pub(super) const ENERGY: &str = "step,time_s,external_work_J,pressure_work_J,elastic_energy_J,elastic_change_J,contact_work_J,dissipation_J,balance_error_J\n";
+pub(super) const ENERGY: &str = "step,time_s,external_work_J,pressure_work_J,elastic_energy_J,elastic_change_J,contact_work_J,dissipation_J,balance_error_J,stabilization_work_J\n";
 
 /// Columns of a history row before `wall_s`.
-pub(super) const NUMBERS: usize = 16;
+pub(super) const NUMBERS: usize = 18;
 
 /// A row of `history.csv`; numbers read back to the last bit, and `wall_s` stays empty where no clock was asked for.
 pub(super) fn row(record: &StepRecord, wall_s: Option<f64>) -> String {
@@ -20,7 +20,7 @@ pub(super) fn row(record: &StepRecord, wall_s: Option<f64>) -> String {
     let [stick, newslip, slip, open] = r.faces;
     let wall = wall_s.map_or(String::new(), |s| format!("{s:.3}"));
     format!(
-        "{},{:?},{:?},{},{},{},{:?},{stick},{newslip},{slip},{open},{:?},{:?},{:?},{:?},{},{wall}\n",
+        "{},{:?},{:?},{},{},{},{:?},{stick},{newslip},{slip},{open},{:?},{:?},{:?},{:?},{:?},{:?},{},{wall},{:?},{}\n",
         r.step,
         r.time,
         r.dt,
@@ -32,7 +32,11 @@ pub(super) fn row(record: &StepRecord, wall_s: Option<f64>) -> String {
         r.max_pen,
         r.max_tau_viol,
         r.slip_max,
-        r.cuts
+        r.h_jump,
+        r.h_overlap,
+        r.cuts,
+        r.max_slip_viol,
+        u8::from(r.arrested)
     )
 }
 
@@ -58,7 +62,7 @@ pub(super) fn solver_row(r: &LinearRecord) -> String {
 /// A row of `energy.csv`.
 pub(super) fn energy_row(record: &StepRecord, e: &EnergyRecord) -> String {
     format!(
-        "{},{:?},{:?},{:?},{:?},{:?},{:?},{:?},{:?}\n",
+        "{},{:?},{:?},{:?},{:?},{:?},{:?},{:?},{:?},{:?}\n",
         record.step,
         record.time,
         e.external_work,
@@ -67,14 +71,15 @@ pub(super) fn energy_row(record: &StepRecord, e: &EnergyRecord) -> String {
         e.elastic_change,
         e.contact_work,
         e.dissipation,
-        e.error
+        e.error,
+        e.stabilization_work
     )
 }
 
-/// The numbers of a history row but the last, or `None` where it is no such row.
+/// The numbers of a history row up to `wall_s`, or `None` where it is no such row.
 pub(super) fn numbers(row: &str) -> Option<[f64; NUMBERS]> {
     let fields: Vec<&str> = row.trim_end().split(',').collect();
-    if fields.len() != NUMBERS + 1 {
+    if fields.len() != NUMBERS + 3 {
         return None;
     }
     let values: Option<Vec<f64>> = fields[..NUMBERS].iter().map(|f| f.parse().ok()).collect();
@@ -111,7 +116,11 @@ mod tests {
             changed_area: 0.5,
             max_pen: 0.0,
             max_tau_viol: 1e20,
+            max_slip_viol: 2e-7,
+            arrested: true,
             slip_max: 5e-324,
+            h_jump: 2e-5,
+            h_overlap: 1e-5,
             cuts: 1,
             setups: 4,
             reuses: 1,
@@ -128,7 +137,7 @@ mod tests {
     fn a_row_has_a_number_per_column_and_reads_back() {
         let text = row(&record(), None);
         assert_eq!(text.matches(',').count(), HISTORY.matches(',').count());
-        assert!(text.ends_with(",1,\n"));
+        assert!(text.ends_with(",1,,2e-7,1\n"));
         let values = numbers(&text).unwrap();
         for (name, expected) in [
             ("step", 3.0),
@@ -139,11 +148,13 @@ mod tests {
             ("open", 4.0),
             ("max_tau_viol", 1e20),
             ("slip_max_m", 5e-324),
+            ("h_jump_max_m", 2e-5),
+            ("h_overlap_max_m", 1e-5),
             ("cuts", 1.0),
         ] {
             assert_eq!(values[column(name)], expected, "{name}");
         }
-        assert!(row(&record(), Some(1.5)).ends_with(",1,1.500\n"));
+        assert!(row(&record(), Some(1.5)).ends_with(",1,1.500,2e-7,1\n"));
         assert_eq!(numbers("1,2"), None);
     }
 }

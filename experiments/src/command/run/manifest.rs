@@ -17,6 +17,10 @@ pub(super) enum Outcome {
     Stopped,
     /// A step did not converge.
     NotConverged,
+    /// A signal asked it to stop; `--restart` goes on.
+    Interrupted,
+    /// Slip ran away.
+    Unstable,
 }
 
 /// Content of `run.json`. No clock and no host, so that equal runs give equal bytes.
@@ -25,7 +29,7 @@ pub(super) struct Manifest<'a> {
     version: &'static str,
     title: &'a str,
     outcome: Outcome,
-    /// Why a step did not converge.
+    /// Why a step did not converge, or how to go on after a signal.
     reason: Option<String>,
     /// Accepted steps.
     steps: usize,
@@ -39,7 +43,11 @@ pub(super) struct Manifest<'a> {
     preconditioner: RunPreconditioner,
     /// Times that this process took f64 because f32 would have lost too much; why is in `log.jsonl`.
     precision_fallbacks: usize,
-    tolerances: [Tolerance; 3],
+    /// Times that an inner solver could not be set up and another took its place; why is in `log.jsonl`.
+    inner_fallbacks: usize,
+    /// Steps of this process in which slip ran away and came to rest.
+    pub(super) arrested: usize,
+    tolerances: [Tolerance; 2],
     fields_every: usize,
 }
 
@@ -92,6 +100,8 @@ impl<'a> Manifest<'a> {
             solver,
             preconditioner: simulation.preconditioner(),
             precision_fallbacks: simulation.precision_fallbacks(),
+            inner_fallbacks: simulation.inner_fallbacks(),
+            arrested: 0,
             tolerances: [
                 Tolerance {
                     name: "tolerance",
@@ -104,13 +114,6 @@ impl<'a> Manifest<'a> {
                     name: "state_tolerance",
                     value: solver.state_tolerance,
                     relative_to: "the largest traction that a face had so far, or that its normal jump would cost",
-                    scale: None,
-                    unit: "Pa",
-                },
-                Tolerance {
-                    name: "hysteresis",
-                    value: solver.hysteresis,
-                    relative_to: "the shear limit of a face, once its states were found cycling",
                     scale: None,
                     unit: "Pa",
                 },
@@ -131,6 +134,7 @@ impl<'a> Manifest<'a> {
         (self.outcome, self.reason) = (outcome, reason);
         self.preconditioner = simulation.preconditioner();
         self.precision_fallbacks = simulation.precision_fallbacks();
+        self.inner_fallbacks = simulation.inner_fallbacks();
         self.tolerances[0].scale = Some(state.force);
         self.tolerances[1].scale = Some(state.traction);
         let mut text = serde_json::to_string_pretty(self)?;

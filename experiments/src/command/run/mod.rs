@@ -13,7 +13,7 @@ mod tree;
 
 use super::progress::Progress;
 use super::scene::{self, Overrides};
-use super::{Status, memory, output, rank};
+use super::{Status, interrupt, memory, output, rank};
 use anyhow::Context;
 use clap::Args;
 use fracas::io::{Fingerprint, read_checkpoint};
@@ -66,8 +66,15 @@ pub(super) struct Run {
 impl Run {
     pub(super) fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
         let scene = scene::load(&self.scene, &self.overrides)?;
-        memory::room_for(&self.scene, &scene, memory::BLOCKS)?;
-        let checkpoint = self.restart.as_deref().map(tree::checkpoint).transpose()?;
+        let work = match assembles(&scene) {
+            true => memory::BLOCKS,
+            false => memory::MATRIX_FREE,
+        };
+        memory::room_for(&self.scene, &scene, work)?;
+        let checkpoint = match &self.restart {
+            Some(path) => tree::checkpoint(path)?,
+            None => None,
+        };
         let folder = self.folder(checkpoint.as_deref());
         if checkpoint.is_none() {
             tree::require_free(&folder)?;
@@ -102,6 +109,7 @@ impl Run {
         progress.say("assembling");
         let simulation =
             Simulation::new(&body).with_context(|| format!("{} cannot be run", self.scene))?;
+        let simulation = simulation.limited_by(memory::available_bytes);
         let restarted_with = started.as_ref().map(|state| state.step);
         let state = started.unwrap_or_else(|| simulation.initial_state());
         let manifest = Manifest::new(
@@ -130,15 +138,20 @@ impl Run {
         going.begin(&state, checkpoint.as_deref())?;
         let outcome = going.steps(state)?;
         writeln!(out, "{}", going.folder.join("report.html").display())?;
-        Ok(match outcome {
-            Outcome::NotConverged => Status::NotConverged,
+        Ok(match (outcome, interrupt::asked()) {
+            (Outcome::NotConverged | Outcome::Unstable, _) => Status::NotConverged,
+            (Outcome::Interrupted, Some(signal)) => Status::Interrupted(signal),
             _ => Status::Done,
         })
     }
 
     /// Where the results go.
     fn folder(&self, checkpoint: Option<&Path>) -> PathBuf {
-        let of_run = checkpoint.and_then(tree::run_of);
+        let of_run = match checkpoint {
+            Some(checkpoint) => tree::run_of(checkpoint),
+            // a run that has none yet begins again where it is
+            None => self.restart.as_deref(),
+        };
         let own = self.out.as_deref().or(of_run).unwrap_or(Path::new(OUT));
         if own.as_os_str().is_empty() {
             ".".into()
@@ -146,6 +159,18 @@ impl Run {
             own.into()
         }
     }
+}
+
+/// Whether the preconditioner of a run needs an assembled A.
+fn assembles(scene: &Scene) -> bool {
+    let size = scene.size();
+    let displacements = 3 * usize::try_from(size.nodes + size.copies).unwrap_or(usize::MAX / 3);
+    let sections = scene.sections();
+    let is_grid = sections.mesh.file.is_none();
+    sections
+        .solver
+        .unwrap_or_default()
+        .assembles(is_grid, displacements)
 }
 
 /// True for a folder that a run has written into.

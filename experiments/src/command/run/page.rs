@@ -99,6 +99,8 @@ fn totals(rows: &[[f64; NUMBERS]]) -> Table {
             "largest penetration [m]",
             "largest excess of shear [Pa]",
             "largest slip [m]",
+            "largest jump by the stabilization [m]",
+            "largest overlap by it [m]",
         ],
     );
     table.push([
@@ -111,6 +113,8 @@ fn totals(rows: &[[f64; NUMBERS]]) -> Table {
         most("max_pen").into(),
         most("max_tau_viol").into(),
         most("slip_max_m").into(),
+        most("h_jump_max_m").into(),
+        most("h_overlap_max_m").into(),
     ]);
     table
 }

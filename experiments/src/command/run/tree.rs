@@ -11,10 +11,12 @@ use super::lines::{Cut, Lines, first_column, json_step};
 use super::lock;
 use anyhow::Context;
 use fracas::io::{
-    CheckpointError, Checkpoints, Fingerprint, newest_checkpoint, read_checkpoint, write_atomically,
+    CheckpointError, Checkpoints, Fingerprint, newest_checkpoint, read_checkpoint, unfinished,
+    write_atomically,
 };
 use fracas::nonlinear::{Accepted, EnergyRecord, Event, LinearRecord, State, StepFailure};
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -57,16 +59,74 @@ pub(super) struct Tree {
     pub(super) rows: Vec<[f64; history::NUMBERS]>,
 }
 
-/// True for a folder that does not exist or holds nothing but a lock.
+/// What a run writes before its first checkpoint: only headings, no results.
+const BEGUN: [&str; 9] = [
+    CHECKPOINT,
+    HISTORY_FILE,
+    SOLVER_FILE,
+    ENERGY_FILE,
+    LOG_FILE,
+    "scene.pvd",
+    RESOLVED,
+    "run.json",
+    lock::NAME,
+];
+
+/// True for a folder that does not exist, is empty, or was left by a run that died before its first checkpoint.
 pub(super) fn is_free(out: &Path) -> anyhow::Result<bool> {
-    match std::fs::read_dir(out) {
-        // the lock of a run that died before it wrote anything
-        Ok(mut entries) => {
-            Ok(entries.all(|entry| entry.is_ok_and(|e| e.file_name() == lock::NAME)))
-        }
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(true),
-        Err(error) => Err(error).with_context(|| format!("cannot use {}", out.display())),
+    let Some(mut names) = names(out)? else {
+        return Ok(true);
+    };
+    let checkpoints = names.contains(CHECKPOINT) && checkpoints_in(&out.join(CHECKPOINT))? > 0;
+    if checkpoints || !names.iter().all(|name| BEGUN.contains(&name.as_str())) {
+        return Ok(false);
     }
+    // its temporary file alone is none
+    let history = match std::fs::read(out.join(HISTORY_FILE)) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => None,
+        read => Some(read.with_context(|| unusable(out))?),
+    };
+    // the lock or the heading say whose these files are
+    let locked = names.remove(lock::NAME);
+    names.remove(CHECKPOINT);
+    Ok(match history {
+        Some(text) => text == HISTORY.as_bytes(),
+        None => locked || names.is_empty(),
+    })
+}
+
+/// Names in a folder, those of temporary files as what they were to become; `None` where there is no folder.
+fn names(folder: &Path) -> anyhow::Result<Option<BTreeSet<String>>> {
+    let entries = match std::fs::read_dir(folder) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        entries => entries.with_context(|| unusable(folder))?,
+    };
+    let name = |entry: std::io::Result<std::fs::DirEntry>| {
+        let name = entry.with_context(|| unusable(folder))?.file_name();
+        let name = name.to_string_lossy();
+        Ok(unfinished(&name).unwrap_or(&name).to_owned())
+    };
+    entries.map(name).collect::<anyhow::Result<_>>().map(Some)
+}
+
+/// Checkpoints in their folder, unfinished ones left out.
+fn checkpoints_in(folder: &Path) -> anyhow::Result<usize> {
+    let entries = std::fs::read_dir(folder).with_context(|| unusable(folder))?;
+    let whole = |entry: &std::io::Result<std::fs::DirEntry>| {
+        entry.as_ref().map_or(true, |e| {
+            unfinished(&e.file_name().to_string_lossy()).is_none()
+        })
+    };
+    Ok(entries.filter(whole).count())
+}
+
+fn unusable(out: &Path) -> String {
+    format!("cannot use {}", out.display())
+}
+
+/// True for a folder that a run began and that is free nevertheless: it died before its first checkpoint.
+fn is_stillborn(out: &Path) -> anyhow::Result<bool> {
+    Ok(is_free(out)? && names(out)?.is_some_and(|names| !names.is_empty()))
 }
 
 /// Refuses a folder that holds anything.
@@ -88,23 +148,29 @@ pub(super) const RESOLVED: &str = "resolved.toml";
 /// Subfolder of the checkpoints.
 pub(super) const CHECKPOINT: &str = "checkpoint";
 
+const HISTORY_FILE: &str = "history.csv";
+const SOLVER_FILE: &str = "solver.csv";
+const ENERGY_FILE: &str = "energy.csv";
+const LOG_FILE: &str = "log.jsonl";
+
 /// The folder of the run that a checkpoint belongs to, as its path says.
 pub(super) fn run_of(checkpoint: &Path) -> Option<&Path> {
     let folder = checkpoint.parent();
     folder.filter(|f| f.ends_with(CHECKPOINT))?.parent()
 }
 
-/// The checkpoint that was asked for: a file, or the last one of a run folder or of its `checkpoint`.
-pub(super) fn checkpoint(path: &Path) -> anyhow::Result<PathBuf> {
+/// The checkpoint that was asked for: a file, or the last one of a run folder or of its `checkpoint`; `None` for the folder
+/// of a run that died before its first one.
+pub(super) fn checkpoint(path: &Path) -> anyhow::Result<Option<PathBuf>> {
     if !path.is_dir() {
-        return Ok(path.into());
+        return Ok(Some(path.into()));
+    }
+    if is_stillborn(path)? {
+        return Ok(None);
     }
     let inner = path.join(CHECKPOINT);
-    Ok(newest_checkpoint(if inner.is_dir() {
-        &inner
-    } else {
-        path
-    })?)
+    let newest = newest_checkpoint(if inner.is_dir() { &inner } else { path })?;
+    Ok(Some(newest))
 }
 
 impl Tree {
@@ -113,10 +179,10 @@ impl Tree {
         let folder = out.join(CHECKPOINT);
         output::folder(&folder)?;
         Ok(Self {
-            history: Lines::create(out.join("history.csv"), HISTORY)?,
-            solver: Lines::create(out.join("solver.csv"), SOLVER)?,
-            energy: Lines::create(out.join("energy.csv"), ENERGY)?,
-            log: Lines::create(out.join("log.jsonl"), "")?,
+            history: Lines::create(out.join(HISTORY_FILE), HISTORY)?,
+            solver: Lines::create(out.join(SOLVER_FILE), SOLVER)?,
+            energy: Lines::create(out.join(ENERGY_FILE), ENERGY)?,
+            log: Lines::create(out.join(LOG_FILE), "")?,
             checkpoints: Checkpoints::new(folder, fingerprint),
             collection: Collection::create(out)?,
             rows: Vec::new(),
@@ -133,7 +199,7 @@ impl Tree {
         let folder = out.join(CHECKPOINT);
         let step = state.step;
         let [history, solver, energy, log] =
-            ["history.csv", "solver.csv", "energy.csv", "log.jsonl"].map(|name| out.join(name));
+            [HISTORY_FILE, SOLVER_FILE, ENERGY_FILE, LOG_FILE].map(|name| out.join(name));
         // nothing is changed before everything is known to fit
         let rows = Cut::read(&history, HISTORY, step, first_column)?;
         belongs(&history, &rows, state)?;

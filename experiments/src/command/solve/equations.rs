@@ -1,8 +1,11 @@
 //! What iterating and judging need of a system, assembled or not.
 
-use fracas::matrix_free::MatrixFreeSaddle;
-use fracas_operators::LinearOperator;
-use fracas_solvers::saddle::{SaddleBlocks, SaddleOperator};
+use fracas::elasticity::{Restricted, matrix_free};
+use fracas::matrix_free::{Magnitude, MatrixFreeSaddle};
+use fracas::scene::Body;
+use fracas_operators::sparse::CsrView;
+use fracas_operators::{AdjointOperator, LinearOperator};
+use fracas_solvers::saddle::{EnergyNorms, SaddleBlocks, SaddleOperator};
 
 /// A system `𝒜 x = b` without a right-hand side.
 pub(super) trait Equations {
@@ -20,12 +23,44 @@ pub(super) trait Equations {
 
     /// `|B1|ᵀ|u| + |b_t|`.
     fn contact_scale(&self, x: &[f64], b: &[f64]) -> Vec<f64>;
+
+    /// Norms of errors in u and t; `own` where the right-hand side is that of the system, with its prescribed displacements.
+    fn norms<'s>(&'s self, strain: &'s dyn Fn(&[f64]) -> f64, own: bool) -> EnergyNorms<'s>;
+
+    /// `‖u‖_A`, u with the prescribed displacements in their places.
+    fn strain_norm(&self, u: &[f64]) -> f64;
 }
 
 /// Assembled blocks.
 pub(super) struct Assembled<'a> {
-    pub(super) blocks: &'a SaddleBlocks,
-    pub(super) operator: SaddleOperator<'a>,
+    blocks: &'a SaddleBlocks,
+    operator: SaddleOperator<'a>,
+    h: Option<CsrView<'a, f64>>,
+    /// A in full numbering, where displacements are prescribed.
+    displaced: Option<Restricted<Box<dyn AdjointOperator<f64>>>>,
+}
+
+impl<'a> Assembled<'a> {
+    /// The blocks, and the body that they are of.
+    pub(super) fn new(blocks: &'a SaddleBlocks, body: Option<&Body>) -> anyhow::Result<Self> {
+        let displaced = |body: &&Body| {
+            let mut values = body.constraints.prescribed().iter();
+            values.any(|(_, u)| *u != 0.0)
+        };
+        let displaced = match body.filter(displaced) {
+            Some(body) => {
+                let full = matrix_free::<f64>(&body.mesh, &body.materials)?;
+                Some(Restricted::new(full, body.constraints.clone()))
+            }
+            None => None,
+        };
+        Ok(Self {
+            blocks,
+            operator: SaddleOperator::new(blocks),
+            h: blocks.h.as_ref().map(CsrView::new),
+            displaced,
+        })
+    }
 }
 
 impl Equations for Assembled<'_> {
@@ -54,13 +89,30 @@ impl Equations for Assembled<'_> {
         }
         scale
     }
+
+    fn norms<'s>(&'s self, strain: &'s dyn Fn(&[f64]) -> f64, own: bool) -> EnergyNorms<'s> {
+        let h = self.h.as_ref().map(|h| h as &dyn LinearOperator<f64>);
+        let diagonal = match &self.blocks.h {
+            Some(h) => (0..h.rows())
+                .map(|i| h.get(i, i).copied().unwrap_or(0.0))
+                .collect(),
+            None => Vec::new(),
+        };
+        let c = self.blocks.contact_compliance();
+        EnergyNorms::new(&self.operator, h, c, &diagonal)
+            .against((own && self.displaced.is_some()).then_some(strain))
+    }
+
+    fn strain_norm(&self, u: &[f64]) -> f64 {
+        (self.displaced.as_ref()).map_or(0.0, |a| a.strain_norm(u))
+    }
 }
 
 /// No assembled A.
 pub(super) struct MatrixFree {
     pub(super) saddle: MatrixFreeSaddle<f64>,
-    /// Row of A with the largest diagonal entry.
-    pub(super) stiffest: usize,
+    /// Sizes of A and B.
+    pub(super) magnitude: Magnitude,
 }
 
 impl Equations for MatrixFree {
@@ -78,10 +130,20 @@ impl Equations for MatrixFree {
     }
 
     fn norm_inf(&self) -> f64 {
-        self.saddle.norm_inf_from_below(self.stiffest)
+        self.saddle.norm_inf_from_below(self.magnitude.stiffest)
     }
 
     fn contact_scale(&self, x: &[f64], b: &[f64]) -> Vec<f64> {
         self.saddle.contact_scale(x, b)
+    }
+
+    fn norms<'s>(&'s self, strain: &'s dyn Fn(&[f64]) -> f64, own: bool) -> EnergyNorms<'s> {
+        let displaced = self.saddle.stiffness().is_displaced();
+        let strain = (own && displaced).then_some(strain);
+        self.saddle.energy_norms(&self.magnitude, strain)
+    }
+
+    fn strain_norm(&self, u: &[f64]) -> f64 {
+        self.saddle.stiffness().strain_norm(u)
     }
 }

@@ -10,7 +10,7 @@ use fracas_operators::Preconditioner;
 use fracas_operators::matrix_market::write_vector;
 use fracas_solvers::amg::Summary;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, System};
-use fracas_solvers::saddle::{Cost, RelaxationSummary};
+use fracas_solvers::saddle::{Accurate, Cost, Measure, RelaxationSummary, solve_accurately};
 use fracas_solvers::spectrum::Explanation;
 use std::io::Write;
 use std::time::Instant;
@@ -41,8 +41,15 @@ pub(super) struct Built<'a> {
     pub(super) explain: Option<Explain<'a>>,
     /// Times that f32 gave way to f64 while setting up.
     pub(super) fallbacks: usize,
+    /// Inner solvers that could not be set up.
+    pub(super) inner_fallbacks: usize,
     /// The preconditioner in f64, where f32 is inside.
     pub(super) in_double: Option<InDouble<'a>>,
+}
+
+/// A number, or nothing.
+fn number(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
 }
 
 /// M⁻¹ in use.
@@ -58,7 +65,7 @@ impl Solve {
     fn krylov(&self, built: &Built<'_>) -> anyhow::Result<(KrylovChoice, Option<String>)> {
         if let Some(asked) = self.krylov {
             let choice = asked.flexible_for(built.preconditioner);
-            if !built.preconditioner.is_linear() && !choice.is_flexible() {
+            if !built.preconditioner.linearity().linear && !choice.is_flexible() {
                 let krylov = choice.name();
                 let inner = built.names.inner.as_deref().unwrap_or_default();
                 anyhow::bail!(
@@ -102,9 +109,29 @@ impl Solve {
         };
         let mut x = vec![0.0; built.b.len()];
         let method = krylov.method();
-        let may_stop = built.in_double.is_some() && built.preconditioner.is_single();
+        let strain = |u: &[f64]| built.equations.strain_norm(u);
+        let norms = built
+            .equations
+            .norms(&strain, built.rhs == RightHandSide::Folder);
+        // pressures have no norm of their own yet
+        let measure = match built.equations.lengths() {
+            [_, _, 0] => Measure::from(self.measure),
+            _ => Measure::Residual,
+        };
+        let may_stop = built.in_double.is_some() && built.preconditioner.linearity().single;
         let mut watch = Watch::new(&mut progress, may_stop);
-        let mut result = method.solve(&system, &criteria, &mut x, &mut watch);
+        let Accurate {
+            mut result,
+            mut error,
+            ..
+        } = solve_accurately(
+            method,
+            &system,
+            &criteria,
+            (measure, &norms),
+            &mut x,
+            &mut watch,
+        );
         let flat = watch.flat;
         let mut solve_s = start.elapsed().as_secs_f64();
         let (mut setup_s, mut before, mut double) = (built.setup_s, (0, Some(0)), None);
@@ -128,7 +155,15 @@ impl Solve {
                     ..criteria
                 };
                 let start = Instant::now();
-                result = method.solve(&system, &rest, &mut x, &mut progress);
+                let rest = solve_accurately(
+                    method,
+                    &system,
+                    &rest,
+                    (measure, &norms),
+                    &mut x,
+                    &mut progress,
+                );
+                (result, error) = (rest.result, rest.error);
                 solve_s += start.elapsed().as_secs_f64();
             }
         }
@@ -150,6 +185,10 @@ impl Solve {
             outcome: "breakdown",
             iterations: 0,
             relative_residual: residual.relative,
+            measure,
+            error_u: number(error[0]),
+            error_t: number(error[1]),
+            smallest_ritz: (result.as_ref().ok()).and_then(|report| report.smallest_ritz),
             backward_error: residual.backward,
             contact_residual: residual.contact,
             method: built.names.method.clone(),
@@ -181,6 +220,7 @@ impl Solve {
             reason: None,
             findings,
             precision_fallbacks: fallbacks,
+            inner_fallbacks: built.inner_fallbacks,
             explain: explanation,
         };
         report.record(&result, before, |iterations| cost.c_s(iterations, &krylov));

@@ -3,10 +3,10 @@
 use super::equations::MatrixFree;
 use super::iteration::{Built, Names};
 use super::precision::Double;
-use super::{Solve, Status, memory};
+use super::{Inner, Solve, Status, memory};
 use crate::command::progress::Progress;
 use anyhow::Context;
-use fracas::matrix_free::{MatrixFreeRacp, MatrixFreeSaddle, RacpParts};
+use fracas::matrix_free::{MatrixFreeError, MatrixFreeRacp, MatrixFreeSaddle, RacpParts};
 use std::io::Write;
 use std::time::Instant;
 
@@ -16,15 +16,14 @@ impl Solve {
         &self,
         scene: &str,
         racp: MatrixFreeRacp,
-        note: Option<String>,
+        mut inner: Inner,
         mut progress: Progress,
         out: &mut dyn Write,
     ) -> anyhow::Result<Status> {
         let assembly = self.source.assembly();
         let body = assembly.mesh(scene, memory::MATRIX_FREE, &mut progress)?;
-        memory::room_without_a(scene, &body)?;
         let context = || format!("{scene} cannot be solved");
-        let system = body.stick_system(assembly.stabilization());
+        let system = body.stick_system(assembly.stabilization(&body));
         let force = body.forces().with_context(context)?;
         let magnitude = system.magnitude().with_context(context)?;
         let unit = self.traction_unit.unwrap_or(magnitude.unit);
@@ -43,9 +42,16 @@ impl Solve {
             hierarchy,
             lost,
             ..
-        } = racp.ready(&saddle, &system, &mut progress)?;
+        } = match racp.ready(&saddle, &system, &mut progress) {
+            Ok(ready) => ready,
+            Err(error @ MatrixFreeError::Stopped) => return Err(error.into()),
+            Err(error) => {
+                let method = inner.instead(error.into(), &mut progress)?;
+                return self.assembled(method, inner, progress, out);
+            }
+        };
         let fallbacks = usize::from(lost.is_some());
-        let mut findings: Vec<String> = note.into_iter().collect();
+        let mut findings = inner.findings;
         if let Some(lost) = lost {
             let found = format!("precision: {lost}; the hierarchy is in f64");
             progress.say(&found);
@@ -53,14 +59,11 @@ impl Solve {
         }
         // the operators carry what they need: the mesh has done its work
         drop(body);
-        let equations = MatrixFree {
-            saddle,
-            stiffest: magnitude.stiffest,
-        };
+        let equations = MatrixFree { saddle, magnitude };
         let in_double = |progress: &mut Progress| -> anyhow::Result<Double> {
             // the body was given back: it is made again
             let body = assembly.mesh(scene, memory::MATRIX_FREE, progress)?;
-            let system = body.stick_system(assembly.stabilization());
+            let system = body.stick_system(assembly.stabilization(&body));
             let racp = racp.in_double();
             let ready = racp.ready(&equations.saddle, &system, progress)?;
             Ok(Double {
@@ -91,6 +94,7 @@ impl Solve {
                 findings,
                 explain: None,
                 fallbacks,
+                inner_fallbacks: inner.fallbacks,
                 in_double: Some(Box::new(in_double)),
             },
             progress,

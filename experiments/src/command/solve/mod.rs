@@ -14,7 +14,7 @@ use super::{Status, explain, memory, output, rank};
 use clap::{Args, ValueEnum};
 use equations::Assembled;
 use fracas_solvers::krylov::KrylovChoice;
-use fracas_solvers::saddle::{Ready, SaddleMethod, SaddleOperator};
+use fracas_solvers::saddle::{Measure, Ready, SaddleMethod};
 use fracas_solvers::spectrum::{Explanation, Solved};
 use iteration::{Built, Names};
 use precision::{Double, InDouble};
@@ -33,7 +33,11 @@ pub(super) struct Solve {
     /// else what does].
     #[arg(long, value_name = "METHOD")]
     krylov: Option<KrylovChoice>,
-    /// Relative to the norm of the right-hand side.
+    /// What the tolerance is for: the errors of u and t, each relative to the solution's in the norm of energy, or the residual
+    /// relative to ‖b‖₂, as in published counts.
+    #[arg(long, value_enum, default_value = "error")]
+    measure: MeasureName,
+    /// Relative to what --measure says.
     #[arg(long, value_name = "TOL", default_value = "1e-8", allow_negative_numbers = true, value_parser = tolerance)]
     tolerance: f64,
     /// Iterations over all restarts.
@@ -70,6 +74,22 @@ enum RightHandSide {
     Ones,
 }
 
+/// `--measure`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum MeasureName {
+    Error,
+    Residual,
+}
+
+impl From<MeasureName> for Measure {
+    fn from(name: MeasureName) -> Self {
+        match name {
+            MeasureName::Error => Self::Error,
+            MeasureName::Residual => Self::Residual,
+        }
+    }
+}
+
 /// A positive factor.
 fn unit(text: &str) -> Result<f64, String> {
     match text.parse() {
@@ -82,6 +102,39 @@ fn tolerance(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(value) if value > 0.0 && value < 1.0 => Ok(value),
         _ => Err("the tolerance is a number between 0 and 1".into()),
+    }
+}
+
+/// What is to be said of the inner solver, and what takes its place where it cannot be set up.
+struct Inner {
+    findings: Vec<String>,
+    /// In turn.
+    otherwise: Vec<SaddleMethod>,
+    /// Set-ups that failed.
+    fallbacks: usize,
+}
+
+impl Inner {
+    /// What takes the place of an inner solver whose set-up failed; it is told and counted.
+    ///
+    /// # Errors
+    /// The failure, where nothing takes its place.
+    fn instead(
+        &mut self,
+        failure: anyhow::Error,
+        progress: &mut Progress,
+    ) -> anyhow::Result<SaddleMethod> {
+        if self.otherwise.is_empty() {
+            return Err(failure);
+        }
+        let next = self.otherwise.remove(0);
+        let name = next.inner().map(|inner| inner.to_string());
+        let name = name.unwrap_or_default();
+        let finding = format!("inner: {name} instead, because the set-up failed: {failure:#}");
+        progress.say(&finding);
+        self.findings.push(finding);
+        self.fallbacks += 1;
+        Ok(next)
     }
 }
 
@@ -99,12 +152,20 @@ impl Solve {
         if let Some(reason) = &chosen.reason {
             progress.say(&format!("inner: {reason}"));
         }
-        let note = chosen.reason.map(|reason| format!("inner: {reason}"));
+        let inner = Inner {
+            findings: chosen
+                .reason
+                .map(|reason| format!("inner: {reason}"))
+                .into_iter()
+                .collect(),
+            otherwise: chosen.otherwise,
+            fallbacks: 0,
+        };
         match (chosen.route, self.source.scene()) {
             (Route::MatrixFree(racp), Some(scene)) => {
-                self.matrix_free(scene, racp, note, progress, out)
+                self.matrix_free(scene, racp, inner, progress, out)
             }
-            (Route::Assembled(method), _) => self.assembled(&method, note, progress, out),
+            (Route::Assembled(method), _) => self.assembled(method, inner, progress, out),
             (Route::MatrixFree(_), None) => anyhow::bail!("geometric multigrid needs a scene"),
         }
     }
@@ -112,8 +173,8 @@ impl Solve {
     /// From assembled blocks.
     fn assembled(
         &self,
-        method: &SaddleMethod,
-        note: Option<String>,
+        mut method: SaddleMethod,
+        mut inner: Inner,
         mut progress: Progress,
         out: &mut dyn Write,
     ) -> anyhow::Result<Status> {
@@ -132,7 +193,6 @@ impl Solve {
             body,
             ..
         } = loaded;
-        findings.extend(note);
         let blocks = &blocks;
         let (rhs, b) = self.right_hand_side(has_rhs, blocks.rhs(), &mut progress);
 
@@ -146,18 +206,24 @@ impl Solve {
                 relaxation,
             },
             lost,
-        ) = precision::ready(method, blocks)
-            .map_err(|error| rank::blamed(error, self.source.scene(), body.as_ref()))?;
+        ) = loop {
+            match precision::ready(&method, blocks) {
+                Ok(ready) => break ready,
+                Err(error) => {
+                    let error = rank::blamed(error, self.source.scene(), body.as_ref());
+                    method = inner.instead(error.into(), &mut progress)?;
+                }
+            }
+        };
+        let method = &method;
+        findings.extend(inner.findings);
         let fallbacks = usize::from(lost.is_some());
         let in_f64 = lost.is_some();
         if let Some(lost) = lost {
             progress.say(&lost);
             findings.push(lost);
         }
-        let equations = Assembled {
-            blocks,
-            operator: SaddleOperator::new(blocks),
-        };
+        let equations = Assembled::new(blocks, body.as_ref())?;
         let setup_s = start.elapsed().as_secs_f64();
         let explain = |solve_s: f64| -> anyhow::Result<Explanation> {
             Ok(Explanation::new(&Solved {
@@ -192,6 +258,7 @@ impl Solve {
                 findings,
                 explain: self.explain.then_some(&explain),
                 fallbacks,
+                inner_fallbacks: inner.fallbacks,
                 in_double: precision::in_double(method).map(|double| -> InDouble<'_> {
                     Box::new(move |_| {
                         let ready = double.ready(blocks)?;

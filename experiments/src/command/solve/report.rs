@@ -4,6 +4,7 @@ use super::{RightHandSide, explain, output};
 use crate::report::format_real;
 use fracas_solvers::amg::Summary;
 use fracas_solvers::krylov::{Breakdown, Outcome, Report};
+use fracas_solvers::saddle::Measure;
 use fracas_solvers::spectrum::Explanation;
 use serde::Serialize;
 use std::io::Write;
@@ -14,6 +15,14 @@ pub(super) struct SolveReport {
     pub(super) outcome: &'static str,
     pub(super) iterations: usize,
     pub(super) relative_residual: Option<f64>,
+    /// What the tolerance is for.
+    pub(super) measure: Measure,
+    /// Error of u in the norm of energy, relative to u; of M⁻¹r, so that it is an estimate.
+    pub(super) error_u: Option<f64>,
+    /// Error of t in the norm of C_0 + H, relative to t.
+    pub(super) error_t: Option<f64>,
+    /// Ritz value of 𝒜M⁻¹ nearest to zero.
+    pub(super) smallest_ritz: Option<f64>,
     /// `‖b − 𝒜x‖_∞ / (‖𝒜‖_∞ ‖x‖_∞ + ‖b‖_∞)`: 1e-16 means that f64 cannot do better.
     pub(super) backward_error: Option<f64>,
     /// `‖r_t‖_∞ / ‖|B1|ᵀ|u| + |b_t|‖_∞`: what the norm over all rows hides where forces and jumps have distant units.
@@ -46,6 +55,8 @@ pub(super) struct SolveReport {
     pub(super) findings: Vec<String>,
     /// Times that a preconditioner in f32 gave way to one in f64; why is among the findings.
     pub(super) precision_fallbacks: usize,
+    /// Times that an inner solver could not be set up and another took its place; why is among the findings.
+    pub(super) inner_fallbacks: usize,
     /// Null unless asked for.
     pub(super) explain: Option<Explanation>,
 }
@@ -127,6 +138,16 @@ impl SolveReport {
             (
                 "relative residual",
                 self.relative_residual
+                    .map_or_else(|| "–".to_owned(), |r| format!("{r:.3e}")),
+            ),
+            (
+                "error of u",
+                self.error_u
+                    .map_or_else(|| "–".to_owned(), |r| format!("{r:.3e}")),
+            ),
+            (
+                "error of t",
+                self.error_t
                     .map_or_else(|| "–".to_owned(), |r| format!("{r:.3e}")),
             ),
             (

@@ -13,8 +13,8 @@ use faer::sparse::linalg::lu::{simplicial, supernodal};
 use faer::sparse::linalg::{LuError, colamd, qr};
 use faer::sparse::{FaerError, SparseColMatRef};
 use faer::{Conj, MatMut, Par};
-use fracas_operators::Preconditioner;
 use fracas_operators::sparse::SparseMatrix;
+use fracas_operators::{Linearity, Preconditioner};
 use std::sync::Arc;
 
 /// Operations per entry of the factors above which dense kernels on supernodes pay. Unit: flops; faer's own choice.
@@ -302,6 +302,10 @@ impl Preconditioner<f64> for GeneralFactors {
 
     fn flops(&self) -> u64 {
         2 * self.factor_entries() as u64
+    }
+
+    fn linearity(&self) -> Linearity {
+        Linearity::EXACT
     }
 }
 

@@ -4,7 +4,7 @@ mod general;
 mod symmetric;
 
 use super::pattern::Pattern;
-use super::{DirectSolver, Kind, Symbolic};
+use super::{DirectSolver, Factorization, Kind, Symbolic};
 use crate::SetupError;
 use faer::sparse::FaerError;
 use fracas_operators::sparse::SparseMatrix;
@@ -21,6 +21,21 @@ use serde::{Deserialize, Serialize};
 /// S. El Kazdadi, faer 0.24, <https://faer.veganb.tw>.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Faer;
+
+impl Faer {
+    /// `L Lᵀ` of a positive semidefinite matrix with a unit diagonal, without the rows that depend on rows eliminated before them
+    /// (pivots of `least` or less); solves leave zeros to rounding there. The second part lists these rows, ascending.
+    ///
+    /// # Errors
+    /// [`SetupError::OutOfMemory`], [`SetupError::NotPositiveDefinite`] for what is no number.
+    pub fn independent(
+        &self,
+        a: &SparseMatrix<f64>,
+        least: f64,
+    ) -> Result<(Box<dyn Factorization>, Vec<usize>), SetupError> {
+        symmetric::SymmetricSymbolic::new(a, Kind::Spd)?.independent(a, least)
+    }
+}
 
 impl DirectSolver for Faer {
     fn name(&self) -> &'static str {

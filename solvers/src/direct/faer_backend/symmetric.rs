@@ -8,7 +8,7 @@ use crate::direct::pivots;
 use crate::direct::{Factorization, Kind, Symbolic, for_column_blocks};
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::ldlt::factor::LdltError;
-use faer::linalg::cholesky::llt::factor::LltError;
+use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
 use faer::perm::PermRef;
 use faer::sparse::linalg::cholesky::{
     LdltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
@@ -16,9 +16,13 @@ use faer::sparse::linalg::cholesky::{
     supernodal::{SupernodalLdltRef, SupernodalLltRef},
 };
 use faer::{Conj, MatMut, Par, Side};
-use fracas_operators::Preconditioner;
 use fracas_operators::sparse::SparseMatrix;
+use fracas_operators::{Linearity, Preconditioner};
 use std::sync::Arc;
+
+/// Pivot that leaves a row out: its column of L and its unknown are zero to rounding. Unit: that of the matrix, whose entries are
+/// of order 1.
+const LEFT_OUT: f64 = 1e100;
 
 /// An analysed symmetric pattern.
 #[derive(Debug)]
@@ -59,10 +63,13 @@ impl SymmetricSymbolic {
             SymbolicCholeskyRaw::Supernodal(_) => self.row(index),
         }
     }
-}
 
-impl Symbolic for SymmetricSymbolic {
-    fn factor(&self, a: &SparseMatrix<f64>) -> Result<Box<dyn Factorization>, SetupError> {
+    /// The factors, pivots unseen; `regularization` is for LLᵀ.
+    fn numeric(
+        &self,
+        a: &SparseMatrix<f64>,
+        regularization: LltRegularization<f64>,
+    ) -> Result<SymmetricFactors, SetupError> {
         let n = self.pattern.size();
         let matrix = faer::sparse::SparseColMatRef::new(
             super::faer_pattern(&self.pattern),
@@ -89,7 +96,7 @@ impl Symbolic for SymmetricSymbolic {
                     &mut values,
                     matrix,
                     Side::Lower,
-                    Default::default(),
+                    regularization,
                     par,
                     stack,
                     Default::default(),
@@ -114,7 +121,35 @@ impl Symbolic for SymmetricSymbolic {
                     advice: "a pivot is zero: factorize it as a general matrix".to_owned(),
                 })?;
         }
-        let factors = SymmetricFactors::new(Arc::clone(&self.structure), values, self.kind);
+        let structure = Arc::clone(&self.structure);
+        Ok(SymmetricFactors::new(structure, values, self.kind))
+    }
+
+    /// `L Lᵀ` of a positive semidefinite matrix without the rows whose pivots are `least` or less, and these, ascending.
+    pub(super) fn independent(
+        &self,
+        a: &SparseMatrix<f64>,
+        least: f64,
+    ) -> Result<(Box<dyn Factorization>, Vec<usize>), SetupError> {
+        assert_eq!(self.kind, Kind::Spd, "a semidefinite matrix has LLᵀ");
+        let factors = self.numeric(
+            a,
+            LltRegularization {
+                dynamic_regularization_delta: LEFT_OUT,
+                dynamic_regularization_epsilon: least,
+            },
+        )?;
+        let pivots = factors.pivots();
+        let left_out = (0..pivots.len()).filter(|k| pivots[*k] > 0.5 * LEFT_OUT);
+        let mut left_out: Vec<usize> = left_out.map(|k| self.row(k)).collect();
+        left_out.sort_unstable();
+        Ok((Box::new(factors), left_out))
+    }
+}
+
+impl Symbolic for SymmetricSymbolic {
+    fn factor(&self, a: &SparseMatrix<f64>) -> Result<Box<dyn Factorization>, SetupError> {
+        let factors = self.numeric(a, Default::default())?;
         pivots::check(&factors.pivots(), |k| self.row(k), a, self.kind)?;
         Ok(Box::new(factors))
     }
@@ -204,6 +239,10 @@ impl Preconditioner<f64> for SymmetricFactors {
 
     fn flops(&self) -> u64 {
         4 * self.values.len() as u64
+    }
+
+    fn linearity(&self) -> Linearity {
+        Linearity::EXACT
     }
 }
 

@@ -6,7 +6,9 @@ use crate::Silent;
 use crate::krylov::{Cg, Criteria, KrylovMethod, Outcome, System};
 use crate::multigrid::Transfer;
 use fracas_operators::laws::probe;
-use fracas_operators::{Counted, Dense, Identity, LinearOperator, Preconditioner, Shape};
+use fracas_operators::{
+    Counted, Dense, Identity, LinearOperator, Linearity, Preconditioner, Shape,
+};
 use std::sync::Arc;
 
 /// Two nodes of a level make one of the next.
@@ -130,6 +132,10 @@ impl Preconditioner<f64> for Below<'_> {
 
     fn flops(&self) -> u64 {
         self.0.flops(1)
+    }
+
+    fn linearity(&self) -> Linearity {
+        Linearity::EXACT
     }
 }
 
@@ -256,8 +262,9 @@ fn nothing_comes_of_nothing() {
 #[test]
 fn only_a_k_cycle_over_levels_is_no_linear_map() {
     for cycle in [Cycle::V, Cycle::VThenW, Cycle::W] {
-        assert!(sample(cycle).is_linear());
+        assert_eq!(sample(cycle).linearity(), Linearity::EXACT);
     }
-    assert!(!sample(Cycle::K).is_linear());
-    assert!(above(vec![level(12, Vec::new())], 6, Cycle::K).is_linear());
+    assert_eq!(sample(Cycle::K).linearity(), Linearity::NONLINEAR);
+    let above_the_bottom = above(vec![level(12, Vec::new())], 6, Cycle::K);
+    assert_eq!(above_the_bottom.linearity(), Linearity::EXACT);
 }

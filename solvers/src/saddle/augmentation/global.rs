@@ -24,7 +24,17 @@ pub(super) fn global(blocks: &SaddleBlocks, factor: f64) -> Result<AugmentationM
     let settings = LanczosSettings::one_sided();
     let (_, b_squared) = extreme_eigenvalues(blocks.n_t(), &mut gram, None, settings)?;
     let mut apply = |x: &[f64], y: &mut [f64]| a.apply(x, y, &mut []);
-    let (_, norm_a) = extreme_eigenvalues(blocks.n_u(), &mut apply, None, settings)?;
+    let (low, high) = extreme_eigenvalues(blocks.n_u(), &mut apply, None, settings)?;
+    let norm_a = if -low.value > high.value {
+        // an indefinite A whose largest eigenvalue in modulus is negative
+        let mut negative = |x: &[f64], y: &mut [f64]| {
+            y.fill(0.0);
+            a.apply_add(-1.0, x, y, &mut []);
+        };
+        extreme_eigenvalues(blocks.n_u(), &mut negative, None, settings)?.1
+    } else {
+        high
+    };
     let gamma = factor * b_squared.value / norm_a.value;
     if !(gamma > 0.0 && gamma.is_finite()) {
         return Err(SetupError::NotApplicable {

@@ -3,11 +3,11 @@
 use crate::SetupError;
 use crate::eigen::dense;
 use faer::Mat;
-use fracas_operators::Preconditioner;
 use fracas_operators::operator::assert_product;
 use fracas_operators::sparse::{SparseMatrix, Triplets};
 use fracas_operators::vector::for_row_ranges;
 use fracas_operators::{LinearOperator, Shape};
+use fracas_operators::{Linearity, Preconditioner};
 
 /// A 3×3 block by rows.
 pub type Block = [[f64; 3]; 3];
@@ -373,5 +373,9 @@ impl Preconditioner<f64> for AugmentationMatrix {
             Self::Diagonal { c } => c.len() as u64,
             _ => LinearOperator::flops(self),
         }
+    }
+
+    fn linearity(&self) -> Linearity {
+        Linearity::EXACT
     }
 }

@@ -4,6 +4,9 @@ use fracas_operators::Shape;
 use fracas_operators::matrix_market::MatrixMarketError;
 use std::path::PathBuf;
 
+/// What to do about a name of the folder that cannot be read.
+const MEND: &str = "mend it, or remove it if the system has no such block: only what is not there counts as absent";
+
 /// A folder that cannot be read as a system: which file, which row, and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
@@ -44,6 +47,30 @@ pub enum FolderError {
         /// Its reason.
         source: std::io::Error,
     },
+    /// A name of the folder that leads nowhere.
+    #[error("{} is a link to {}, which leads to no file; {}", file.display(), target.display(), MEND)]
+    BrokenLink {
+        /// The link.
+        file: PathBuf,
+        /// Where it points.
+        target: PathBuf,
+    },
+    /// Something else under the name of a file.
+    #[error("{} is {what} and no file; {}", file.display(), MEND)]
+    NotAFile {
+        /// The name.
+        file: PathBuf,
+        /// What is there.
+        what: &'static str,
+    },
+    /// A file that is there and does not open.
+    #[error("{} is there and cannot be opened: {source}; {}", file.display(), MEND)]
+    Unreadable {
+        /// The file.
+        file: PathBuf,
+        /// The reason of the operating system.
+        source: std::io::Error,
+    },
     /// The manifest is not the JSON that we read.
     #[error("{}: {source}", file.display())]
     Manifest {
@@ -82,8 +109,24 @@ pub enum FolderError {
         /// Its size.
         found: Shape,
     },
+    /// Sizes far beyond the entries.
+    #[error(
+        "{file} says {unknowns} rows, but it and {other} list only {entries} entries, so that most rows would be empty: the sizes in its header are wrong"
+    )]
+    Hollow {
+        /// The file with the size.
+        file: &'static str,
+        /// The other file with entries in these rows.
+        other: &'static str,
+        /// Rows.
+        unknowns: usize,
+        /// Entries of both.
+        entries: usize,
+    },
     /// The manifest announces another size.
-    #[error("manifest.json says {key} = {announced}, but {file} gives {found}")]
+    #[error(
+        "manifest.json says {key} = {announced}, but {file} gives {found}; one of them is of another system"
+    )]
     Announced {
         /// `n_u`, `n_t`, `n_p`.
         key: &'static str,
@@ -93,6 +136,50 @@ pub enum FolderError {
         found: usize,
         /// The file.
         file: &'static str,
+    },
+    /// The manifest announces a block that is not there.
+    #[error(
+        "manifest.json says {says}, but the folder holds no {file}: without it this is another system; put the file back, or correct the manifest"
+    )]
+    Lost {
+        /// What the manifest says.
+        says: String,
+        /// The file.
+        file: String,
+    },
+    /// The manifest excludes a block that is there.
+    #[error(
+        "manifest.json says {says}, but {file} holds {entries} nonzero entries: with them this is another system; remove the file, or correct the manifest"
+    )]
+    Unannounced {
+        /// What the manifest says.
+        says: String,
+        /// The file.
+        file: &'static str,
+        /// Its entries.
+        entries: usize,
+    },
+    /// States that are not those of the faces.
+    #[error(
+        "manifest.json gives {states} states of faces, but B1.mtx has {n_t} columns: {expected}"
+    )]
+    States {
+        /// States in the manifest.
+        states: usize,
+        /// Columns of B1.
+        n_t: usize,
+        /// How many there must be.
+        expected: &'static str,
+    },
+    /// A state that does not exist.
+    #[error(
+        "manifest.json gives face {face} the state {state}, expected 0 (stick), 1 (new-slip), 2 (slip) or 3 (open)"
+    )]
+    State {
+        /// Face, counted from 1.
+        face: usize,
+        /// As written.
+        state: u8,
     },
     /// A must be symmetric.
     #[error(

@@ -7,7 +7,7 @@ use crate::saddle::SaddleBlocks;
 use fracas_operators::matrix_market::{Symmetry, write_dense, write_sparse, write_vector};
 use std::path::Path;
 
-/// Writes blocks and manifest; sizes and version of the manifest are filled in.
+/// Writes blocks and manifest; sizes, blocks and version of the manifest are filled in.
 ///
 /// The folder is created if needed. Files of an earlier system that this one does not have (say `H.mtx`) are removed,
 /// since their presence has a meaning.
@@ -35,12 +35,14 @@ pub fn write_folder(
     })?;
     for name in FILES {
         let file = folder.join(name);
-        if file.is_file() {
-            std::fs::remove_file(&file).map_err(|source| FolderError::Io { file, source })?;
+        match std::fs::remove_file(&file) {
+            Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
+                return Err(FolderError::Io { file, source });
+            }
+            _ => {}
         }
     }
     let at = |name: &str| folder.join(name);
-    write_sparse(&at("A.mtx"), &blocks.a, Symmetry::Symmetric)?;
     write_sparse(&at("B1.mtx"), &blocks.b1, Symmetry::General)?;
     if let Some(b2) = &blocks.b2 {
         write_sparse(&at("B2.mtx"), b2, Symmetry::General)?;
@@ -59,19 +61,35 @@ pub fn write_folder(
     if let Some(c) = &blocks.coordinates {
         write_dense(&at("coords.mtx"), &coordinates::to_table(c))?;
     }
-    let manifest = Manifest {
+    let mut manifest = Manifest {
         version: Some(concat!("fracas ", env!("CARGO_PKG_VERSION")).into()),
         n_u: Some(blocks.n_u()),
         n_t: Some(blocks.n_t()),
         n_p: Some(blocks.n_p()),
         ..manifest.clone()
     };
+    let listed = [
+        ("A", true),
+        ("B1", true),
+        ("B2", blocks.b2.is_some()),
+        ("H", blocks.h.is_some()),
+        ("Q1", blocks.flow.is_some()),
+        ("Q2", blocks.flow.is_some()),
+        ("T", blocks.flow.is_some()),
+    ];
+    let listed = listed.iter().filter(|(_, is)| *is).map(|(name, _)| *name);
+    let listed = listed.collect::<Vec<_>>();
+    manifest
+        .other
+        .insert(Manifest::BLOCKS.into(), listed.into());
     let file = at("manifest.json");
     let text = match one_key_a_line(&manifest) {
         Ok(text) => text,
         Err(source) => return Err(FolderError::Manifest { file, source }),
     };
-    std::fs::write(&file, text).map_err(|source| FolderError::Io { file, source })
+    std::fs::write(&file, text).map_err(|source| FolderError::Io { file, source })?;
+    // last: without it the folder is no system, so that a process that dies leaves none without its H
+    Ok(write_sparse(&at("A.mtx"), &blocks.a, Symmetry::Symmetric)?)
 }
 
 /// JSON with a line per key: lists of states stay on one line.

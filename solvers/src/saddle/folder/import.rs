@@ -2,10 +2,11 @@
 
 use super::finding::{Finding, Remark};
 use super::manifest::Manifest;
-use super::{FolderError, coordinates, inspect, rigid_body};
+use super::{FolderError, announced, coordinates, inspect, rigid_body, sizes};
 use crate::saddle::{FlowBlocks, SaddleBlocks};
 use fracas_operators::Shape;
 use fracas_operators::matrix_market::{SparseFile, read_dense, read_sparse, read_vector};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// A system as read, with what is remarkable about it.
@@ -46,16 +47,24 @@ pub(super) const FILES: [&str; 13] = [
 /// # Errors
 /// [`FolderError`]: a file is missing or defective, sizes contradict each other, A is not symmetric.
 pub fn read_folder(folder: &Path) -> Result<Imported, FolderError> {
-    if !folder.is_dir() {
-        return Err(FolderError::NotAFolder {
-            folder: folder.into(),
-        });
+    match std::fs::metadata(folder) {
+        Ok(found) if found.is_dir() => {}
+        Err(source) if source.kind() == ErrorKind::PermissionDenied => {
+            let file = folder.into();
+            return Err(FolderError::Unreadable { file, source });
+        }
+        _ => {
+            return Err(FolderError::NotAFolder {
+                folder: folder.into(),
+            });
+        }
     }
     let mut reader = Reader {
         folder,
         findings: Vec::new(),
     };
     let manifest = reader.manifest()?;
+    sizes::check(folder)?;
     let a = reader.required("A.mtx")?;
     let b1 = reader.required("B1.mtx")?;
     let (a_shape, b1_shape) = (shape_of(&a), shape_of(&b1));
@@ -98,12 +107,7 @@ pub fn read_folder(folder: &Path) -> Result<Imported, FolderError> {
     if let Some(coordinates) = &coordinates {
         rigid_body::coordinates(&a.matrix, coordinates, &mut reader.findings);
     }
-    reader.unread();
-    announced([
-        ("n_u", manifest.n_u, n_u, "A.mtx"),
-        ("n_t", manifest.n_t, n_t, "B1.mtx"),
-        ("n_p", manifest.n_p, n_p, "T.mtx"),
-    ])?;
+    reader.unread()?;
     let blocks = SaddleBlocks {
         a: a.matrix,
         b1: b1.matrix,
@@ -114,6 +118,8 @@ pub fn read_folder(folder: &Path) -> Result<Imported, FolderError> {
         coordinates,
         flow,
     };
+    let exists = |file: &str| Ok(reader.present(file)?.is_some());
+    announced::contradictions(&manifest, &blocks, &exists)?;
     Ok(Imported {
         blocks,
         manifest,
@@ -127,7 +133,7 @@ fn shape_of(file: &SparseFile) -> Shape {
 }
 
 /// Stops when `file` does not have the shape that another file asks for.
-fn expect(
+pub(super) fn expect(
     file: &'static str,
     found: Shape,
     expected: Shape,
@@ -147,29 +153,12 @@ fn expect(
 }
 
 /// Stops when a diagonal block is not square.
-fn square(file: &'static str, found: Shape) -> Result<(), FolderError> {
+pub(super) fn square(file: &'static str, found: Shape) -> Result<(), FolderError> {
     if found.is_square() {
         Ok(())
     } else {
         Err(FolderError::NotSquare { file, found })
     }
-}
-
-/// Stops when the manifest contradicts the matrices.
-fn announced(
-    sizes: [(&'static str, Option<usize>, usize, &'static str); 3],
-) -> Result<(), FolderError> {
-    for (key, says, found, file) in sizes {
-        if let Some(announced) = says.filter(|n| *n != found) {
-            return Err(FolderError::Announced {
-                key,
-                announced,
-                found,
-                file,
-            });
-        }
-    }
-    Ok(())
 }
 
 /// Reads files one after the other and collects remarks.
@@ -179,37 +168,62 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn present(&self, file: &str) -> Option<PathBuf> {
-        Some(self.folder.join(file)).filter(|path| path.is_file())
+    /// The file of this name; absent is only what the folder has no entry for.
+    fn present(&self, file: &str) -> Result<Option<PathBuf>, FolderError> {
+        let file = self.folder.join(file);
+        let entry = match std::fs::symlink_metadata(&file) {
+            Ok(entry) => entry,
+            Err(source) if source.kind() == ErrorKind::NotFound => return Ok(None),
+            Err(source) => return Err(FolderError::Unreadable { file, source }),
+        };
+        let found = match std::fs::metadata(&file) {
+            Ok(found) => found,
+            Err(source) => {
+                return Err(match std::fs::read_link(&file) {
+                    Ok(target) if entry.is_symlink() => FolderError::BrokenLink { file, target },
+                    _ => FolderError::Unreadable { file, source },
+                });
+            }
+        };
+        if found.is_file() {
+            return Ok(Some(file));
+        }
+        let what = if found.is_dir() {
+            "a folder"
+        } else {
+            "a pipe, socket or device"
+        };
+        Err(FolderError::NotAFile { file, what })
     }
 
-    fn names(&self) -> Vec<String> {
-        let entries = std::fs::read_dir(self.folder)
-            .into_iter()
-            .flatten()
-            .flatten();
-        let mut names: Vec<String> = entries
-            .filter_map(|e| e.file_name().into_string().ok())
-            .collect();
+    fn names(&self) -> Result<Vec<String>, FolderError> {
+        let unreadable = |source| FolderError::Unreadable {
+            file: self.folder.into(),
+            source,
+        };
+        let mut names = Vec::new();
+        for entry in std::fs::read_dir(self.folder).map_err(unreadable)? {
+            names.extend(entry.map_err(unreadable)?.file_name().into_string());
+        }
         names.sort();
-        names
+        Ok(names)
     }
 
     fn manifest(&mut self) -> Result<Manifest, FolderError> {
-        let Some(file) = self.present("manifest.json") else {
+        let Some(file) = self.present("manifest.json")? else {
             self.findings
                 .push(Finding::file("manifest.json", Remark::NoManifest));
             return Ok(Manifest::default());
         };
         let text = match std::fs::read_to_string(&file) {
             Ok(text) => text,
-            Err(source) => return Err(FolderError::Io { file, source }),
+            Err(source) => return Err(FolderError::Unreadable { file, source }),
         };
         serde_json::from_str(&text).map_err(|source| FolderError::Manifest { file, source })
     }
 
     fn sparse(&mut self, file: &'static str) -> Result<Option<SparseFile>, FolderError> {
-        let Some(path) = self.present(file) else {
+        let Some(path) = self.present(file)? else {
             return Ok(None);
         };
         let read = read_sparse(&path)?;
@@ -225,13 +239,14 @@ impl Reader<'_> {
     }
 
     fn required(&mut self, file: &'static str) -> Result<SparseFile, FolderError> {
-        self.sparse(file)?.ok_or_else(|| FolderError::Missing {
+        if let Some(read) = self.sparse(file)? {
+            return Ok(read);
+        }
+        let names = self.names()?;
+        Err(FolderError::Missing {
             folder: self.folder.into(),
             file,
-            near: self
-                .names()
-                .into_iter()
-                .find(|name| name.eq_ignore_ascii_case(file)),
+            near: (names.into_iter()).find(|name| name.eq_ignore_ascii_case(file)),
         })
     }
 
@@ -254,7 +269,7 @@ impl Reader<'_> {
         n: usize,
         by: (&'static str, Shape),
     ) -> Result<Option<Vec<f64>>, FolderError> {
-        let Some(path) = self.present(file) else {
+        let Some(path) = self.present(file)? else {
             return Ok(None);
         };
         let vector = read_vector(&path)?;
@@ -269,10 +284,17 @@ impl Reader<'_> {
         from_a: (&'static str, Shape),
     ) -> Result<Option<FlowBlocks>, FolderError> {
         const FLOW: [&str; 3] = ["Q1.mtx", "Q2.mtx", "T.mtx"];
-        let Some(present) = FLOW.into_iter().find(|f| self.present(f).is_some()) else {
+        let (mut present, mut missing) = (None, None);
+        for file in FLOW {
+            match self.present(file)? {
+                Some(_) => present.get_or_insert(file),
+                None => missing.get_or_insert(file),
+            };
+        }
+        let Some(present) = present else {
             return Ok(None);
         };
-        if let Some(missing) = FLOW.into_iter().find(|f| self.present(f).is_none()) {
+        if let Some(missing) = missing {
             return Err(FolderError::IncompleteFlow {
                 folder: self.folder.into(),
                 present,
@@ -309,7 +331,7 @@ impl Reader<'_> {
         &mut self,
         n_u: usize,
     ) -> Result<Option<Vec<crate::saddle::DofCoordinate>>, FolderError> {
-        let Some(path) = self.present("coords.mtx") else {
+        let Some(path) = self.present("coords.mtx")? else {
             self.findings
                 .push(Finding::file("coords.mtx", Remark::NoCoordinates));
             return Ok(None);
@@ -317,15 +339,19 @@ impl Reader<'_> {
         coordinates::from_table(&read_dense(&path)?, n_u).map(Some)
     }
 
-    /// Matrix files that play no role: a misspelled name must not go unnoticed.
-    fn unread(&mut self) {
-        for name in self.names() {
-            let flow_only = name == "rhs_p.mtx" && self.present("T.mtx").is_none();
-            if name.to_ascii_lowercase().ends_with(".mtx")
-                && (flow_only || !FILES.contains(&name.as_str()))
-            {
+    /// Matrix files that play no role, and a manifest in other letters: a misspelled name must not go unnoticed.
+    fn unread(&mut self) -> Result<(), FolderError> {
+        for name in self.names()? {
+            let flow_only = name == "rhs_p.mtx" && self.present("T.mtx")?.is_none();
+            let lower = name.to_ascii_lowercase();
+            let is_alike = lower.ends_with(".mtx") || lower == "manifest.json";
+            if is_alike && (flow_only || !FILES.contains(&name.as_str())) {
                 self.findings.push(Finding::file(&name, Remark::NotRead));
             }
         }
+        Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;

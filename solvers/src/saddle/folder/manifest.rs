@@ -3,6 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 /// `manifest.json`; keys of other codes are kept in [`other`](Self::other).
+///
+/// Of these [`read_folder`](super::read_folder) holds against the files, where they are there: the sizes; `stabilization` (the
+/// factor of H, or true or false); `blocks` (names such as `["A", "B1", "H"]`); `states`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
     /// Program and version that wrote the folder.
@@ -35,4 +38,31 @@ pub struct Manifest {
     /// Everything else, untouched.
     #[serde(flatten)]
     pub other: serde_json::Map<String, serde_json::Value>,
+}
+
+impl Manifest {
+    /// The key of [`lists`](Self::lists).
+    pub(super) const BLOCKS: &'static str = "blocks";
+
+    /// The key of [`is_stabilized`](Self::is_stabilized).
+    pub(super) const STABILIZATION: &'static str = "stabilization";
+
+    /// True where it says that there is a jump stabilization, false where it says that there is none.
+    pub(super) fn is_stabilized(&self) -> Option<bool> {
+        let said = self.other.get(Self::STABILIZATION)?;
+        said.as_bool().or_else(|| Some(said.as_f64()? != 0.0))
+    }
+
+    /// Whether a block is listed; `None` without a list of names.
+    pub(super) fn lists(&self, block: &str) -> Option<bool> {
+        let listed = self.other.get(Self::BLOCKS)?.as_array()?;
+        let names: Option<Vec<&str>> = listed.iter().map(|name| name.as_str()).collect();
+        Some(names?.contains(&block))
+    }
+
+    /// True where fracas wrote the folder: three tractions per face.
+    pub fn is_ours(&self) -> bool {
+        let version = self.version.as_deref();
+        version.is_some_and(|version| version.starts_with("fracas"))
+    }
 }

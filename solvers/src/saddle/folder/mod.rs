@@ -10,11 +10,13 @@
 //! | `rhs_u.mtx` `rhs_t.mtx` `rhs_p.mtx` | vectors | 0 |
 //! | `coords.mtx` | n_u rows `x y z component`, or n_u/3 rows `x y z` | unknown |
 //! | `faces.mtx` | n_t/3 rows `fracture, centre, area, n, t1, t2`: for readers of the tractions, not needed here | – |
-//! | `manifest.json` | sizes, scene, step, Newton iteration, states, units, version | sizes from the matrices |
+//! | `manifest.json` | sizes, blocks, stabilization, scene, step, Newton iteration, states, units, version | sizes from the matrices |
 //!
 //! Constrained rows and columns are removed. An imported folder may come from any code: what makes a system impossible
-//! is a [`FolderError`]; what is merely remarkable is a [`Finding`].
+//! is a [`FolderError`]; what is merely remarkable is a [`Finding`]. Absent is what the folder has no entry for: a link that leads
+//! nowhere, a folder in the place of a file and a file that does not open are errors, and so is a manifest that contradicts the files.
 
+mod announced;
 mod compare;
 mod coordinates;
 mod error;
@@ -24,6 +26,7 @@ mod import;
 mod inspect;
 mod manifest;
 mod rigid_body;
+mod sizes;
 
 #[cfg(test)]
 mod tests;

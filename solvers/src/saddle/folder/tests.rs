@@ -5,7 +5,7 @@ use crate::saddle::{DofCoordinate, FlowBlocks, SaddleBlocks};
 use fracas_operators::sparse::{SparseMatrix, Triplets};
 use std::path::{Path, PathBuf};
 
-fn folder(name: &str) -> PathBuf {
+pub(super) fn folder(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("fracas-folder-{}-{name}", std::process::id()));
     if folder.exists() {
         std::fs::remove_dir_all(&folder).unwrap();
@@ -14,7 +14,11 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-fn sparse(rows: usize, cols: usize, f: impl Fn(usize, usize) -> f64) -> SparseMatrix<f64> {
+pub(super) fn sparse(
+    rows: usize,
+    cols: usize,
+    f: impl Fn(usize, usize) -> f64,
+) -> SparseMatrix<f64> {
     let mut triplets = Triplets::new((rows, cols));
     for i in 0..rows {
         for j in 0..cols {
@@ -27,7 +31,7 @@ fn sparse(rows: usize, cols: usize, f: impl Fn(usize, usize) -> f64) -> SparseMa
 }
 
 /// n_u = 6, n_t = 3.
-fn system() -> SaddleBlocks {
+pub(super) fn system() -> SaddleBlocks {
     let coordinate = |i: usize| DofCoordinate {
         position: [(i / 3) as f64, 0.1, -1e-3],
         component: (i % 3) as u8,
@@ -113,7 +117,10 @@ fn a_system_survives_the_round_trip_bit_for_bit() {
         (read.manifest.n_u, read.manifest.n_t, read.manifest.n_p),
         (Some(6), Some(3), Some(2))
     );
-    assert_eq!(read.manifest.other, manifest.other);
+    let mut other = read.manifest.other.clone();
+    let listed = other.remove("blocks").unwrap();
+    assert_eq!(listed.to_string(), r#"["A","B1","B2","H","Q1","Q2","T"]"#);
+    assert_eq!(other, manifest.other);
     assert!(matches!(
         &read.findings[..],
         [Finding {
@@ -172,7 +179,10 @@ fn sizes_that_do_not_fit_name_both_files() {
     let message = refusal("a", &[("A.mtx", &coordinate(6, 5, &[]))]);
     assert_eq!(message, "A.mtx is 6×5; it must be square");
     let message = refusal("manifest", &[("manifest.json", r#"{"n_t": 4}"#)]);
-    assert_eq!(message, "manifest.json says n_t = 4, but B1.mtx gives 3");
+    assert_eq!(
+        message,
+        "manifest.json says n_t = 4, but B1.mtx gives 3; one of them is of another system"
+    );
     let q = [
         ("Q1.mtx", coordinate(6, 1, &[])),
         ("Q2.mtx", coordinate(2, 6, &[])),

@@ -1,12 +1,16 @@
 use super::*;
+use crate::amg::{Amg, Cycle, Precision};
 use crate::krylov::oracle::{solve, until};
 use crate::krylov::{KrylovChoice, Outcome};
 use crate::saddle::oracle::unsymmetric;
-use crate::saddle::samples::{random, trusses};
-use crate::saddle::{Cost, FlowBlocks, SaddleOperator};
-use fracas_operators::laws::{check_preconditioner, probe};
+use crate::saddle::samples::{random, sparse, trusses};
+use crate::saddle::{
+    AugmentationMatrix, AugmentedLagrangianInverse, BlockDiagonalInverse, BlockTriangularInverse,
+    Cost, FlowBlocks, McpInverse, RacpInverse, SaddleOperator, SimpleInverse,
+};
+use fracas_operators::laws::{check_parts, check_preconditioner, probe};
 use fracas_operators::sparse::Triplets;
-use fracas_operators::{Counted, LinearOperator};
+use fracas_operators::{Counted, LinearOperator, Linearity, Timed};
 
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 struct Study {
@@ -203,4 +207,97 @@ fn the_cost_of_a_run_is_what_its_counters_say() {
             "{name}: {counted} {stated}"
         );
     }
+}
+
+/// The same blocks with an open last row: `B2_l = 0`, `H_ll = 2`.
+fn with_an_open_row(blocks: SaddleBlocks) -> SaddleBlocks {
+    let (n_u, n_t) = (blocks.n_u(), blocks.n_t());
+    SaddleBlocks {
+        b2: Some(sparse(n_t, n_u, |k, i| match blocks.b1.get(i, k) {
+            Some(b) if k + 1 < n_t => *b,
+            _ => 0.0,
+        })),
+        h: Some(sparse(n_t, n_t, |i, j| {
+            if i == j && i + 1 == n_t { 2.0 } else { 0.0 }
+        })),
+        ..blocks
+    }
+}
+
+#[test]
+fn around_an_inner_solver_in_f32_or_no_linear_map_every_method_says_so() {
+    let open = with_an_open_row(random(24, 8, 0.0, 4));
+    assert!(Elimination::new(&open).is_some());
+    for blocks in [random(24, 8, 0.5, 2), open] {
+        for (precision, cycle, expected) in [
+            (Precision::F32, Cycle::V, Linearity::SINGLE),
+            (Precision::F64, Cycle::V, Linearity::EXACT),
+            (Precision::F64, Cycle::K, Linearity::NONLINEAR),
+            (
+                Precision::F32,
+                Cycle::K,
+                Linearity::SINGLE.and(Linearity::NONLINEAR),
+            ),
+        ] {
+            let amg = InnerChoice::Amg(Amg {
+                precision,
+                cycle,
+                ..Amg::default()
+            });
+            for method in SaddleMethod::all() {
+                let (method, expected) = match method.inner() {
+                    Some(_) => (method.with_parts(None, Some(amg)).unwrap(), expected),
+                    None => (method, Linearity::EXACT),
+                };
+                let m = method.prepare(&blocks).unwrap();
+                assert_eq!(m.linearity(), expected, "{method}");
+                let flexible = KrylovChoice::default().flexible_for(m.as_ref());
+                assert_eq!(
+                    flexible.is_flexible(),
+                    expected != Linearity::EXACT,
+                    "{method}"
+                );
+                check_preconditioner(method.name(), &m, None, 0.0).unwrap();
+            }
+        }
+    }
+}
+
+#[test]
+fn every_part_counts() {
+    let blocks = random(5, 3, 0.0, 2);
+    let (b, c) = (
+        blocks.b1.clone(),
+        AugmentationMatrix::from_diagonal(vec![1.0; 3]).unwrap(),
+    );
+    let both = [5, 3];
+    check_parts("SIMPLE", both, |[p, s]| {
+        SimpleInverse::new(b.clone(), blocks.b2_rows(), p, s)
+    })
+    .unwrap();
+    check_parts("block triangular", both, |[p, s]| {
+        BlockTriangularInverse::new(b.clone(), p, s)
+    })
+    .unwrap();
+    check_parts("block diagonal", both, |[p, s]| {
+        BlockDiagonalInverse::new(p, s)
+    })
+    .unwrap();
+    check_parts("MCP", both, |[p, s]| McpInverse::new(b.clone(), 1.0, p, s)).unwrap();
+    check_parts("RACP", [5], |[s_u]| {
+        RacpInverse::new(b.clone(), c.clone(), s_u)
+    })
+    .unwrap();
+    check_parts("augmented Lagrangian", [5], |[s_u]| {
+        AugmentedLagrangianInverse::new(b.clone(), None, c.clone(), s_u)
+    })
+    .unwrap();
+    let open = with_an_open_row(blocks.clone());
+    check_parts("elimination", [8], |[m]| {
+        EliminatedInverse::new(Elimination::new(&open).unwrap(), m)
+    })
+    .unwrap();
+    check_parts::<1, f64, _>("counted", [3], |[m]| Counted::new(m)).unwrap();
+    check_parts::<1, f64, _>("timed", [3], |[m]| Timed::new(m)).unwrap();
+    check_parts::<1, f64, Box<dyn Preconditioner<f64>>>("boxed", [3], |[m]| Box::new(m)).unwrap();
 }

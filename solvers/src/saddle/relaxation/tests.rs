@@ -7,8 +7,8 @@ use crate::saddle::{
 };
 use crate::smoothers::JacobiInverse;
 use faer::Mat;
-use fracas_operators::Dense;
 use fracas_operators::sparse::Csr;
+use fracas_operators::{Dense, Linearity};
 
 /// A random system with an H of entries beside its diagonal.
 fn blocks() -> SaddleBlocks {
@@ -149,6 +149,9 @@ impl<M: Preconditioner<f64>> Preconditioner<f64> for Third<M> {
     }
     fn flops(&self) -> u64 {
         self.0.flops()
+    }
+    fn linearity(&self) -> Linearity {
+        self.0.linearity()
     }
 }
 

@@ -1,0 +1,78 @@
+//! Memory that the system refuses: the number asked for and exit status 2, instead of an abort.
+//!
+//! What can be refused in a typed error is refused there. Everything else that asks for more than there is ends in an abort
+//! of the standard library, which prints the number; here the abort becomes the status of an input that does not fit.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+/// The allocator of the system, with a note per thread of what it refused last.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Noted;
+
+thread_local! {
+    /// Bytes that this thread was last refused; 0 for none.
+    static REFUSED: Cell<usize> = const { Cell::new(0) };
+}
+
+/// The note outlives later success: a backtrace on the way to the abort allocates, too.
+fn noted(pointer: *mut u8, size: usize) -> *mut u8 {
+    if pointer.is_null() {
+        // a thread at its end has no note left to write
+        let _ = REFUSED.try_with(|note| note.set(size));
+    }
+    pointer
+}
+
+// Safety: all of it is the allocator of the system.
+unsafe impl GlobalAlloc for Noted {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        noted(unsafe { System.alloc(layout) }, layout.size())
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        noted(unsafe { System.alloc_zeroed(layout) }, layout.size())
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        noted(unsafe { System.realloc(pointer, layout, size) }, size)
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+/// What is said after the standard library has printed the number of bytes.
+const SENTENCE: &[u8] = b"error: out of memory: the system does not give these bytes; use fewer cells or a smaller system, or free memory\n";
+
+/// Makes an abort for want of memory an exit with `status`; every other abort stays one.
+///
+/// # Errors
+/// Where signals cannot be handled.
+#[cfg(unix)]
+pub fn exit_on_refusal(status: i32) -> std::io::Result<()> {
+    use std::io::Write;
+    use std::mem::ManuallyDrop;
+    use std::os::fd::FromRawFd;
+    let refused = move || {
+        if REFUSED.try_with(Cell::get).is_ok_and(|bytes| bytes > 0) {
+            // Safety: standard error, written to without buffer or lock, and not closed
+            let mut stderr = ManuallyDrop::new(unsafe { std::fs::File::from_raw_fd(2) });
+            let _ = stderr.write_all(SENTENCE);
+            signal_hook::low_level::exit(status);
+        }
+    };
+    // Safety: the action reads a constant-initialized note of its own thread, writes to a descriptor and exits
+    unsafe { signal_hook::low_level::register(signal_hook::consts::SIGABRT, refused) }?;
+    Ok(())
+}
+
+/// Where there is no such signal the abort stays.
+///
+/// # Errors
+/// None.
+#[cfg(not(unix))]
+pub fn exit_on_refusal(_: i32) -> std::io::Result<()> {
+    Ok(())
+}

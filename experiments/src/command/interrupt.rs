@@ -1,0 +1,52 @@
+//! The wish to stop: the first SIGINT (Ctrl-C) or SIGTERM is met at the next safe point, the second one at once.
+
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
+use std::fmt;
+use std::io;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// A signal that stops a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Signal(u8);
+
+impl Signal {
+    /// Exit status of what it stopped, as a shell shows it: 128 and its number.
+    pub(super) fn status(self) -> u8 {
+        128 + self.0
+    }
+}
+
+impl fmt::Display for Signal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match i32::from(self.0) {
+            SIGINT => "interrupted",
+            _ => "terminated",
+        })
+    }
+}
+
+/// True from the first signal on.
+static ASKED: AtomicBool = AtomicBool::new(false);
+
+/// Its number; 0 before.
+static WHICH: AtomicUsize = AtomicUsize::new(0);
+
+/// From now on the first signal is only noted, and the second has its default action.
+pub(super) fn listen() -> io::Result<()> {
+    for signal in [SIGINT, SIGTERM] {
+        // in this order: a signal looks whether there was one before, then leaves its mark
+        flag::register_conditional_default(signal, &ASKED)?;
+        flag::register_usize(signal, &WHICH, signal as usize)?;
+        flag::register(signal, &ASKED)?;
+    }
+    Ok(())
+}
+
+/// The signal that asked us to stop, if one did.
+pub(super) fn asked() -> Option<Signal> {
+    if !ASKED.load(Ordering::Relaxed) {
+        return None;
+    }
+    u8::try_from(WHICH.load(Ordering::Relaxed)).ok().map(Signal)
+}

@@ -1,0 +1,92 @@
+//! Disks that are full or read-only, and memory that ends: a sentence and status 2, never a signal.
+
+#![cfg(unix)]
+
+use crate::folders::FILES;
+use crate::random::{ended, fracas};
+use crate::room::{Verdict, count, scratch, trial};
+use crate::scenes::RICH;
+use std::process::{Command, Output};
+
+#[test]
+fn what_cannot_be_written_is_said() {
+    let folder = scratch("disk");
+    let scene = folder.join("scene.toml");
+    std::fs::write(&scene, RICH).unwrap();
+    let scene = scene.display().to_string();
+    let system = folder.join("system");
+    std::fs::create_dir(&system).unwrap();
+    for (name, text) in FILES {
+        std::fs::write(system.join(name), text).unwrap();
+    }
+    let system = system.display().to_string();
+    let mut lines = vec![
+        vec!["run", &scene, "--out", "/proc/fracas"],
+        vec!["run", &scene, "--out", &scene],
+        vec!["export", &scene, "--out", "/proc/fracas"],
+        vec!["export", &scene, "--out", "/dev/null"],
+        vec!["solve", "--system", &system, "--json", "/proc/fracas.json"],
+        vec![
+            "spectrum",
+            "--system",
+            &system,
+            "--plot",
+            "/proc/fracas.svg",
+        ],
+    ];
+    if std::path::Path::new("/dev/full").exists() {
+        for option in ["--json", "--solution"] {
+            lines.push(vec!["solve", "--system", &system, option, "/dev/full"]);
+        }
+    }
+    for line in lines {
+        let ran = fracas(&line);
+        assert_eq!(ended(&ran), Ok(2), "{line:?}");
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// The program with at most so much address space.
+fn within(kibibytes: usize, arguments: &[&str]) -> Output {
+    Command::new("sh")
+        .args(["-c", "ulimit -v $0 && exec \"$@\"", &kibibytes.to_string()])
+        .arg(env!("CARGO_BIN_EXE_fracas"))
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+#[test]
+fn memory_that_ends_is_said_with_the_number_asked_for() {
+    let folder = scratch("memory");
+    let scene = folder.join("scene.toml");
+    std::fs::write(&scene, RICH).unwrap();
+    let scene = scene.display().to_string();
+    let out = folder.join("out");
+    let to = out.display().to_string();
+    trial("memory", count(3e-5, 12), |g| {
+        let _ = std::fs::remove_dir_all(&out);
+        // multiples of the cells of the scene keep its fracture on lines of the grid
+        let cells = 1 + g.below(12);
+        let sets = [("x", 4), ("y", 2), ("z", 3)]
+            .map(|(axis, n)| format!("mesh.{axis}.cells={}", n * cells));
+        // from little more than the program to enough for all of it
+        let kibibytes = 40_000 + g.below(60_000 + 400 * cells * cells * cells);
+        let mut line = match g.below(3) {
+            0 => vec!["run", &scene, "--out", &to],
+            1 => vec!["export", &scene, "--out", &to],
+            _ => vec!["solve", &scene, "--inner", "amg"],
+        };
+        line.extend(["--threads", "2"]);
+        for set in &sets {
+            line.extend(["--set", set]);
+        }
+        let ran = within(kibibytes, &line);
+        match ended(&ran) {
+            Ok(0) => Verdict::Taken,
+            Ok(_) => Verdict::Refused,
+            Err(what) => Verdict::Finding(format!("{line:?} within {kibibytes} KiB {what}")),
+        }
+    });
+    std::fs::remove_dir_all(&folder).unwrap();
+}

@@ -1,0 +1,168 @@
+//! Norms in which an error of (u, t) is judged, each part against that of the solution.
+
+use super::SaddleBlocks;
+use fracas_operators::LinearOperator;
+use fracas_operators::random::splitmix64;
+use fracas_operators::vector::dot;
+
+/// `√(vᵀKv)` of the displacements of a solution with the prescribed ones in their places; K = stiffness in full numbering.
+pub type StrainNorm<'a> = &'a dyn Fn(&[f64]) -> f64;
+
+/// Least share of the norm of (u, t) that a part is judged against, lest a part that vanishes be judged against rounding. Unit: 1.
+const LEAST_SHARE: f64 = 1e-6;
+
+/// `‖e_u‖² = e_uᵀA e_u + (B2 e_u)ᵀ (C_0 + diag H)⁻¹ (B2 e_u)` and `‖e_t‖² = e_tᵀ (C_0 + H) e_t`, `C_0 = diag(B1ᵀ diag(A)⁻¹ B1)`.
+///
+/// The norm of e_u is the energy norm, and sees the motion of blocks that A leaves free by their jumps; that of e_t is the energy
+/// of what the tractions move. Neither depends on units, on the method, or on how stiff the rock is that a prescribed
+/// displacement holds.
+///
+/// # Cost
+/// One product with 𝒜 and one with H per error, two vectors of n.
+pub struct EnergyNorms<'a> {
+    operator: &'a dyn LinearOperator<f64>,
+    h: Option<&'a dyn LinearOperator<f64>>,
+    /// C_0.
+    c: Vec<f64>,
+    /// Diagonal of C_0 + H.
+    diagonal: Vec<f64>,
+    strain: Option<StrainNorm<'a>>,
+    /// Diagonal of A, where its products are only known to rounding of it.
+    stiffness: Option<&'a Stiffness>,
+    n_u: usize,
+}
+
+impl<'a> EnergyNorms<'a> {
+    /// Norms for `operator = [A B1; B2 −H]` with the diagonals of C_0 and of H.
+    pub fn new(
+        operator: &'a dyn LinearOperator<f64>,
+        h: Option<&'a dyn LinearOperator<f64>>,
+        c: Vec<f64>,
+        diagonal_of_h: &[f64],
+    ) -> Self {
+        let n = operator.shape().rows;
+        assert!(
+            c.len() <= n && (diagonal_of_h.is_empty() || diagonal_of_h.len() == c.len()),
+            "{n} unknowns, {} tractions, {} diagonal entries of H",
+            c.len(),
+            diagonal_of_h.len()
+        );
+        let mut diagonal = c.clone();
+        diagonal
+            .iter_mut()
+            .zip(diagonal_of_h)
+            .for_each(|(c, h)| *c += h.max(0.0));
+        Self {
+            n_u: n - c.len(),
+            operator,
+            h,
+            c,
+            diagonal,
+            strain: None,
+            stiffness: None,
+        }
+    }
+
+    /// Judges e_u against `norm` of the solution: where displacements are prescribed, `‖u‖_A` of the free ones alone is mostly
+    /// what holds the cells beside them.
+    #[must_use]
+    pub fn against(mut self, norm: Option<StrainNorm<'a>>) -> Self {
+        self.strain = norm;
+        self
+    }
+
+    /// Counts `ε a_ii |u_i|` as a residual: a product that is computed anew from the elements is that of another matrix to rounding, and
+    /// iterations solve that one to any residual. It matters where stiff rock moves far and soft rock bears the load.
+    #[must_use]
+    pub fn rounded(mut self, stiffness: &'a Stiffness) -> Self {
+        self.stiffness = Some(stiffness);
+        self
+    }
+
+    /// Adds `± ε a_ii |u_i|` to the residual, signs at random.
+    pub(super) fn add_rounding(&self, x: &[f64], r: &mut [f64]) {
+        let Some(stiffness) = self.stiffness else {
+            return;
+        };
+        for (i, ((r, x), halvings)) in r.iter_mut().zip(x).zip(&stiffness.halvings).enumerate() {
+            let sign = [1.0, -1.0][(splitmix64(i as u64) & 1) as usize];
+            let a = stiffness.largest * (-f64::from(*halvings)).exp2();
+            *r += sign * f64::EPSILON * a * x.abs();
+        }
+    }
+
+    /// `(‖e_u‖ / ‖u‖, ‖e_t‖ / ‖t‖)` of an error estimate beside the solution x.
+    pub fn relative(&self, e: &[f64], x: &[f64]) -> [f64; 2] {
+        let mut work = vec![0.0; self.operator.work_len()];
+        let mut part = vec![0.0; e.len()];
+        let mut image = vec![0.0; e.len()];
+        let n_u = self.n_u;
+        let mut displacements = |v: &[f64], jumps: bool| {
+            part[..n_u].copy_from_slice(&v[..n_u]);
+            self.operator.apply(&part, &mut image, &mut work);
+            let energy = dot(&part[..n_u], &image[..n_u]);
+            let weights = self.diagonal.iter().filter(|_| jumps);
+            let springs = image[n_u..].iter().zip(weights).map(|(g, c)| g * g / c);
+            (energy.max(0.0) + springs.sum::<f64>()).sqrt()
+        };
+        let e_u = displacements(e, true);
+        let u = match self.strain {
+            Some(norm) => norm(&x[..n_u]),
+            None => displacements(x, false),
+        };
+        let [e_t, t] = [e, x].map(|v| self.tractions(&v[n_u..]));
+        let least = LEAST_SHARE * u.hypot(t);
+        [(e_u, u), (e_t, t)].map(|(error, own)| ratio(error, own.max(least)))
+    }
+
+    /// `√(tᵀ(C_0 + H)t)`.
+    fn tractions(&self, t: &[f64]) -> f64 {
+        let c: f64 = t.iter().zip(&self.c).map(|(t, c)| c * t * t).sum();
+        let h = self.h.map_or(0.0, |h| {
+            let mut image = vec![0.0; t.len()];
+            h.apply(t, &mut image, &mut vec![0.0; h.work_len()]);
+            dot(t, &image)
+        });
+        (c + h.max(0.0)).sqrt()
+    }
+}
+
+/// The diagonal of A to a factor of two, in a byte per entry.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stiffness {
+    largest: f64,
+    /// Times that the largest entry is halved.
+    halvings: Vec<u8>,
+}
+
+impl Stiffness {
+    /// Of positive entries, none of them above `largest`; an entry of 0 counts as 2⁻²⁵⁵ of that.
+    pub fn new(largest: f64, entries: impl Iterator<Item = f64>) -> Self {
+        // a quotient of infinity saturates
+        let halvings = entries.map(|a| (largest / a).log2().round() as u8);
+        Self {
+            largest,
+            halvings: halvings.collect(),
+        }
+    }
+}
+
+/// 0 where there is no error, infinite where there is nothing to compare it with.
+fn ratio(error: f64, of: f64) -> f64 {
+    if error == 0.0 { 0.0 } else { error / of }
+}
+
+impl SaddleBlocks {
+    /// The diagonal of `C_0 = B1ᵀ diag(A)⁻¹ B1`; 1 for an empty column.
+    pub fn contact_compliance(&self) -> Vec<f64> {
+        let mut c = vec![0.0; self.n_t()];
+        for (i, row) in self.b1.outer_iterator().enumerate() {
+            let diagonal = self.a.get(i, i).map_or(0.0, |a| a.abs());
+            if diagonal > 0.0 {
+                row.iter().for_each(|(j, b)| c[j] += b * b / diagonal);
+            }
+        }
+        c.iter_mut().filter(|c| **c == 0.0).for_each(|c| *c = 1.0);
+        c
+    }
+}

@@ -1,0 +1,101 @@
+//! The manifest held against the files.
+
+use super::{FolderError, Manifest};
+use crate::saddle::SaddleBlocks;
+
+/// Stops where the manifest contradicts the files: sizes, states, blocks that it lists and that are lost, a stabilization that
+/// it says and that is lost, or that it denies and that is there. An H of zeros contradicts nothing.
+pub(super) fn contradictions(
+    manifest: &Manifest,
+    blocks: &SaddleBlocks,
+    exists: &dyn Fn(&str) -> Result<bool, FolderError>,
+) -> Result<(), FolderError> {
+    const FILE: &str = "H.mtx";
+    for (key, says, found, file) in [
+        ("n_u", manifest.n_u, blocks.n_u(), "A.mtx"),
+        ("n_t", manifest.n_t, blocks.n_t(), "B1.mtx"),
+        (
+            "n_p",
+            manifest.n_p,
+            blocks.n_p(),
+            if blocks.flow.is_some() {
+                "T.mtx"
+            } else {
+                "a folder without T.mtx"
+            },
+        ),
+    ] {
+        if let Some(announced) = says.filter(|n| *n != found) {
+            return Err(FolderError::Announced {
+                key,
+                announced,
+                found,
+                file,
+            });
+        }
+    }
+    states(manifest, blocks.n_t())?;
+    for name in ["H", "B2", "Q1", "Q2", "T"] {
+        let file = format!("{name}.mtx");
+        if manifest.lists(name) == Some(true) && !exists(&file)? {
+            return Err(FolderError::Lost {
+                says: said(manifest, Manifest::BLOCKS),
+                file,
+            });
+        }
+    }
+    let entries = (blocks.h.iter().flat_map(|h| h.data())).filter(|v| **v != 0.0);
+    let entries = entries.count();
+    // rows of slip and opening have entries of H without a stabilization
+    let sticks = (manifest.states.iter().flatten()).all(|state| *state == 0);
+    match manifest.is_stabilized() {
+        Some(true) if manifest.lists("H").is_none() && !exists(FILE)? => Err(FolderError::Lost {
+            says: said(manifest, Manifest::STABILIZATION),
+            file: FILE.into(),
+        }),
+        Some(false) if entries > 0 && sticks => Err(FolderError::Unannounced {
+            says: said(manifest, Manifest::STABILIZATION),
+            file: FILE,
+            entries,
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// `key = value`, as written.
+fn said(manifest: &Manifest, key: &str) -> String {
+    let value = manifest.other.get(key).cloned().unwrap_or_default();
+    format!("{key} = {value}")
+}
+
+/// A state per face: n_t/3 of them in systems of ours, one for every one, two or three tractions elsewhere.
+fn states(manifest: &Manifest, n_t: usize) -> Result<(), FolderError> {
+    let Some(states) = &manifest.states else {
+        return Ok(());
+    };
+    if let Some(face) = states.iter().position(|state| *state > 3) {
+        return Err(FolderError::State {
+            face: face + 1,
+            state: states[face],
+        });
+    }
+    let (per_face, expected): (&[usize], _) = if manifest.is_ours() {
+        (&[3], "a state per face of three tractions")
+    } else {
+        (
+            &[1, 2, 3],
+            "a state per face of one, two or three tractions",
+        )
+    };
+    if per_face.iter().any(|k| k * states.len() == n_t) {
+        return Ok(());
+    }
+    Err(FolderError::States {
+        states: states.len(),
+        n_t,
+        expected,
+    })
+}
+
+#[cfg(test)]
+mod tests;

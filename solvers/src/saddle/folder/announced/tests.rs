@@ -1,0 +1,137 @@
+//! Which manifests fit which files.
+
+use super::super::tests::{folder, sparse, system};
+use super::super::{read_folder, write_folder};
+use super::*;
+
+/// A folder with these blocks and this manifest, whatever it says.
+fn with_manifest(blocks: &SaddleBlocks, manifest: &str) -> Result<(), String> {
+    let folder = folder("announced");
+    write_folder(&folder, blocks, &Manifest::default()).unwrap();
+    std::fs::write(folder.join("manifest.json"), manifest).unwrap();
+    read_folder(&folder)
+        .map(|_| ())
+        .map_err(|error| error.to_string())
+}
+
+fn bare() -> SaddleBlocks {
+    SaddleBlocks {
+        h: None,
+        ..system()
+    }
+}
+
+#[test]
+fn a_stabilization_that_is_said_and_lost_or_denied_and_there_is_an_error() {
+    let zero = SaddleBlocks {
+        h: Some(sparse(3, 3, |_, _| 0.0)),
+        ..system()
+    };
+    for (blocks, manifest, contradiction) in [
+        (
+            bare(),
+            r#"{"stabilization": 1.0}"#,
+            "stabilization = 1.0, but the folder holds no H.mtx",
+        ),
+        (
+            bare(),
+            r#"{"stabilization": true}"#,
+            "stabilization = true, but the folder holds no H.mtx",
+        ),
+        (
+            system(),
+            r#"{"stabilization": 0}"#,
+            "stabilization = 0, but H.mtx holds 3 nonzero entries",
+        ),
+        (
+            system(),
+            r#"{"stabilization": false}"#,
+            "stabilization = false, but H.mtx holds 3",
+        ),
+        (
+            system(),
+            r#"{"stabilization": 0, "states": [0]}"#,
+            "stabilization = 0, but H.mtx holds 3",
+        ),
+        (
+            bare(),
+            r#"{"blocks": ["A", "B1", "H"]}"#,
+            "but the folder holds no H.mtx",
+        ),
+        (
+            bare(),
+            r#"{"blocks": ["A", "B1", "B2"]}"#,
+            "but the folder holds no B2.mtx",
+        ),
+        (
+            bare(),
+            r#"{"blocks": ["A", "B1", "T"]}"#,
+            "but the folder holds no T.mtx",
+        ),
+        (
+            system(),
+            r#"{"n_p": 2}"#,
+            "n_p = 2, but a folder without T.mtx gives 0",
+        ),
+        (
+            system(),
+            r#"{"states": [0, 0]}"#,
+            "2 states of faces, but B1.mtx has 3 columns",
+        ),
+        (system(), r#"{"states": [4]}"#, "gives face 1 the state 4"),
+        (
+            system(),
+            r#"{"version": "fracas 9", "states": [0, 0, 0]}"#,
+            "3 states of faces",
+        ),
+    ] {
+        let message = with_manifest(&blocks, manifest).unwrap_err();
+        assert!(message.contains(contradiction), "{manifest}: {message}");
+    }
+    for (blocks, manifest) in [
+        (system(), r#"{"stabilization": 1.0}"#),
+        (zero.clone(), r#"{"stabilization": 1.0}"#),
+        (zero, r#"{"stabilization": 0}"#),
+        (bare(), r#"{"stabilization": 0.0}"#),
+        (bare(), r#"{"stabilization": null}"#),
+        (
+            bare(),
+            r#"{"stabilization": "of another code", "blocks": 2}"#,
+        ),
+        // added by hand
+        (system(), r#"{"blocks": ["A", "B1"], "stabilization": 1}"#),
+        // rows of opening
+        (system(), r#"{"stabilization": 0, "states": [3]}"#),
+        // no edge between two faces
+        (bare(), r#"{"stabilization": 1.0, "blocks": ["A", "B1"]}"#),
+        (system(), r#"{"states": [0, 0, 0]}"#),
+    ] {
+        assert_eq!(with_manifest(&blocks, manifest), Ok(()), "{manifest}");
+    }
+}
+
+#[test]
+fn what_is_written_fits_its_manifest_and_a_file_that_is_lost_does_not() {
+    let b2 = sparse(3, 6, |i, j| 1.0 / (2 + i + j) as f64);
+    for (h, b2) in [(true, true), (true, false), (false, true), (false, false)]
+        .map(|(h, two)| (h, two.then(|| b2.clone())))
+    {
+        let blocks = SaddleBlocks {
+            h: system().h.filter(|_| h),
+            b2: b2.clone(),
+            ..system()
+        };
+        let folder = folder("written");
+        write_folder(&folder, &blocks, &Manifest::default()).unwrap();
+        read_folder(&folder).unwrap();
+        for (file, is_there) in [("H.mtx", h), ("B2.mtx", b2.is_some())] {
+            if is_there {
+                let away = folder.join("away");
+                std::fs::rename(folder.join(file), &away).unwrap();
+                let error = read_folder(&folder).unwrap_err();
+                assert!(matches!(error, FolderError::Lost { .. }), "{error}");
+                std::fs::rename(&away, folder.join(file)).unwrap();
+            }
+        }
+    }
+}

@@ -1,0 +1,248 @@
+//! Slip that runs away under weakening: the tangent of the patch that slips is not positive definite.
+
+use super::linear::Linear;
+use super::newton::{Attempt, Iterate};
+use super::{ContactProblem, Failure, Load};
+use crate::analytic::{Rock, nucleation_half_length};
+use crate::contact::ContactState;
+use fracas_operators::vector::dot;
+use fracas_solvers::Observer;
+
+/// Loss of strength in a step, relative to the largest traction, below which nothing has weakened. Unit: 1.
+const NOTHING: f64 = 1e-5;
+
+/// Relative residual of a linear solve. Unit: 1.
+const SOLVED: f64 = 1e-6;
+
+/// Change of the largest ratio at which it stands. Unit: 1.
+const STANDS: f64 = 1e-3;
+
+/// Iterations in which it does.
+const MOST: usize = 30;
+
+/// Share of the largest slip of the mode that a face of the patch has at least. Unit: 1.
+const OF_PATCH: f64 = 0.1;
+
+/// A patch whose strength falls faster with slip than the stress that drives it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Instability {
+    /// Fracture on which it slips most.
+    pub fracture: String,
+    /// Faces of the patch.
+    pub faces: usize,
+    /// Its centre [m].
+    pub center: [f64; 3],
+    /// Largest side of the box around the centres of its faces, a face wider [m].
+    pub extent: f64,
+    /// Strength lost per slip W, the mean over the patch [Pa/m].
+    pub slope: f64,
+    /// Largest eigenvalue ρ of `W A_f z = ρ K z`, at least: above 1 K − W A_f has a direction of negative curvature.
+    pub ratio: f64,
+    /// Half-length `0.578887 G/((1−ν) W)` from which slip runs away, softer side [m].
+    pub nucleation: f64,
+    /// Largest slip of the step [m].
+    pub slip: f64,
+}
+
+impl std::fmt::Display for Instability {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [x, y, z] = self.center;
+        write!(
+            f,
+            "on fracture \"{}\" {} faces around ({x:.6}, {y:.6}, {z:.6}) m, {:.6} m wide, lose {:.3e} Pa of strength per metre of slip, {:.3} times what the rock around gives back (nucleation half-length {:.6} m)",
+            self.fracture, self.faces, self.extent, self.slope, self.ratio, self.nucleation
+        )
+    }
+}
+
+/// The patch that runs away at states in equilibrium, if one does.
+///
+/// With slip frozen in its directions m and every limit given, an increase of all limits by τ holds back the slip
+/// `K⁻¹ A_f τ`; slip z takes `W z` from the limits, so that `z ← K⁻¹ A_f W z` grows without bound where `ρ(K⁻¹ A_f W) > 1`: then
+/// `zᵀ(K − A_f W) z < 0` for its mode. W is the rate at the start of the step, the largest along it: where it shows nothing,
+/// the patch has been stable all the way. The Rayleigh quotient `zᵀA_f W z/zᵀK z` of any z is a lower bound, so that one above 1 is a
+/// proof where K is symmetric (the normal tractions stay).
+///
+/// # Cost
+/// A linear system per iteration; none where nothing has weakened.
+pub(super) fn instability(
+    attempt: &Attempt<'_>,
+    (states, x): (&[ContactState], &Iterate),
+    traction: f64,
+    linear: &mut Linear,
+    observer: &mut dyn Observer,
+) -> Result<Option<Box<Instability>>, Failure> {
+    let problem = attempt.problem;
+    let h = problem.stabilization(states);
+    let at = problem.evaluate(
+        states,
+        h.as_ref(),
+        [&x.u, &x.t],
+        attempt.start,
+        attempt.load,
+    );
+    let faces: Vec<Weak> = (0..states.len())
+        .filter_map(|f| Weak::new(attempt, f, states[f], x, &at.effective))
+        .collect();
+    let lost = faces.iter().map(|face| face.rate * face.slip);
+    if lost.fold(0.0, f64::max) <= NOTHING * traction {
+        return Ok(None);
+    }
+    let jacobian = problem.jacobian(states, h.as_ref(), &at, true);
+    let (n_u, s) = (x.u.len(), problem.saddle().unit());
+    let mut rhs = vec![0.0; n_u + x.t.len()];
+    let mut solved = vec![0.0; rhs.len()];
+    let mut mode: Vec<f64> = faces.iter().map(|face| face.slip).collect();
+    let mut ratio = 0.0f64;
+    for _ in 0..MOST {
+        let weights = |v: &[f64]| -> Vec<f64> {
+            let of = |(face, v): (&Weak, &f64)| problem.faces()[face.face].area * face.rate * v;
+            faces.iter().zip(v).map(of).collect()
+        };
+        let driven = weights(&mode);
+        rhs.fill(0.0);
+        for (face, w) in faces.iter().zip(&driven) {
+            for k in 0..2 {
+                let row = n_u + 3 * face.face + 1 + k;
+                rhs[row] = s * problem.compliance()[face.face] * w * face.direction[k];
+            }
+        }
+        let done = linear.solve(
+            problem,
+            (&jacobian, states),
+            &rhs,
+            SOLVED,
+            &mut solved,
+            observer,
+        )?;
+        if done.stopped {
+            return Err(Failure::Stopped);
+        }
+        let next = slip_of(problem, &solved[..n_u], &faces);
+        let before = ratio;
+        // zᵀ A_f W z over zᵀ K z = zᵀ A_f W z_before
+        ratio = dot(&next, &weights(&next)) / dot(&next, &driven);
+        let size = next.iter().fold(0.0, |m: f64, z| m.max(z.abs()));
+        if !(ratio.is_finite() && size > 0.0) {
+            return Ok(None);
+        }
+        mode = next.iter().map(|z| z / size).collect();
+        if (ratio - before).abs() <= STANDS * ratio {
+            break;
+        }
+    }
+    Ok((ratio > 1.0 + SOLVED).then(|| Box::new(patch(problem, &faces, &mode, ratio))))
+}
+
+/// A face that slips and weakens.
+struct Weak {
+    face: usize,
+    /// m.
+    direction: [f64; 2],
+    /// −∂τ_L/∂s along m at the start of the step [Pa/m].
+    rate: f64,
+    /// Slip of the step along m [m].
+    slip: f64,
+}
+
+impl Weak {
+    fn new(
+        attempt: &Attempt<'_>,
+        f: usize,
+        state: ContactState,
+        x: &Iterate,
+        effective: &[f64],
+    ) -> Option<Self> {
+        if state.constrained() != 1 {
+            return None;
+        }
+        let t = [x.t[3 * f + 1], x.t[3 * f + 2]];
+        let shear = t[0].hypot(t[1]);
+        let from = [0, 1].map(|k| attempt.start.slip[2 * f + k]);
+        let moved = [1, 2].map(|k| effective[3 * f + k] - attempt.start.jump[3 * f + k]);
+        let before = from[0].hypot(from[1]);
+        let m = t.map(|t| t / shear);
+        let slip = m[0] * moved[0] + m[1] * moved[1];
+        // ds/dΔg along m; slip that turns back heals
+        let after = [from[0] + moved[0], from[1] + moved[1]];
+        let size = after[0].hypot(after[1]);
+        let along = (m[0] * after[0] + m[1] * after[1]) / size;
+        let rate = -attempt.problem.friction(f).by_slip(x.t[3 * f], before) * along;
+        let weakens = shear > 0.0 && slip > 0.0 && rate > 0.0;
+        weakens.then_some(Self {
+            face: f,
+            direction: m,
+            rate,
+            slip,
+        })
+    }
+}
+
+/// Mean tangential jumps along m that displacements make [m].
+fn slip_of(problem: &ContactProblem<'_>, u: &[f64], faces: &[Weak]) -> Vec<f64> {
+    let none = Load {
+        force: Vec::new(),
+        jump: vec![0.0; 3 * problem.faces().len()],
+    };
+    let jumps = problem.jumps(u, &none);
+    let along = |face: &Weak| {
+        let i = 3 * face.face + 1;
+        face.direction[0] * jumps[i] + face.direction[1] * jumps[i + 1]
+    };
+    faces.iter().map(along).collect()
+}
+
+/// What a mode, its largest slip 1, says of where it slips.
+fn patch(problem: &ContactProblem<'_>, faces: &[Weak], mode: &[f64], ratio: f64) -> Instability {
+    let body = problem.body();
+    let of_patch = || {
+        let pairs = faces.iter().zip(mode);
+        pairs.filter(|(_, z)| z.abs() >= OF_PATCH)
+    };
+    let (mut area, mut slope, mut center) = (0.0, 0.0, [0.0; 3]);
+    let mut corners = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+    let (mut widest, mut slip, mut nucleation) = (0.0f64, 0.0f64, f64::INFINITY);
+    let mut most = (0.0, 0);
+    for (weak, z) in of_patch() {
+        let face = &problem.faces()[weak.face];
+        area += face.area;
+        slope += face.area * weak.rate;
+        slip = slip.max(weak.slip);
+        widest = widest.max(face.area.sqrt());
+        if z.abs() > most.0 {
+            most = (z.abs(), usize::from(face.fracture));
+        }
+        for k in 0..3 {
+            center[k] += face.area * face.center[k];
+            corners[0][k] = corners[0][k].min(face.center[k]);
+            corners[1][k] = corners[1][k].max(face.center[k]);
+        }
+    }
+    for (weak, _) in of_patch() {
+        for element in [
+            &problem.faces()[weak.face].minus,
+            &problem.faces()[weak.face].plus,
+        ] {
+            let region = usize::from(body.mesh.regions[element.element as usize]);
+            let material = &body.materials[region];
+            let rock = Rock {
+                young: material.young,
+                poisson: material.poisson,
+            };
+            nucleation = nucleation.min(nucleation_half_length(rock, slope / area));
+        }
+    }
+    let side = (0..3).map(|k| corners[1][k] - corners[0][k]);
+    Instability {
+        fracture: (body.fractures.names.get(most.1))
+            .cloned()
+            .unwrap_or_default(),
+        faces: of_patch().count(),
+        center: center.map(|x| x / area),
+        extent: side.fold(0.0, f64::max) + widest,
+        slope: slope / area,
+        ratio,
+        nucleation,
+        slip,
+    }
+}

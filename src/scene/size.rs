@@ -1,0 +1,246 @@
+//! How large a scene is, before anything is meshed.
+
+use super::geometry::{axis, expand};
+use super::sections::SceneSections;
+use crate::mesh::MAX_NODES;
+use std::ops::RangeInclusive;
+
+/// What meshing a scene will make, as its grid lines and the rectangles of its fractures tell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SceneSize {
+    /// Nodes before fractures split them.
+    pub nodes: u128,
+    /// Copies that splitting makes: exact but for the rims of fractures inside the body.
+    pub copies: u128,
+    /// Fracture faces.
+    pub faces: u128,
+}
+
+/// Rectangles of one section: equal but for their position.
+struct Planes {
+    axis: usize,
+    /// Grid lines that they lie on, increasing.
+    at: Vec<usize>,
+    /// Grid lines per axis on which their nodes are split.
+    split: [RangeInclusive<usize>; 3],
+}
+
+impl Planes {
+    /// Planes on the lines of a range.
+    fn within(&self, range: &RangeInclusive<usize>) -> u128 {
+        let first = self.at.partition_point(|i| i < range.start());
+        let last = self.at.partition_point(|i| i <= range.end());
+        last.saturating_sub(first) as u128
+    }
+}
+
+/// Lines of a range.
+fn count(range: &RangeInclusive<usize>) -> u128 {
+    (range.end() + 1).saturating_sub(*range.start()) as u128
+}
+
+/// Lines of two ranges.
+fn common(a: &RangeInclusive<usize>, b: &RangeInclusive<usize>) -> RangeInclusive<usize> {
+    *a.start().max(b.start())..=*a.end().min(b.end())
+}
+
+impl SceneSize {
+    /// Of a grid; a fracture or an axis that cannot be made counts 0, which building explains.
+    ///
+    /// A node on planes across k axes has 2ᵏ copies, itself included: one per plane, pair and triple through it.
+    ///
+    /// # Cost
+    /// O(lines + planes), and O(n²) for n sections, besides those that cross.
+    pub(super) fn of_grid(sections: &SceneSections) -> Self {
+        let mesh = &sections.mesh;
+        let nodes = mesh.nodes();
+        let mut size = Self {
+            nodes,
+            ..Self::default()
+        };
+        if nodes == 0 || nodes > MAX_NODES || sections.fracture.is_empty() {
+            return size;
+        }
+        let lines = |d: usize| {
+            let (section, name) = [(&mesh.x, "x"), (&mesh.y, "y"), (&mesh.z, "z")][d];
+            axis(section, name).ok()?.lines(d).ok()
+        };
+        let (Some(x), Some(y), Some(z)) = (lines(0), lines(1), lines(2)) else {
+            return size;
+        };
+        let lines = [x, y, z];
+        let mut planes: [Vec<Planes>; 3] = Default::default();
+        for (i, fracture) in sections.fracture.iter().enumerate() {
+            let expanded = expand(fracture, i, &lines).unwrap_or_default();
+            let mut ranges = expanded
+                .iter()
+                .filter_map(|plane| plane.select(&lines).ok());
+            let Some(first) = ranges.next() else {
+                continue;
+            };
+            let d = expanded[0].axis;
+            let mut at: Vec<usize> = std::iter::once(first[d].start)
+                .chain(ranges.map(|r| r[d].start))
+                .collect();
+            at.sort_unstable();
+            let faces = (0..3).filter(|e| *e != d).map(|e| first[e].len() as u128);
+            size.faces += at.len() as u128 * faces.product::<u128>();
+            // half of a rim inside the body counts, so that a fracture of one face has a copy
+            let split = first.map(|r| r.start + usize::from(r.start > 0)..=r.end);
+            planes[d].push(Planes { axis: d, at, split });
+        }
+        size.copies = copies(&planes);
+        size
+    }
+}
+
+/// Copies of all nodes on planes.
+fn copies([x, y, z]: &[Vec<Planes>; 3]) -> u128 {
+    let mut copies = 0;
+    for p in x.iter().chain(y).chain(z) {
+        let nodes = (0..3).filter(|e| *e != p.axis).map(|e| count(&p.split[e]));
+        copies += p.at.len() as u128 * nodes.product::<u128>();
+    }
+    for (a, b, c) in [(x, y, z), (x, z, y), (y, z, x)] {
+        for p in a {
+            for q in b {
+                let pairs = p.within(&q.split[p.axis]) * q.within(&p.split[q.axis]);
+                if pairs == 0 {
+                    continue;
+                }
+                let third = 3 - p.axis - q.axis;
+                let line = common(&p.split[third], &q.split[third]);
+                copies += pairs * count(&line);
+                // every triple once
+                if third != 2 {
+                    continue;
+                }
+                for r in c {
+                    let [i, j] = [(p, q), (q, p)].map(|(s, other)| {
+                        s.within(&common(&r.split[s.axis], &other.split[s.axis]))
+                    });
+                    copies += i * j * r.within(&line);
+                }
+            }
+        }
+    }
+    copies
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::scene::Scene;
+    use fracas_operators::random::splitmix64;
+
+    const REST: &str = r#"
+[[material]]
+name = "rock"
+young = "25 GPa"
+poisson = 0.25
+[[boundary]]
+side = "z-"
+hold = "fixed"
+[[boundary]]
+side = "z+"
+hold = "fixed"
+[[boundary]]
+side = "x-"
+hold = "fixed"
+[[boundary]]
+side = "x+"
+hold = "fixed"
+[[boundary]]
+side = "y-"
+hold = "fixed"
+[[boundary]]
+side = "y+"
+hold = "fixed"
+"#;
+
+    /// Numbers below `end`, one after the other.
+    fn draws(seed: u64) -> impl FnMut(u64) -> u64 {
+        let mut count = 0;
+        move |end| {
+            count += 1;
+            splitmix64(seed << 32 | count) % end
+        }
+    }
+
+    fn grid(cells: [u64; 3]) -> String {
+        let axis = |(name, n): (&str, u64)| {
+            format!("{name} = {{ from = \"0 m\", to = \"{n} m\", cells = {n} }}\n")
+        };
+        let axes: String = ["x", "y", "z"].into_iter().zip(cells).map(axis).collect();
+        format!("title = \"family\"\n[mesh]\n{axes}{REST}")
+    }
+
+    /// Faces and copies as counted and as built.
+    fn sizes(scene: &str) -> [[u128; 2]; 2] {
+        let scene = Scene::from_toml(scene, "family.toml").expect("a scene");
+        let (size, body) = (scene.size(), scene.build().expect("a body"));
+        assert_eq!(size.nodes, scene.nodes());
+        let copies = body.mesh.nodes.len() as u128 - size.nodes;
+        [
+            [size.faces, body.fractures.faces.len() as u128],
+            [size.copies, copies],
+        ]
+    }
+
+    #[test]
+    fn networks_are_counted_exactly() {
+        for seed in 0..12 {
+            let mut draw = draws(seed);
+            let mut scene = grid([3 + draw(5), 3 + draw(5), 3 + draw(5)]);
+            for axis in ["x", "y", "z"] {
+                let every = 1 + draw(3);
+                if every < 3 {
+                    scene += &format!(
+                        "[[fracture]]\nname = \"{axis}\"\nplane = \"{axis}\"\nevery = {every}\n"
+                    );
+                }
+            }
+            for [counted, built] in sizes(&scene) {
+                assert_eq!(counted, built, "seed {seed}");
+            }
+        }
+    }
+
+    #[test]
+    fn rectangles_are_counted_up_to_their_rims() {
+        for seed in 0..12 {
+            let mut draw = draws(100 + seed);
+            let cells = [8 + draw(5), 8 + draw(5), 8 + draw(5)];
+            let (mut scene, mut rims) = (grid(cells), 0);
+            for (d, axis) in ["x", "y", "z"].into_iter().enumerate() {
+                let at = 1 + draw(cells[d] - 1);
+                scene += &format!(
+                    "[[fracture]]\nname = \"{axis}\"\nplane = \"{axis}\"\nat = \"{at} m\"\n"
+                );
+                for (e, other) in ["x", "y", "z"].into_iter().enumerate().filter(|o| o.0 != d) {
+                    let from = draw(cells[e] - 3);
+                    let to = from + 2 + draw(cells[e] - from - 1);
+                    scene += &format!("{other} = [\"{from} m\", \"{to} m\"]\n");
+                    rims += 2 * u128::from(to - from + 1);
+                }
+            }
+            let [faces, [counted, built]] = sizes(&scene);
+            assert_eq!(faces[0], faces[1], "seed {seed}");
+            assert!(
+                counted.abs_diff(built) <= rims,
+                "seed {seed}: {counted} {built}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_network_of_millions_is_counted_without_meshing() {
+        let scene = grid([400, 400, 400])
+            + "[[fracture]]\nname = \"x\"\nplane = \"x\"\nevery = 1\n[[fracture]]\nname = \"y\"\nplane = \"y\"\nevery = 1\n";
+        let size = Scene::from_toml(&scene, "large.toml")
+            .expect("a scene")
+            .size();
+        assert_eq!(size.nodes, 401 * 401 * 401);
+        assert_eq!(size.faces, 2 * 399 * 400 * 400);
+        assert_eq!(size.copies, 2 * 399 * 401 * 401 + 399 * 399 * 401);
+    }
+}

@@ -1,0 +1,208 @@
+//! Claim: slip that weakens faster than the rock around is stiff is recognized at the load at which it begins, whatever steps lead
+//! there; slip that weakens more slowly never is.
+#![allow(clippy::unwrap_used)]
+
+#[allow(dead_code)]
+mod contact_scenes;
+
+use contact_scenes::{SLIDING, body};
+use fracas::analytic::BlockSliding;
+use fracas::nonlinear::{Event, Failure, Simulation};
+use fracas::scene::Body;
+use fracas_operators::random::splitmix64;
+use fracas_solvers::Silent;
+
+/// Runs of each kind; `FRACAS_RUNS` raises it.
+const RUNS: u64 = 12;
+
+/// Share by which loads may differ: states are judged to 1e-6 of the largest traction. Unit: 1.
+const SAME: f64 = 1e-5;
+
+/// Blocks that a seed decides.
+struct Case {
+    blocks: BlockSliding,
+    /// Weakening at rest over `G/(H1 + H2)`.
+    ratio: f64,
+    /// Displacement of the top after 1 s [m].
+    end: f64,
+    overrides: Vec<String>,
+}
+
+impl Case {
+    /// `ratio` between `low` and `high`.
+    fn new(seed: u64, [low, high]: [f64; 2]) -> Self {
+        let number = |k: u64| (splitmix64(97 * seed + k) >> 11) as f64 / (1u64 << 53) as f64;
+        let between = |k: u64, low: f64, high: f64| low + (high - low) * number(k);
+        let shear = 10f64.powf(between(1, 9.0, 10.5));
+        let (cells, cut) = (6.0, 1.0 + (4.999 * number(2)).floor());
+        let height = between(3, 1.0, 50.0);
+        let ratio = between(4, low, high);
+        let [friction, dynamic] = [between(5, 25.0, 40.0), between(6, 5.0, 20.0)];
+        let blocks = BlockSliding {
+            shear,
+            heights: [height * cut / cells, height * (1.0 - cut / cells)],
+            friction_angle: f64::to_radians(friction),
+            cohesion: 0.0,
+            compression: 1e7,
+        };
+        // −dτ_L/ds at rest = σ0 (φ_s − φ_d)/(d_c cos² φ_s)
+        let fall = f64::to_radians(friction - dynamic);
+        let slope = ratio * shear / height;
+        let distance = 1e7 * fall / (blocks.friction_angle.cos().powi(2) * slope);
+        let end = between(7, 1.2, 3.0) * blocks.elastic_range();
+        let overrides = [
+            format!("material.0.young={} Pa", 2.5 * shear),
+            format!("mesh.z.to={height} m"),
+            format!("fracture.0.at={} m", height * cut / cells),
+            format!("fracture.0.friction_angle={friction} deg"),
+            "fracture.0.cohesion=0 MPa".into(),
+            format!("fracture.0.dynamic_friction_angle={dynamic} deg"),
+            format!("fracture.0.weakening_distance={distance} m"),
+            format!("boundary.3.displacement.x={end} m"),
+            format!("time.steps={}", 1 + (9.0 * number(8)) as u32),
+            "time.end=1 s".into(),
+        ];
+        Self {
+            blocks,
+            ratio,
+            end,
+            overrides: overrides.into(),
+        }
+    }
+
+    fn body(&self, more: &[&str]) -> Body {
+        let own = self.overrides.iter().map(String::as_str);
+        let all: Vec<&str> = own.chain(more.iter().copied()).collect();
+        body(SLIDING, &all)
+    }
+}
+
+fn runs() -> u64 {
+    std::env::var("FRACAS_RUNS").map_or(RUNS, |runs| runs.parse().unwrap())
+}
+
+#[test]
+fn slip_that_weakens_slowly_is_never_called_unstable() {
+    for seed in 0..runs() {
+        let case = Case::new(seed, [0.05, 0.98]);
+        let body = case.body(&[]);
+        let mut simulation = Simulation::new(&body).unwrap();
+        let mut state = simulation.initial_state();
+        while state.step == 0 || !simulation.is_finished(&state) {
+            let done = simulation.advance(&state, &mut Silent).unwrap();
+            assert_eq!(done.record.cuts, 0, "seed {seed}");
+            state = done.state;
+        }
+        let fields = simulation.face_fields(&state);
+        assert!(fields.slip[0] > 0.0, "seed {seed}: nothing slips");
+    }
+}
+
+#[test]
+fn slip_that_runs_away_is_recognized_at_the_load_at_which_it_begins() {
+    let mut named = 0;
+    for seed in 0..runs() {
+        let case = Case::new(seed, [1.05, 6.0]);
+        let body = case.body(&[]);
+        let mut simulation = Simulation::new(&body).unwrap();
+        let mut state = simulation.initial_state();
+        let failure = loop {
+            assert!(
+                !simulation.is_finished(&state) || state.step == 0,
+                "seed {seed}: to the end"
+            );
+            match simulation.advance(&state, &mut Silent) {
+                Ok(done) => state = done.state,
+                Err(failure) => break failure,
+            }
+        };
+        let onset = case.blocks.elastic_range() / case.end;
+        let [low, high] = [failure.time, failure.time + failure.increment];
+        assert!(
+            low <= onset * (1.0 + SAME) && onset <= high * (1.0 + SAME),
+            "seed {seed}: {onset} {low} {high}"
+        );
+        assert!(failure.increment <= 1.0 / 128.0, "seed {seed}: {failure}");
+        // where no state beyond the jump is found there is nothing to name: the run ends at this load all the same
+        let Failure::Unstable(patch) = &failure.reason else {
+            continue;
+        };
+        named += 1;
+        assert!(
+            (patch.ratio - case.ratio).abs() < 2e-3 * case.ratio,
+            "seed {seed}: {} {}",
+            patch.ratio,
+            case.ratio
+        );
+        assert_eq!((patch.fracture.as_str(), patch.faces), ("cut", 1));
+        // the last good state: stuck just below the limit
+        let fields = simulation.face_fields(&state);
+        assert!(
+            fields.slip[0] <= 1e-9 * case.end,
+            "seed {seed}: {}",
+            fields.slip[0]
+        );
+    }
+    assert!(2 * named > runs(), "{named} of {} are named", runs());
+}
+
+#[test]
+fn asked_for_a_run_steps_over_to_the_arrested_state_and_says_so() {
+    let mut arrested = 0;
+    'seeds: for seed in 0..runs() {
+        let case = Case::new(seed, [1.05, 6.0]);
+        let body = case.body(&["solver.unstable=arrest"]);
+        let mut simulation = Simulation::new(&body).unwrap();
+        let mut state = simulation.initial_state();
+        let mut passed = Vec::new();
+        while state.step == 0 || !simulation.is_finished(&state) {
+            let before = state.time;
+            let done = match simulation.advance(&state, &mut Silent) {
+                Ok(done) => done,
+                // no arrested state was found: said, and the last good one stays
+                Err(failure) => {
+                    let onset = case.blocks.elastic_range() / case.end;
+                    let reached = failure.time + failure.increment;
+                    assert!(onset <= reached * (1.0 + SAME), "seed {seed}: {failure}");
+                    continue 'seeds;
+                }
+            };
+            let told = done
+                .events
+                .iter()
+                .any(|e| matches!(e, Event::Arrested { .. }));
+            assert_eq!(told, done.record.arrested, "seed {seed}");
+            state = done.state;
+            if told {
+                passed.push([before, state.time]);
+            }
+        }
+        let onset = case.blocks.elastic_range() / case.end;
+        assert_eq!(passed.len(), 1, "seed {seed}: {passed:?}");
+        let [low, high] = passed[0];
+        assert!(
+            low <= onset * (1.0 + SAME) && onset <= high * (1.0 + SAME),
+            "seed {seed}"
+        );
+        // equilibrium of the column and the limit at this slip
+        let fields = simulation.face_fields(&state);
+        let shear = fields.traction[1].hypot(fields.traction[2]);
+        assert!(
+            (shear - fields.tau_limit[0]).abs() < 1e-5 * shear,
+            "seed {seed}: {shear} {}",
+            fields.tau_limit[0]
+        );
+        let height: f64 = case.blocks.heights.iter().sum();
+        let driven = case.blocks.shear * (case.end - fields.slip[0]) / height;
+        assert!(
+            (shear - driven).abs() < 1e-5 * shear,
+            "seed {seed}: {shear} {driven}"
+        );
+        arrested += 1;
+    }
+    assert!(
+        2 * arrested > runs(),
+        "{arrested} of {} come to rest",
+        runs()
+    );
+}

@@ -1,0 +1,391 @@
+//! Claim: on random scenes of fractures that cross each other and held sides, geometric multigrid is set up wherever S_u can be
+//! factorized, and needs at most twice the iterations of AMG, or 30.
+//!
+//! `GEOMETRIC_FAMILY=3000 GEOMETRIC_SEED=1 cargo test --release --test geometric_family -- --nocapture` tries that many.
+#![allow(clippy::unwrap_used)]
+
+use fracas::contact::JumpStabilization;
+use fracas::mesh::{BodyPart, Hold};
+use fracas::multigrid::Geometric;
+use fracas::scene::{Body, Scene};
+use fracas_operators::Preconditioner;
+use fracas_operators::random::splitmix64;
+use fracas_operators::sparse::Csr;
+use fracas_solvers::Silent;
+use fracas_solvers::amg::{Amg, Precision};
+use fracas_solvers::direct::DirectChoice;
+use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
+use fracas_solvers::saddle::{
+    AugmentationChoice, AugmentationMatrix, InnerChoice, RELAXATION, Racp, RacpInverse,
+    SaddleBlocks, SaddleMethod, SaddleOperator,
+};
+use std::fmt::Write;
+
+/// Scenes where the environment names no number.
+const FEW: u64 = 12;
+
+/// Iterations that are few whatever AMG takes.
+const ENOUGH: usize = 30;
+
+/// Iterations after which a solve has failed.
+const MOST: usize = 400;
+
+/// Numbers from a seed.
+struct Dice(u64);
+
+impl Dice {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(1);
+        splitmix64(self.0)
+    }
+
+    /// From `low` to `high`, both included.
+    fn range(&mut self, low: usize, high: usize) -> usize {
+        low + (self.next() % (high - low + 1) as u64) as usize
+    }
+
+    /// With this probability in percent.
+    fn percent(&mut self, chance: u64) -> bool {
+        self.next() % 100 < chance
+    }
+
+    fn unit(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn one_of<T: Copy>(&mut self, list: &[T]) -> T {
+        list[self.range(0, list.len() - 1)]
+    }
+}
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Grid lines of an axis: equal, stretched, growing, or uneven cells.
+fn lines(dice: &mut Dice, cells: usize, stretch: f64) -> Vec<f64> {
+    let kind = dice.range(0, 5);
+    let growth = 1.0 + 0.5 * dice.unit();
+    let middle = dice.range(0, cells) as f64;
+    let mut lines = vec![0.0];
+    let mut at: f64 = 0.0;
+    for i in 0..cells {
+        at += stretch
+            * match kind {
+                0 => growth.powf((i as f64 - middle).abs()),
+                1 => dice.one_of(&[0.5, 1.0, 1.0, 2.0]),
+                _ => 1.0,
+            };
+        // few digits, so that text and numbers agree
+        lines.push((at * 1e6).round() / 1e6);
+    }
+    lines
+}
+
+fn interval(dice: &mut Dice, lines: &[f64], whole: u64) -> [f64; 2] {
+    let n = lines.len() - 1;
+    if dice.percent(whole) {
+        return [lines[0], lines[n]];
+    }
+    let from = dice.range(0, n - 2);
+    let to = dice.range(from + 2, n);
+    [lines[from], lines[to]]
+}
+
+/// A scene as text: 1–6 cuts, T and X crossings, or a network; held and loaded sides; layers.
+fn scene(seed: u64) -> String {
+    let dice = &mut Dice(splitmix64(seed));
+    let cells = [0, 1, 2].map(|_| dice.range(5, 13));
+    let stretch = [0, 1, 2].map(|_| {
+        if dice.percent(15) {
+            dice.one_of(&[0.02, 0.1, 0.5, 5.0, 20.0])
+        } else {
+            1.0
+        }
+    });
+    let lines = [0, 1, 2].map(|d: usize| lines(dice, cells[d], stretch[d]));
+    let mut text = format!("title = \"family {seed}\"\n[mesh]\n");
+    for d in 0..3 {
+        let list: Vec<String> = lines[d].iter().map(|x| format!("\"{x} m\"")).collect();
+        writeln!(text, "{} = {{ lines = [{}] }}", AXES[d], list.join(", ")).unwrap();
+    }
+    let rock = |dice: &mut Dice| dice.one_of(&[0.0, 0.2, 0.25, 0.25, 0.3, 0.4, 0.49]);
+    let poisson = rock(dice);
+    writeln!(
+        text,
+        "[[material]]\nname = \"rock\"\nyoung = \"25 GPa\"\npoisson = {poisson}\ndensity = \"2500 kg/m3\""
+    )
+    .unwrap();
+    if dice.percent(35) {
+        let young = 25.0 * dice.one_of(&[0.5, 0.1, 0.01, 1e-3, 10.0, 100.0]);
+        let layers: Vec<String> = (0..dice.range(1, 2))
+            .map(|_| {
+                let [from, to] = interval(dice, &lines[2], 0);
+                format!("[\"{from} m\", \"{to} m\"]")
+            })
+            .collect();
+        let poisson = rock(dice);
+        writeln!(
+            text,
+            "[[material]]\nname = \"layer\"\nyoung = \"{young} GPa\"\npoisson = {poisson}\ndensity = \"2300 kg/m3\"\nlayers = [{}]",
+            layers.join(", ")
+        )
+        .unwrap();
+    }
+    let network = dice.percent(30);
+    let mut number = 0;
+    let mut plane = |text: &mut String,
+                     axis: usize,
+                     place: String,
+                     limits: [Option<[f64; 2]>; 3]| {
+        number += 1;
+        writeln!(
+            text,
+            "[[fracture]]\nname = \"f{number}\"\nplane = \"{}\"\n{place}\nfriction_angle = \"30 deg\"",
+            AXES[axis]
+        )
+        .unwrap();
+        for (d, limit) in limits.iter().enumerate() {
+            if let (true, Some([from, to])) = (d != axis, limit) {
+                writeln!(text, "{} = [\"{from} m\", \"{to} m\"]", AXES[d]).unwrap();
+            }
+        }
+    };
+    if network {
+        let depth = interval(dice, &lines[2], 30);
+        let axes = dice.one_of(&[&[0usize, 1][..], &[0, 1], &[0, 1, 2], &[0, 2], &[0]]);
+        for axis in axes {
+            let every = dice.range(1, 3).min(cells[*axis] - 1);
+            let limits = [None, None, (*axis != 2).then_some(depth)];
+            plane(&mut text, *axis, format!("every = {every}"), limits);
+        }
+    } else {
+        let axes = [dice.range(0, 2), dice.range(0, 2), dice.range(0, 2)];
+        let mut used: Vec<(usize, usize)> = Vec::new();
+        for _ in 0..dice.range(1, 6) {
+            let axis = dice.one_of(&axes);
+            let at = dice.range(1, cells[axis] - 1);
+            if used.contains(&(axis, at)) {
+                continue;
+            }
+            used.push((axis, at));
+            let limits = [0, 1, 2].map(|d: usize| Some(interval(dice, &lines[d], 45)));
+            plane(
+                &mut text,
+                axis,
+                format!("at = \"{} m\"", lines[axis][at]),
+                limits,
+            );
+        }
+    }
+    for (k, side) in ["z-", "x-", "x+", "y-", "y+", "z+"].iter().enumerate() {
+        let condition = match (k, dice.range(0, 99)) {
+            (0, 0..80) => "hold = \"fixed\"",
+            (0, _) => "hold = \"roller\"",
+            (1..5, 0..22) => "hold = \"fixed\"",
+            (1..5, 22..55) => "hold = \"roller\"",
+            (5, 0..8) => "hold = \"roller\"",
+            (5, _) => "pressure = \"10 MPa\"",
+            (_, 55..75) => "pressure = \"5 MPa\"",
+            _ => continue,
+        };
+        writeln!(text, "[[boundary]]\nside = \"{side}\"\n{condition}").unwrap();
+    }
+    text
+}
+
+/// A body with its system in a unit of tractions that balances it.
+struct Sample {
+    body: Body,
+    blocks: SaddleBlocks,
+    /// C of the blocks, and of B in m².
+    c: [AugmentationMatrix; 2],
+}
+
+impl Sample {
+    fn new(text: &str) -> Option<Self> {
+        let body = Scene::from_toml(text, "family.toml").ok()?.build().ok()?;
+        let audit = body.audit();
+        let is_held = |b: &BodyPart| !matches!(b.hold, Hold::Nothing { .. });
+        let is_held = audit.bodies.iter().all(is_held);
+        if !is_held || audit.n_t == 0 {
+            return None;
+        }
+        let blocks = body
+            .saddle_blocks(Some(JumpStabilization::default()))
+            .ok()?;
+        let unit = blocks.traction_unit();
+        let direct = DirectChoice::default().solver().unwrap();
+        let fitted = AugmentationChoice::FittedH;
+        let c = |blocks: &SaddleBlocks| fitted.compute(blocks, &*direct).unwrap().matrix;
+        let in_si = c(&blocks);
+        let blocks = blocks.into_traction_unit(unit);
+        Some(Self {
+            c: [c(&blocks), in_si],
+            body,
+            blocks,
+        })
+    }
+
+    /// Iterations of GMRES to 1e-8.
+    fn iterations(&self, m: &dyn Preconditioner<f64>) -> usize {
+        let operator = SaddleOperator::new(&self.blocks);
+        let own = self.blocks.rhs();
+        let b: Vec<f64> = match own.iter().any(|b| *b != 0.0) {
+            true => own,
+            false => (1..=own.len()).map(|i| (i as f64).sin()).collect(),
+        };
+        let system = System {
+            operator: &operator,
+            preconditioner: m,
+            rhs: &b,
+        };
+        let criteria = Criteria {
+            relative_tolerance: 1e-8,
+            max_iterations: MOST,
+        };
+        let choice = KrylovChoice::default().flexible_for(m);
+        let mut x = vec![0.0; b.len()];
+        match choice
+            .method()
+            .solve(&system, &criteria, &mut x, &mut Silent)
+        {
+            Ok(report) if report.outcome == Outcome::Converged => report.iterations,
+            _ => MOST,
+        }
+    }
+
+    fn geometric(&self, settings: Geometric) -> Result<usize, String> {
+        let system = self.body.stick_system(Some(JumpStabilization::default()));
+        let inverse = settings.build(&system, &self.c[1]);
+        let inverse = inverse.map_err(|error| error.to_string())?;
+        let h = Csr::new(self.blocks.h.clone().unwrap());
+        let m = RacpInverse::new(self.blocks.b1.clone(), self.c[0].clone(), inverse)
+            .relaxed(Box::new(h), RELAXATION);
+        Ok(self.iterations(&m))
+    }
+
+    fn assembled(&self, inner: InnerChoice) -> Result<usize, String> {
+        let method = SaddleMethod::Racp(Racp {
+            inner,
+            ..Racp::default()
+        });
+        let ready = method.ready(&self.blocks).map_err(|e| e.to_string())?;
+        Ok(self.iterations(&*ready.inverse))
+    }
+}
+
+fn of_environment(name: &str, default: u64) -> u64 {
+    std::env::var(name)
+        .ok()
+        .and_then(|text| text.parse().ok())
+        .unwrap_or(default)
+}
+
+/// Median, 95 %, largest.
+fn summary(mut counts: Vec<usize>) -> String {
+    counts.sort_unstable();
+    let at = |share: f64| counts.get(((counts.len() as f64 - 1.0) * share).round() as usize);
+    format!(
+        "median {:?}, 95 % {:?}, most {:?} of {}",
+        at(0.5),
+        at(0.95),
+        at(1.0),
+        counts.len()
+    )
+}
+
+#[test]
+fn random_scenes_are_set_up_and_take_few_iterations() {
+    let count = of_environment("GEOMETRIC_FAMILY", FEW);
+    let first = of_environment("GEOMETRIC_SEED", 0) * 1_000_000;
+    let verbose = std::env::var("GEOMETRIC_VERBOSE").is_ok();
+    let kinds: [(&str, Geometric); 4] = [
+        ("f32", Geometric::default()),
+        (
+            "f64",
+            Geometric {
+                precision: Precision::F64,
+                ..Geometric::default()
+            },
+        ),
+        (
+            "deep f32",
+            Geometric {
+                coarsest: 60,
+                ..Geometric::default()
+            },
+        ),
+        (
+            "deep f64",
+            Geometric {
+                coarsest: 60,
+                direct: 60,
+                precision: Precision::F64,
+                ..Geometric::default()
+            },
+        ),
+    ];
+    let (mut tried, mut skipped, mut sizes) = (0, 0, Vec::new());
+    let mut counts: Vec<Vec<usize>> = vec![Vec::new(); kinds.len()];
+    let mut bad = vec![0; kinds.len()];
+    let mut missed = Vec::new();
+    for seed in first.. {
+        if tried == count {
+            break;
+        }
+        let text = scene(seed);
+        let Some(sample) = Sample::new(&text) else {
+            skipped += 1;
+            assert!(skipped <= 20 + 3 * count, "most scenes are refused");
+            continue;
+        };
+        tried += 1;
+        let (n_u, n_t) = (sample.blocks.n_u(), sample.blocks.n_t());
+        sizes.push(n_u);
+        let amg = std::cell::OnceCell::new();
+        let exact = std::cell::OnceCell::new();
+        for (k, (name, settings)) in kinds.iter().enumerate() {
+            let found = sample.geometric(*settings);
+            match found {
+                Ok(n) => {
+                    counts[k].push(n);
+                    let fits = n <= ENOUGH || {
+                        let amg =
+                            amg.get_or_init(|| sample.assembled(InnerChoice::Amg(Amg::default())));
+                        amg.as_ref().is_ok_and(|amg| n <= 2 * amg)
+                    };
+                    if !fits {
+                        let exact = exact.get_or_init(|| sample.assembled(InnerChoice::default()));
+                        bad[k] += 1;
+                        missed.push(format!("{seed} {name}: {n} iterations, amg {:?}, exact {exact:?}; n_u {n_u}, n_t {n_t}", amg.get()));
+                    }
+                }
+                Err(error) => {
+                    let exact = exact.get_or_init(|| sample.assembled(InnerChoice::default()));
+                    if exact.is_ok() {
+                        bad[k] += 1;
+                        missed.push(format!(
+                            "{seed} {name}: {error}; exact {exact:?}; n_u {n_u}, n_t {n_t}"
+                        ));
+                    }
+                }
+            }
+            if verbose {
+                for m in missed.drain(..) {
+                    println!("{m}");
+                }
+            }
+        }
+    }
+    println!(
+        "{tried} scenes from seed {first}, {skipped} refused, n_u {}",
+        summary(sizes)
+    );
+    for (k, (name, _)) in kinds.iter().enumerate() {
+        println!("{name}: {}, {} missed", summary(counts[k].clone()), bad[k]);
+    }
+    assert!(
+        missed.is_empty() && !(verbose && bad.iter().sum::<usize>() > 0),
+        "{}",
+        missed.join("\n")
+    );
+}
