@@ -8,12 +8,13 @@ use fracas::contact::JumpStabilization;
 use fracas::matrix_free::{MatrixFreeRacp, MatrixFreeSaddle};
 use fracas::scene::{Body, Scene};
 use fracas_operators::random::splitmix64;
-use fracas_operators::sparse::{CsrView, SparseMatrix};
+use fracas_operators::sparse::SparseMatrix;
 use fracas_operators::{LinearOperator, Preconditioner};
 use fracas_solvers::Silent;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
 use fracas_solvers::saddle::{
-    Accurate, EnergyNorms, Measure, SaddleBlocks, SaddleMethod, SaddleOperator, solve_accurately,
+    Accurate, EnergyNorms, Measure, SaddleBlocks, SaddleMethod, SaddleOperator, StrainNorm,
+    solve_accurately,
 };
 
 const TOLERANCE: f64 = 1e-8;
@@ -218,19 +219,11 @@ fn tried(body: &Body, inner: &str) -> Option<Tried> {
         .saddle_blocks(stabilization)
         .unwrap()
         .into_traction_unit(magnitude.unit);
-    let strain = |u: &[f64]| saddle.stiffness().strain_norm(u);
-    let strain = saddle
-        .stiffness()
+    let a = saddle.stiffness();
+    let strain = a
         .is_displaced()
-        .then_some(&strain as &dyn Fn(&[f64]) -> f64);
+        .then(|| -> StrainNorm<'_> { Box::new(|u| a.strain_norm(u)) });
     let assembled = SaddleOperator::new(&blocks);
-    let h = blocks.h.as_ref().map(CsrView::new);
-    let diagonal: Vec<f64> = match &blocks.h {
-        Some(h) => (0..h.rows())
-            .map(|i| h.get(i, i).copied().unwrap_or(0.0))
-            .collect(),
-        None => Vec::new(),
-    };
     let (operator, m, norms): (&dyn LinearOperator<f64>, Box<dyn Preconditioner<f64>>, _) =
         match inner {
             "geometric" => {
@@ -247,8 +240,8 @@ fn tried(body: &Body, inner: &str) -> Option<Tried> {
                 let method = SaddleMethod::default()
                     .with_parts(None, Some(inner.parse().unwrap()))
                     .unwrap();
-                let h = h.as_ref().map(|h| h as &dyn LinearOperator<f64>);
-                let norms = EnergyNorms::new(&assembled, h, blocks.contact_compliance(), &diagonal);
+                let c = blocks.contact_compliance();
+                let norms = EnergyNorms::new(&assembled, blocks.h.as_ref(), c);
                 (
                     &assembled,
                     method.ready(&blocks).ok()?.inverse,
@@ -278,7 +271,7 @@ fn tried(body: &Body, inner: &str) -> Option<Tried> {
     );
     let truth = reference(&blocks, &b).map(|exact| {
         x.iter_mut().zip(&exact).for_each(|(x, exact)| *x -= exact);
-        norms.relative(&x, &exact)
+        EnergyNorms::relative(norms.error(&x), norms.solution(&exact))
     });
     Some(Tried { accurate, truth })
 }

@@ -298,10 +298,13 @@ fn quantile<T: Copy>(sorted: &[T], share: f64) -> T {
 
 fn run(scene: fn(u64) -> String, seed: u64, tally: &mut Tally) {
     tally.runs += 1;
-    let Ok(body) = Scene::from_toml(&scene(seed), "scene.toml")
-        .unwrap()
-        .build()
-    else {
+    let text = scene(seed);
+    if let Some(folder) = std::env::var_os("FRACAS_SCENES") {
+        let name = format!("seed_{seed}.toml");
+        std::fs::write(std::path::Path::new(&folder).join(name), &text).unwrap();
+    }
+    let clock = std::time::Instant::now();
+    let Ok(body) = Scene::from_toml(&text, "scene.toml").unwrap().build() else {
         // an incline that turns cells over, a block that nothing holds: said before anything is solved
         tally.refused += 1;
         return;
@@ -356,6 +359,7 @@ fn run(scene: fn(u64) -> String, seed: u64, tally: &mut Tally) {
                     !matches!(reason, Failure::NotFinite { .. } | Failure::Stopped),
                     "seed {seed}: {reason}"
                 );
+                println!("seed {seed} ended after {:.1?}", clock.elapsed());
                 tally.failed.push((seed, failure.reason));
                 return;
             }
@@ -455,7 +459,8 @@ fn five_hundred_others_end_well() {
     ends_well(&sweep(scene, 1000..1500));
 }
 
-/// `FRACAS_RUNS=1000 FRACAS_SEED=0 cargo test --release --test contact_robust -- --nocapture networks` for the full sweep.
+/// `FRACAS_RUNS=1000 FRACAS_SEED=0 cargo test --release --test contact_robust -- --nocapture networks` for the full sweep;
+/// `FRACAS_SCENES=folder` keeps its scenes there.
 #[test]
 fn networks_end_well() {
     let number = |name: &str, default: u64| {

@@ -114,6 +114,11 @@ impl Constraints {
         &self.prescribed
     }
 
+    /// True where a displacement is prescribed that is not 0.
+    pub fn is_displaced(&self) -> bool {
+        self.prescribed.iter().any(|(_, u)| *u != 0.0)
+    }
+
     /// Free number of a full one, or `None` where it is prescribed.
     pub fn free_index(&self, dof: usize) -> Option<usize> {
         assert!(dof < self.full_len, "unknown {dof} of {}", self.full_len);

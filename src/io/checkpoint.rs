@@ -15,8 +15,8 @@ const MAGIC: [u8; 8] = *b"fracasCK";
 const VERSION: u64 = 3;
 
 /// Words of eight bytes before the arrays: magic, version, length of the file, mesh, scene, step, time, loaded, next, force,
-/// traction, n_u, faces.
-const HEADER: usize = 14;
+/// traction, norms of u and t, krylov, n_u, faces.
+const HEADER: usize = 16;
 
 /// Code of a face where no preconditioner is kept.
 const NOT_PREPARED: u8 = u8::MAX;
@@ -188,6 +188,7 @@ fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
         next,
         force,
         traction,
+        size: [size_u, size_t],
         krylov,
         prepared,
         u,
@@ -201,7 +202,8 @@ fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
     bytes.extend_from_slice(&MAGIC);
     let Fingerprint { mesh, scene } = fingerprint;
     let whole = [VERSION, length, mesh, scene, *step as u64];
-    let scalars = [time, loaded, next, force, traction, krylov].map(|v| v.to_bits());
+    let scalars =
+        [time, loaded, next, force, traction, size_u, size_t, krylov].map(|v| v.to_bits());
     let sizes = [u.len() as u64, states.len() as u64];
     for words in [&whole[..], &scalars, &sizes] {
         bytes.extend(words.iter().flat_map(|word| word.to_le_bytes()));
@@ -270,7 +272,7 @@ fn decode(bytes: &[u8], path: &Path, fingerprint: Fingerprint) -> Result<State, 
             expected,
         });
     }
-    let (n_u, faces) = (word(12)?, word(13)?);
+    let (n_u, faces) = (word(14)?, word(15)?);
     let (content, sum) = bytes.split_at(bytes.len() - 8);
     if checksum(content).to_le_bytes() != sum || length(n_u, faces) != found {
         return Err(CheckpointError::Checksum { path: path() });
@@ -301,7 +303,8 @@ fn decode(bytes: &[u8], path: &Path, fingerprint: Fingerprint) -> Result<State, 
         next: f64::from_bits(word(8)?),
         force: f64::from_bits(word(9)?),
         traction: f64::from_bits(word(10)?),
-        krylov: f64::from_bits(word(11)?),
+        size: [f64::from_bits(word(11)?), f64::from_bits(word(12)?)],
+        krylov: f64::from_bits(word(13)?),
         prepared: match unprepared {
             true => None,
             false => Some(Prepared {

@@ -92,14 +92,8 @@ impl MatrixFreeSaddle<f64> {
     ) -> EnergyNorms<'s> {
         let square = self.unit * self.unit;
         let c = magnitude.compliance.iter().map(|c| c * square).collect();
-        let h = self.h.as_deref();
-        let diagonal = h.map_or_else(Vec::new, |h| {
-            h.matrix()
-                .diag_iter()
-                .map(|d| d.copied().unwrap_or(0.0))
-                .collect()
-        });
-        EnergyNorms::new(self, h.map(|h| h as _), c, &diagonal)
+        let h = self.h.as_deref().map(Csr::matrix);
+        EnergyNorms::new(self, h, c)
             .against(strain)
             .rounded(&magnitude.stiffness)
     }
@@ -110,7 +104,7 @@ impl MatrixFreeSaddle<f64> {
         let [n_u, n_t] = self.layout().lengths;
         let mut rhs = Vec::with_capacity(n_u + n_t);
         rhs.extend(constraints.free().iter().map(|dof| force[*dof as usize]));
-        if constraints.prescribed().iter().all(|(_, u)| *u == 0.0) {
+        if !constraints.is_displaced() {
             rhs.resize(n_u + n_t, 0.0);
             return rhs;
         }

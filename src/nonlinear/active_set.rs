@@ -1,12 +1,15 @@
 //! The active set: states change until every face agrees with its own.
 
+use super::accuracy::{Accuracy, Standing};
 use super::cycling::Rounds;
+use super::judge::{Judge, or_closing, slip_violation};
 use super::linear::Linear;
 use super::newton::{Attempt, Iterate, Until, newton, relative};
 use super::proximal::Proximal;
 use super::{Evaluation, Event, Failure, Instability, LinearRecord};
-use crate::contact::{ContactState, Thresholds, next_state};
+use crate::contact::ContactState;
 use fracas_operators::sparse::Csr;
+use fracas_operators::vector::norm2;
 use fracas_solvers::{Observer, Step};
 
 /// Residual up to which Newton is solved while states still change, and what then counts as zero. Unit: 1.
@@ -39,8 +42,12 @@ pub(super) struct Settled {
     pub(super) traction: f64,
     /// Jumps that the laws of the faces see, three per face [m].
     pub(super) effective: Vec<f64>,
-    /// [`slip_violation`].
+    /// [`slip_violation`](super::judge::slip_violation()).
     pub(super) slip_violation: f64,
+    /// Largest norms of u and t so far.
+    pub(super) size: [f64; 2],
+    /// Errors of u and t relative to them; NaN where only residuals are judged.
+    pub(super) error: [f64; 2],
     /// What ran away on the way there.
     pub(super) unstable: Option<Box<Instability>>,
 }
@@ -86,13 +93,14 @@ pub(super) fn active_set(
     let mut search = Search {
         attempt,
         judge: &mut judge,
+        accuracy: Accuracy::new(attempt),
         linear,
         observer,
     };
     let from = x.clone();
     let patience = PATIENCE.min(most);
     let (mut form, why) = match search.rounds(states, &mut x, None, patience, log)? {
-        Ended::Settled(states, at) => return Ok(search.settled(states, x, at)),
+        Ended::Settled(found) => return Ok(search.settled(*found, x)),
         // linear equations that cannot be solved are no matter of states
         Ended::Not(_, Some(why)) if log.states.iter().all(|s| s.is_linear()) => return Err(why),
         Ended::Not(form, why) => (form, why),
@@ -139,8 +147,8 @@ pub(super) fn active_set(
         let fixed = Some(h.as_ref());
         match search.rounds(before.clone(), &mut y, fixed, FINISHING, log)? {
             // H acts on all that these states constrain
-            Ended::Settled(states, at) if !grow(&mut form, &states) => {
-                return Ok(search.settled(states, y, at));
+            Ended::Settled(found) if !grow(&mut form, &found.states) => {
+                return Ok(search.settled(*found, y));
             }
             Ended::Settled(..) => h = problem.stabilization(&form),
             Ended::Not(..) => {}
@@ -175,22 +183,40 @@ fn grow(form: &mut [ContactState], states: &[ContactState]) -> bool {
 /// How rounds ended.
 enum Ended {
     /// No face changes.
-    Settled(Vec<ContactState>, Evaluation),
+    Settled(Box<Found>),
     /// Not settled: per face the state of those at hand, or of the rounds that returned, that constrains most; and what failed.
     Not(Vec<ContactState>, Option<Failure>),
+}
+
+/// States that no face changes, and the equations there.
+struct Found {
+    states: Vec<ContactState>,
+    at: Evaluation,
+    /// `None` where only residuals are judged.
+    standing: Option<Standing>,
 }
 
 /// What rounds need.
 struct Search<'a, 's> {
     attempt: &'s Attempt<'s>,
     judge: &'a mut Judge<'s>,
+    accuracy: Option<Accuracy<'s>>,
     linear: &'a mut Linear,
     observer: &'a mut dyn Observer,
 }
 
 impl Search<'_, '_> {
-    fn settled(&self, states: Vec<ContactState>, x: Iterate, at: Evaluation) -> Settled {
+    fn settled(&self, found: Found, x: Iterate) -> Settled {
+        let Found {
+            states,
+            at,
+            standing,
+        } = found;
         let traction = self.judge.traction;
+        let (size, error) = match standing {
+            Some(Standing { size, judged }) => (size, judged.error),
+            None => (self.attempt.size, [f64::NAN; 2]),
+        };
         let slip_violation = slip_violation(self.attempt, &states, [&x.t, &at.effective], traction);
         Settled {
             states,
@@ -199,6 +225,8 @@ impl Search<'_, '_> {
             traction,
             effective: at.effective,
             slip_violation,
+            size,
+            error,
             unstable: None,
         }
     }
@@ -206,7 +234,8 @@ impl Search<'_, '_> {
     /// At most `most` rounds, H that of the states or the given one.
     ///
     /// While states change, Newton takes at most three steps and stops at 1e-4, and only violations beyond that count; once no
-    /// face changes it is solved, and the faces are judged, to the tolerances asked.
+    /// face changes it is solved, and the faces are judged, to the tolerances asked. Then the errors of u and t are judged, and
+    /// Newton goes on until they are below the tolerance, too, or rounding leaves no more to gain.
     fn rounds(
         &mut self,
         mut states: Vec<ContactState>,
@@ -233,6 +262,8 @@ impl Search<'_, '_> {
             lagged: true,
             ..tight
         };
+        // where the errors of u and t stood last
+        let mut standing: Option<Standing> = None;
         let weakens = problem.weakens();
         let mut rounds = Rounds::default();
         let mut h = match fixed {
@@ -240,6 +271,9 @@ impl Search<'_, '_> {
             Some(_) => None,
         };
         let _ = rounds.enter(&states);
+        if let Some(accuracy) = &mut self.accuracy {
+            accuracy.begin();
+        }
         // limits that proximal iterations found are those of the iterate before, too
         let mut until = match fixed.is_some() && weakens {
             true => lagging,
@@ -260,6 +294,14 @@ impl Search<'_, '_> {
             );
             let (at, residual) = match solved {
                 Ok(found) => found,
+                // the residual has been small enough: what is left is rounding
+                Err(Failure::Linear(_)) if standing.is_some() => {
+                    let h = fixed.unwrap_or(h.as_ref());
+                    let at =
+                        problem.evaluate(&states, h, [&x.u, &x.t], attempt.start, attempt.load);
+                    let residual = relative(norm2(&at.residual), attempt.scale);
+                    (at, residual)
+                }
                 Err(failure) if failure.may_be_projected() => {
                     log.failed(round, &failure);
                     return Ok(Ended::Not(states, Some(failure)));
@@ -280,9 +322,26 @@ impl Search<'_, '_> {
             }
             if changes.is_empty() {
                 let converged = residual <= until.residual;
+                let solved = converged && until != loose || standing.is_some();
+                if solved {
+                    let h = fixed.unwrap_or(h.as_ref());
+                    let stands = (&states[..], h);
+                    let last = match self.accurate(stands, (x, &at), &mut standing)? {
+                        Some(step) if converged => step,
+                        Some(_) | None => {
+                            self.accepts(&standing, residual, log)?;
+                            return Ok(Ended::Settled(Box::new(Found {
+                                states,
+                                at,
+                                standing,
+                            })));
+                        }
+                    };
+                    until.residual = last * residual;
+                    continue;
+                }
                 until = match converged {
-                    true if until == loose => tight,
-                    true => return Ok(Ended::Settled(states, at)),
+                    true => tight,
                     false if until == tight && weakens => lagging,
                     false if until == loose && weakens => lagging,
                     false if until == loose => tight,
@@ -297,6 +356,10 @@ impl Search<'_, '_> {
                     }
                 };
                 continue;
+            }
+            standing = None;
+            if let Some(accuracy) = &mut self.accuracy {
+                accuracy.other_states(x);
             }
             until = loose;
             // new-slip to slip leaves H as it is
@@ -322,85 +385,50 @@ impl Search<'_, '_> {
         }
         Ok(Ended::Not(states, None))
     }
-}
 
-/// Judges faces.
-struct Judge<'s> {
-    attempt: &'s Attempt<'s>,
-    /// Faces that a round of this attempt has opened: they close in slip.
-    opened: Vec<bool>,
-    /// Largest traction so far [Pa].
-    traction: f64,
-}
-
-impl<'s> Judge<'s> {
-    fn new(attempt: &'s Attempt<'s>, faces: usize) -> Self {
-        Self {
-            attempt,
-            opened: vec![false; faces],
-            traction: attempt.traction,
-        }
-    }
-
-    /// Faces that take another state, and which. What counts as zero is `zero` times the largest traction of all rounds so
-    /// far (the first one, with every closed face in stick, shows what the loads could do), or the one that would close the largest
-    /// jump at hand.
-    fn changes(
+    /// By how much the residual is still to be lowered for errors below the tolerance; `None` where they are, or where rounding
+    /// leaves no more to gain. `standing` is where they stand.
+    fn accurate(
         &mut self,
-        states: &[ContactState],
-        x: &Iterate,
-        at: &Evaluation,
-        zero: f64,
-    ) -> Vec<(usize, ContactState)> {
-        let problem = self.attempt.problem;
-        let compliance = problem.compliance();
-        let largest = x.t.iter().fold(0.0, |m: f64, t| m.max(t.abs()));
-        self.traction = self.traction.max(largest);
-        // jumps are known relative to the largest of them
-        let traction = or_closing(self.traction, &at.jumps, compliance);
-        let mut changes = Vec::new();
-        for (f, state) in states.iter().enumerate() {
-            let measure = problem.measure(f, *state, &x.t, &at.effective, self.attempt.start);
-            let thresholds = Thresholds {
-                jump: zero * traction * compliance[f],
-                traction: zero * traction,
-                hysteresis: 0.0,
-            };
-            let next = match next_state(*state, &measure, &thresholds) {
-                // in stick it would carry again what tore it open
-                ContactState::Stick if *state == ContactState::Open && self.opened[f] => {
-                    ContactState::Slip
-                }
-                next => next,
-            };
-            if next != *state {
-                self.opened[f] |= next == ContactState::Open;
-                changes.push((f, next));
-            }
-        }
-        changes
+        stands: (&[ContactState], Option<&Csr<f64>>),
+        at: (&Iterate, &Evaluation),
+        standing: &mut Option<Standing>,
+    ) -> Result<Option<f64>, Failure> {
+        let tolerance = self.attempt.problem.body().solver.tolerance;
+        let Some(accuracy) = &mut self.accuracy else {
+            return Ok(None);
+        };
+        let found = accuracy.of(stands, at, self.linear, self.observer)?;
+        let judged = found.judged;
+        *standing = Some(found);
+        let enough = judged.worst() <= tolerance || judged.stands;
+        Ok((!enough && judged.estimate.is_finite()).then(|| judged.step(tolerance)))
     }
-}
 
-/// Largest `‖t_T − P(t_T + Δg_T/ω)‖` of a slipping face over the largest traction, P onto the disc of radius τ_L: what slip
-/// against the traction is worth, and 0 where slip follows it.
-pub(super) fn slip_violation(
-    attempt: &Attempt<'_>,
-    states: &[ContactState],
-    [t, effective]: [&[f64]; 2],
-    traction: f64,
-) -> f64 {
-    let slips = |(_, s): &(usize, &ContactState)| s.constrained() == 1;
-    let short = |(f, state): (usize, &ContactState)| {
-        let face = (attempt.problem).measure(f, *state, t, effective, attempt.start);
-        (face.limit - face.trial).max(0.0)
-    };
-    let faces = states.iter().enumerate().filter(slips).map(short);
-    relative(faces.fold(0.0, f64::max), traction)
-}
-
-/// A traction, or the one that would close the largest normal jump [Pa].
-pub(super) fn or_closing(traction: f64, jumps: &[f64], compliance: &[f64]) -> f64 {
-    let gaps = jumps.iter().step_by(3).zip(compliance);
-    gaps.fold(traction, |m, (g, c)| m.max(g.abs() / c))
+    /// Errors that rounding leaves are told; beyond what states are judged by they are a failure.
+    fn accepts(
+        &self,
+        standing: &Option<Standing>,
+        residual: f64,
+        log: &mut Log,
+    ) -> Result<(), Failure> {
+        let settings = self.attempt.problem.body().solver;
+        let Some(Standing { judged, .. }) = standing else {
+            return Ok(());
+        };
+        let (part, error) = (judged.part(), judged.worst());
+        let most = settings.tolerance.max(settings.state_tolerance);
+        if error <= most {
+            if error > settings.tolerance {
+                log.events.push(Event::Rounding { part, error });
+            }
+            return Ok(());
+        }
+        Err(Failure::Inaccurate {
+            part,
+            error,
+            tolerance: most,
+            residual,
+        })
+    }
 }

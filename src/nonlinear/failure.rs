@@ -69,6 +69,20 @@ pub enum Failure {
         /// Asked.
         tolerance: f64,
     },
+    /// The residual is small and the error is not.
+    #[error(
+        "accuracy: the {part} are wrong by {error:.1e}, asked {tolerance:.1e}, and rounding keeps the residual at {residual:.1e} of the largest force; less contrast of stiffness or flatness of cells helps, or a larger tolerance and state_tolerance in [solver]"
+    )]
+    Inaccurate {
+        /// `displacements` or `tractions`.
+        part: &'static str,
+        /// Their error relative to the largest norm so far.
+        error: f64,
+        /// Asked, `state_tolerance` included.
+        tolerance: f64,
+        /// Residual relative to loads and internal forces.
+        residual: f64,
+    },
     /// States still change.
     #[error("active set: {} faces still change after {rounds} rounds, first of them {}", faces.len(), first(faces))]
     ActiveSet {

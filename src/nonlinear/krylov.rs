@@ -29,6 +29,8 @@ pub(super) struct Solved {
     pub(super) iterations: usize,
     /// True, recomputed.
     pub(super) relative_residual: f64,
+    /// Ritz value of M⁻¹A nearest to zero, where the method knows one.
+    pub(super) smallest_ritz: Option<f64>,
     /// The observer wants to stop.
     pub(super) stopped: bool,
     /// A preconditioner was built for it.
@@ -96,8 +98,13 @@ pub(super) fn solve(
         }
         tried => tried,
     };
-    let (iterations, relative_residual, outcome) = match solved {
-        Ok(report) => (report.iterations, report.relative_residual, report.outcome),
+    let (iterations, relative_residual, outcome, smallest_ritz) = match solved {
+        Ok(report) => (
+            report.iterations,
+            report.relative_residual,
+            report.outcome,
+            report.smallest_ritz,
+        ),
         Err(breakdown) if asked.patience.is_some() => {
             let iterations = breakdown.iteration();
             return Ok(Ended::Dropped { iterations });
@@ -105,8 +112,14 @@ pub(super) fn solve(
         Err(Breakdown::Stagnation {
             iteration,
             relative_residual,
+            smallest_ritz,
             ..
-        }) if relative_residual <= USEFUL => (iteration, relative_residual, Outcome::Converged),
+        }) if relative_residual <= USEFUL => (
+            iteration,
+            relative_residual,
+            Outcome::Converged,
+            smallest_ritz,
+        ),
         Err(breakdown) => return Err(breakdown.into()),
     };
     let iterations = spent + iterations;
@@ -122,6 +135,7 @@ pub(super) fn solve(
             krylov,
             iterations,
             relative_residual,
+            smallest_ritz,
             stopped: outcome == Outcome::Stopped,
             setup: false,
         })),

@@ -65,6 +65,8 @@ pub(super) struct Linear {
     /// Iterations per digit of the first all-stick system.
     reference: Option<f64>,
     slow: bool,
+    /// Ritz value of the last system nearest to zero.
+    smallest_ritz: Option<f64>,
     /// A preconditioner for its states has been built in this step.
     built: bool,
     work: Workspace,
@@ -85,6 +87,7 @@ impl Linear {
             present: Kept::default(),
             reference: None,
             slow: false,
+            smallest_ritz: None,
             built: false,
             work: Workspace::default(),
             fallbacks: Fallbacks::default(),
@@ -129,22 +132,7 @@ impl Linear {
         observer: &mut dyn Observer,
     ) -> Result<Solved, LinearFailure> {
         let setup = self.prepare(problem, jacobian, states, observer)?;
-        let far = |ready: &Option<Ready>| match ready {
-            Some(ready) => distance(&ready.of.states, states),
-            None => usize::MAX,
-        };
-        let nearest = match far(&self.present.ready) < far(&self.stick) {
-            true => &self.present.ready,
-            false => &self.stick,
-        };
-        let Some(Ready { inverse: s_u, .. }) = nearest else {
-            unreachable!("prepared above");
-        };
-        let tangent = |f: usize| match &jacobian.faces {
-            Some(faces) => faces[f],
-            None => FaceTangent::STICK,
-        };
-        let rules = rules(&self.c, tangent);
+        let mut work = std::mem::take(&mut self.work);
         // laws of open faces are met at the start, and every iterate keeps them
         let n_u = problem.saddle().layout().lengths[0];
         x.fill(0.0);
@@ -157,15 +145,9 @@ impl Linear {
                 }
             }
         }
-        let inverse = StateInverse::new(
-            problem.saddle().coupling(),
-            (jacobian.h, self.settings.relaxation()),
-            rules,
-            s_u.as_ref(),
-        );
         let system = System {
             operator: jacobian,
-            preconditioner: &inverse,
+            preconditioner: &self.inverse(problem, jacobian, states),
             rhs,
         };
         let asked = Asked {
@@ -176,15 +158,63 @@ impl Linear {
             max_iterations: self.max_krylov,
             patience: None,
         };
-        let solved = match krylov::solve(&system, asked, x, observer, &mut self.work)? {
+        let ended = krylov::solve(&system, asked, x, observer, &mut work);
+        self.work = work;
+        let solved = match ended? {
             Ended::Solved(solved) => Solved { setup, ..solved },
             Ended::Dropped { .. } => unreachable!("no patience is set"),
         };
+        self.smallest_ritz = solved.smallest_ritz;
         let digits = -solved.relative_residual.max(f64::EPSILON).log10();
         let rate = solved.iterations as f64 / digits.max(1.0);
         let reference = *self.reference.get_or_insert(rate);
         self.slow = rate > SLOW * reference;
         Ok(solved)
+    }
+
+    /// `e ← M⁻¹ r`, an estimate of the error that leaves the residual r; and the Ritz value of the last system nearest to zero.
+    pub(super) fn error_of(
+        &mut self,
+        problem: &ContactProblem<'_>,
+        (jacobian, states): (&ContactJacobian<'_>, &[ContactState]),
+        residual: &[f64],
+        observer: &mut dyn Observer,
+    ) -> Result<(Vec<f64>, Option<f64>), LinearFailure> {
+        self.prepare(problem, jacobian, states, observer)?;
+        let inverse = self.inverse(problem, jacobian, states);
+        let mut e = vec![0.0; residual.len()];
+        inverse.solve(residual, &mut e, &mut vec![0.0; inverse.work_len()]);
+        Ok((e, self.smallest_ritz))
+    }
+
+    /// RACP around the S̃_u made for the states nearest to these.
+    fn inverse<'s>(
+        &'s self,
+        problem: &'s ContactProblem<'_>,
+        jacobian: &'s ContactJacobian<'_>,
+        states: &[ContactState],
+    ) -> StateInverse<'s> {
+        let far = |ready: &Option<Ready>| match ready {
+            Some(ready) => distance(&ready.of.states, states),
+            None => usize::MAX,
+        };
+        let nearest = match far(&self.present.ready) < far(&self.stick) {
+            true => &self.present.ready,
+            false => &self.stick,
+        };
+        let Some(Ready { inverse: s_u, .. }) = nearest else {
+            unreachable!("prepared before");
+        };
+        let tangent = |f: usize| match &jacobian.faces {
+            Some(faces) => faces[f],
+            None => FaceTangent::STICK,
+        };
+        StateInverse::new(
+            problem.saddle().coupling(),
+            (jacobian.h, self.settings.relaxation()),
+            rules(&self.c, tangent),
+            s_u.as_ref(),
+        )
     }
 
     /// The preconditioner of the all-stick body at first; that of the present states when the last system was slow. True

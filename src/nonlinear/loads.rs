@@ -39,7 +39,7 @@ impl<'a> Loads<'a> {
                 .iter()
                 .map(|dof| force[*dof as usize])
                 .collect();
-            let moved = constraints.prescribed().iter().any(|(_, u)| *u != 0.0);
+            let moved = constraints.is_displaced();
             if moved {
                 lift(full, &constraints, &mut free);
             }
@@ -70,6 +70,14 @@ impl<'a> Loads<'a> {
             }
         }
         Load { force, jump }
+    }
+
+    /// The same where one of them is not 0.
+    pub(super) fn held_at(&self, time: f64, share: f64) -> Option<Constraints> {
+        // most bodies have none: nothing is copied
+        let moved = self.cases.iter().any(|case| case.jump.is_some());
+        let held = moved.then(|| self.prescribed_at(time, share));
+        held.filter(Constraints::is_displaced)
     }
 
     /// Prescribed displacements at a time [s] of which a share is applied.

@@ -10,6 +10,7 @@
 //! A step starts with every closed face in stick. Tractions are total; slip is counted from the start of the step, the
 //! jump stabilization acts on total normal and on incremental tangential tractions.
 
+mod accuracy;
 mod active_set;
 mod assembled;
 mod cycling;
@@ -19,6 +20,7 @@ mod failure;
 mod fallback;
 mod fields;
 mod jacobian;
+mod judge;
 mod kept;
 mod krylov;
 mod linear;

@@ -6,6 +6,7 @@ use super::{
     ContactProblem, Evaluation, Failure, LinearFailure, LinearRecord, Load, NewtonSystem, Start,
 };
 use crate::contact::ContactState;
+use crate::elasticity::Constraints;
 use fracas_operators::sparse::Csr;
 use fracas_operators::vector::{axpy, norm2};
 use fracas_solvers::{Observer, Step};
@@ -35,6 +36,10 @@ pub(super) struct Attempt<'s> {
     pub(super) scale: f64,
     /// Largest traction so far [Pa].
     pub(super) traction: f64,
+    /// Largest norms of u and t so far.
+    pub(super) size: [f64; 2],
+    /// What prescribes displacements that are not 0, if anything does.
+    pub(super) held: Option<Constraints>,
     pub(super) step: usize,
     pub(super) attempt: usize,
 }

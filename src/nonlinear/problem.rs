@@ -5,14 +5,14 @@ use super::jacobian::{ContactJacobian, FaceTangent};
 use crate::contact::{
     ContactState, FaceLaw, FaceMeasure, FacePoint, FaceRows, Friction, face_compliance,
 };
-use crate::elasticity::ElasticityError;
-use crate::matrix_free::MatrixFreeSaddle;
+use crate::elasticity::{Constraints, ElasticityError, strain_norm};
+use crate::matrix_free::{Magnitude, MatrixFreeSaddle};
 use crate::mesh::FractureFace;
 use crate::scene::Body;
 use crate::system::StickSystem;
 use fracas_operators::sparse::Csr;
 use fracas_operators::{AdjointOperator, LinearOperator};
-use fracas_solvers::saddle::SaddleBlocks;
+use fracas_solvers::saddle::{EnergyNorms, SaddleBlocks, StrainNorm};
 
 /// What pushes on the body.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,6 +67,7 @@ impl Evaluation {
 pub struct ContactProblem<'a> {
     body: &'a Body,
     saddle: MatrixFreeSaddle<f64>,
+    magnitude: Magnitude,
     loads: Loads<'a>,
     compliance: Vec<f64>,
     weakens: bool,
@@ -79,8 +80,8 @@ impl<'a> ContactProblem<'a> {
     /// [`ElasticityError`] for an inverted element or a region without material.
     pub fn new(body: &'a Body) -> Result<Self, ElasticityError> {
         let system = Self::stick_system_of(body);
-        let unit = system.magnitude()?.unit;
-        let saddle = MatrixFreeSaddle::in_traction_unit(&system, unit)?;
+        let magnitude = system.magnitude()?;
+        let saddle = MatrixFreeSaddle::in_traction_unit(&system, magnitude.unit)?;
         let loads = Loads::new(body, saddle.stiffness().full())?;
         let faces = &body.fractures.faces;
         Ok(Self {
@@ -95,6 +96,7 @@ impl<'a> ContactProblem<'a> {
                 .any(|f| f.weakening.is_some()),
             body,
             saddle,
+            magnitude,
             loads,
         })
     }
@@ -116,6 +118,14 @@ impl<'a> ContactProblem<'a> {
     /// Displacements and tractions with every face in stick.
     pub fn saddle(&self) -> &MatrixFreeSaddle<f64> {
         &self.saddle
+    }
+
+    /// Norms of errors; displacements are judged against those that `held` prescribes, where any are.
+    pub(super) fn norms<'s>(&'s self, held: Option<&'s Constraints>) -> EnergyNorms<'s> {
+        let strain = |held: &'s Constraints| -> StrainNorm<'s> {
+            Box::new(|u| strain_norm(self.saddle.stiffness().full(), &held.expand(u)))
+        };
+        (self.saddle).energy_norms(&self.magnitude, held.map(strain))
     }
 
     /// The assembled blocks with every face in stick and no load, tractions in Pa.

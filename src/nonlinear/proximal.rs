@@ -328,6 +328,8 @@ mod tests {
                 load: &load,
                 scale: norm2(&load.force),
                 traction: 1e7,
+                size: [0.0; 2],
+                held: None,
                 step: 0,
                 attempt: 0,
             };

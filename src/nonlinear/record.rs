@@ -31,6 +31,9 @@ pub struct StepRecord {
     /// Largest distance of the shear traction of a slipping face from the one that Coulomb's law gives for its slip, over
     /// the largest traction of the run: what slip against the traction is worth. Unit: 1.
     pub max_slip_viol: f64,
+    /// Errors of u and t at its states, each relative to the largest norm so far, as the preconditioner shows them
+    /// ([`EnergyNorms`](fracas_solvers::saddle::EnergyNorms)); NaN with springs. Unit: 1.
+    pub error: [f64; 2],
     /// Largest slip ‖γ‖ of a face [m].
     pub slip_max: f64,
     /// Largest part of a jump that is neither slip nor opening [m].
@@ -94,6 +97,13 @@ pub enum Event {
         round: usize,
         /// Why it failed.
         reason: String,
+    },
+    /// Rounding leaves errors above `tolerance`, below `state_tolerance`.
+    Rounding {
+        /// What has the larger one: `displacements` or `tractions`.
+        part: &'static str,
+        /// That error, relative.
+        error: f64,
     },
     /// Slip ran away; the step goes to where it came to rest.
     Arrested {

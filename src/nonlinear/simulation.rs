@@ -8,7 +8,7 @@ use super::loads::initial_traction;
 use super::newton::{Attempt, Iterate};
 use super::record::count;
 use super::springs::SpringMethod;
-use super::stability::instability;
+use super::stability::{COMPARED, instability, is_shown};
 use super::times::{Target, Times, length};
 use super::{
     Accepted, ContactProblem, Event, FaceFields, Failure, FreeMemory, Load, NewtonSystem,
@@ -19,20 +19,6 @@ use crate::scene::{Body, Unstable};
 use fracas_operators::LinearOperator;
 use fracas_operators::vector::{axpy, norm2};
 use fracas_solvers::Observer;
-
-/// Halvings over which slip that runs away is compared.
-const COMPARED: usize = 3;
-
-/// True where halving the increment up to three times leaves more than `2^(−1/4)` of the largest slip each time. Slip that follows
-/// the loads falls with them, at the end of a stable path with their square root; a jump stays. Where nothing is left to
-/// halve, what no increment has avoided is shown as well.
-fn is_shown(runaways: &[[f64; 2]]) -> bool {
-    let first = runaways.len().saturating_sub(1 + COMPARED);
-    match (runaways.get(first), runaways.last()) {
-        (Some([long, much]), Some([short, little])) => *little >= much * (short / long).powf(0.25),
-        _ => false,
-    }
-}
 
 /// A step that goes no further.
 fn failed(
@@ -145,6 +131,7 @@ impl<'a> Simulation<'a> {
             next: 1.0,
             force: 0.0,
             traction: 0.0,
+            size: [0.0; 2],
             krylov: 0.0,
             prepared: None,
             u: vec![0.0; self.problem.body().constraints.free_len()],
@@ -295,6 +282,8 @@ impl<'a> Simulation<'a> {
             load: &load,
             scale: self.scale(&t, [&before, &load]).max(state.force),
             traction: state.traction,
+            size: state.size,
+            held: problem.loads().held_at(target.time, target.loaded),
             step: state.step,
             attempt: *attempts,
         };
@@ -361,6 +350,8 @@ impl<'a> Simulation<'a> {
             traction,
             effective,
             slip_violation,
+            size,
+            error,
             unstable,
         } = settled;
         let problem = &self.problem;
@@ -381,6 +372,7 @@ impl<'a> Simulation<'a> {
             lin_res: last.fold(0.0, |m: f64, l| m.max(l.relative_residual)),
             faces: count(&states),
             max_slip_viol: slip_violation,
+            error,
             arrested: unstable.is_some(),
             cuts,
             setups,
@@ -418,6 +410,7 @@ impl<'a> Simulation<'a> {
                 next,
                 force,
                 traction,
+                size,
                 krylov,
                 prepared,
                 u: x.u,

@@ -23,6 +23,20 @@ const MOST: usize = 30;
 /// Share of the largest slip of the mode that a face of the patch has at least. Unit: 1.
 const OF_PATCH: f64 = 0.1;
 
+/// Halvings over which slip that runs away is compared.
+pub(super) const COMPARED: usize = 3;
+
+/// True where halving the increment up to three times leaves more than `2^(−1/4)` of the largest slip each time. Slip that follows
+/// the loads falls with them, at the end of a stable path with their square root; a jump stays. Where nothing is left to
+/// halve, what no increment has avoided is shown as well.
+pub(super) fn is_shown(runaways: &[[f64; 2]]) -> bool {
+    let first = runaways.len().saturating_sub(1 + COMPARED);
+    match (runaways.get(first), runaways.last()) {
+        (Some([long, much]), Some([short, little])) => *little >= much * (short / long).powf(0.25),
+        _ => false,
+    }
+}
+
 /// A patch whose strength falls faster with slip than the stress that drives it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Instability {

@@ -27,6 +27,9 @@ pub struct State {
     pub force: f64,
     /// Largest traction that a face had so far, rounds of the active set included [Pa]; states are judged relative to it.
     pub traction: f64,
+    /// Largest norms of u and t so far, in which errors are judged
+    /// ([`EnergyNorms::solution`](fracas_solvers::saddle::EnergyNorms::solution)) [√J, √J].
+    pub size: [f64; 2],
     /// Krylov iterations per digit of the first linear system of the run, 0 before it; others are judged against it.
     pub krylov: f64,
     /// What the preconditioner beside the all-stick one was built for, if there is one to keep.

@@ -2,7 +2,7 @@
 
 use std::num::NonZeroU32;
 
-use fracas_solvers::saddle::Racp;
+use fracas_solvers::saddle::{self as solvers, Racp};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -74,8 +74,12 @@ impl Default for AugmentedLagrangian {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SolverSection {
-    /// Residual of equilibrium and contact rows relative to the loads and internal forces. Unit: 1.
+    /// Residual of equilibrium and contact rows relative to the loads and internal forces, and errors of u and t relative to
+    /// the largest so far. Unit: 1.
     pub tolerance: f64,
+    /// What is held against the tolerance: `error`, the errors beside the residual, or `residual` alone, as in published
+    /// counts. Springs have the residual alone.
+    pub measure: solvers::Measure,
     /// What counts as zero when states are judged, relative to the largest traction of the step. Unit: 1.
     pub state_tolerance: f64,
     /// Rounds of the active set in one attempt, proximal iterations included.
@@ -143,6 +147,7 @@ impl Default for SolverSection {
     fn default() -> Self {
         Self {
             tolerance: 1e-8,
+            measure: solvers::Measure::Error,
             state_tolerance: 1e-6,
             max_active: 300,
             max_newton: 15,

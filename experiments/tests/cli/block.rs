@@ -10,37 +10,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Two blocks of rock, pressed together and sheared along an embedded fracture until it slips from its middle.
-pub(crate) const SCENE: &str = r#"
-title = "sheared block"
-[mesh]
-x = { from = "0 m", to = "4 m", cells = 4 }
-y = { from = "0 m", to = "3 m", cells = 3 }
-z = { from = "0 m", to = "4 m", cells = 6 }
-[[material]]
-name = "rock"
-young = "10 GPa"
-poisson = 0.25
-[[fracture]]
-name = "joint"
-plane = "x"
-at = "2 m"
-z = ["0 m", "2.6666666666666665 m"]
-friction_angle = "20 deg"
-[[boundary]]
-side = "x-"
-hold = "fixed"
-[[boundary]]
-side = "x+"
-pressure = "5 MPa"
-history = [["0 s", 1.0]]
-[[boundary]]
-side = "x+"
-traction = { z = "4 MPa" }
-[time]
-end = "12 h"
-steps = 10
-history = [["0 s", 0.0], ["7 h", 1.0], ["12 h", -0.6]]
-"#;
+pub(crate) const SCENE: &str = include_str!("../sheared_block.toml");
 
 /// Rows of the history: time 0, ten steps and the corner of the load at 7 h between two of them.
 pub(crate) const ROWS: usize = 12;

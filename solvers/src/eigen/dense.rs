@@ -4,7 +4,7 @@ use super::tridiagonal::tridiagonal;
 use crate::SetupError;
 use faer::diag::{Diag, DiagRef};
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor as llt;
+use faer::linalg::cholesky::{ldlt::factor as ldlt, llt::factor as llt};
 use faer::linalg::evd::{self, ComputeEigenvectors};
 use faer::linalg::svd::{self, ComputeSvdVectors};
 use faer::linalg::{matmul, temp_mat_scratch, triangular_solve};
@@ -203,25 +203,8 @@ pub fn singular_values(a: MatRef<'_, f64>) -> Result<Vec<f64>, SetupError> {
 
 /// `A = L Lᵀ` from the lower triangle, or the first pivot (from 0) that is not positive.
 pub fn cholesky(a: Mat<f64>) -> Result<Mat<f64>, usize> {
-    lower(a, llt::LltRegularization::default())
-}
-
-/// L of `A = L Lᵀ` for a positive semidefinite matrix with a unit diagonal: a row with a pivot of `least` or less depends on
-/// those before it and gets the pivot `left_out`, which makes its column of L zero to rounding.
-///
-/// # Errors
-/// The row that holds what is no number.
-pub fn independent_cholesky(a: Mat<f64>, least: f64, left_out: f64) -> Result<Mat<f64>, usize> {
-    let regularization = llt::LltRegularization {
-        dynamic_regularization_delta: left_out,
-        dynamic_regularization_epsilon: least,
-    };
-    lower(a, regularization)
-}
-
-/// L, zero above the diagonal.
-fn lower(mut a: Mat<f64>, regularization: llt::LltRegularization<f64>) -> Result<Mat<f64>, usize> {
     let n = a.nrows();
+    let mut a = a;
     let mut memory = buffer(llt::cholesky_in_place_scratch::<f64>(
         n,
         Par::Seq,
@@ -229,18 +212,59 @@ fn lower(mut a: Mat<f64>, regularization: llt::LltRegularization<f64>) -> Result
     ));
     llt::cholesky_in_place(
         a.as_mut(),
-        regularization,
+        Default::default(),
         Par::Seq,
         MemStack::new(&mut memory),
         Default::default(),
     )
     .map_err(|llt::LltError::NonPositivePivot { index }| index)?;
-    for j in 1..n {
-        for i in 0..j {
-            a[(i, j)] = 0.0;
+    zero_above(&mut a);
+    Ok(a)
+}
+
+/// L of `A = L Lᵀ` for a positive semidefinite matrix with a unit diagonal: a row with a pivot of `least` or less depends on
+/// those before it and gets the pivot `left_out`, which makes its column of L zero to rounding.
+///
+/// # Errors
+/// The row that holds what is no number.
+pub fn independent_cholesky(mut a: Mat<f64>, least: f64, left_out: f64) -> Result<Mat<f64>, usize> {
+    let n = a.nrows();
+    let mut memory = buffer(ldlt::cholesky_in_place_scratch::<f64>(
+        n,
+        Par::Seq,
+        Default::default(),
+    ));
+    // faer 0.24.4: a replaced pivot of LLᵀ never gets to the diagonal of L, one of LDLᵀ gets to that of D
+    ldlt::cholesky_in_place(
+        a.as_mut(),
+        ldlt::LdltRegularization {
+            dynamic_regularization_signs: Some(&vec![1; n]),
+            dynamic_regularization_delta: left_out,
+            dynamic_regularization_epsilon: least,
+        },
+        Par::Seq,
+        MemStack::new(&mut memory),
+        Default::default(),
+    )
+    .map_err(|ldlt::LdltError::ZeroPivot { index }| index)?;
+    // L √D
+    for j in 0..n {
+        let root = a[(j, j)].sqrt();
+        a[(j, j)] = root;
+        for i in j + 1..n {
+            a[(i, j)] *= root;
         }
     }
+    zero_above(&mut a);
     Ok(a)
+}
+
+fn zero_above(l: &mut Mat<f64>) {
+    for j in 1..l.nrows() {
+        for i in 0..j {
+            l[(i, j)] = 0.0;
+        }
+    }
 }
 
 /// Splits the columns of `b` at fixed places and works on the parts in parallel.

@@ -3,10 +3,11 @@
 use super::SaddleBlocks;
 use fracas_operators::LinearOperator;
 use fracas_operators::random::splitmix64;
+use fracas_operators::sparse::{CsrView, SparseMatrix};
 use fracas_operators::vector::dot;
 
 /// `√(vᵀKv)` of the displacements of a solution with the prescribed ones in their places; K = stiffness in full numbering.
-pub type StrainNorm<'a> = &'a dyn Fn(&[f64]) -> f64;
+pub type StrainNorm<'a> = Box<dyn Fn(&[f64]) -> f64 + 'a>;
 
 /// Least share of the norm of (u, t) that a part is judged against, lest a part that vanishes be judged against rounding. Unit: 1.
 const LEAST_SHARE: f64 = 1e-6;
@@ -21,7 +22,7 @@ const LEAST_SHARE: f64 = 1e-6;
 /// One product with 𝒜 and one with H per error, two vectors of n.
 pub struct EnergyNorms<'a> {
     operator: &'a dyn LinearOperator<f64>,
-    h: Option<&'a dyn LinearOperator<f64>>,
+    h: Option<CsrView<'a, f64>>,
     /// C_0.
     c: Vec<f64>,
     /// Diagonal of C_0 + H.
@@ -33,29 +34,27 @@ pub struct EnergyNorms<'a> {
 }
 
 impl<'a> EnergyNorms<'a> {
-    /// Norms for `operator = [A B1; B2 −H]` with the diagonals of C_0 and of H.
+    /// Norms for `operator = [A B1; B2 −H]` with the diagonal of C_0.
     pub fn new(
         operator: &'a dyn LinearOperator<f64>,
-        h: Option<&'a dyn LinearOperator<f64>>,
+        h: Option<&'a SparseMatrix<f64>>,
         c: Vec<f64>,
-        diagonal_of_h: &[f64],
     ) -> Self {
-        let n = operator.shape().rows;
+        let (n, rows) = (operator.shape().rows, h.map(SparseMatrix::rows));
         assert!(
-            c.len() <= n && (diagonal_of_h.is_empty() || diagonal_of_h.len() == c.len()),
-            "{n} unknowns, {} tractions, {} diagonal entries of H",
-            c.len(),
-            diagonal_of_h.len()
+            c.len() <= n && rows.is_none_or(|rows| rows == c.len()),
+            "{n} unknowns, {} tractions, {rows:?} rows of H",
+            c.len()
         );
         let mut diagonal = c.clone();
-        diagonal
-            .iter_mut()
-            .zip(diagonal_of_h)
-            .for_each(|(c, h)| *c += h.max(0.0));
+        let of_h = h.iter().flat_map(|h| h.diag_iter());
+        for (c, h) in diagonal.iter_mut().zip(of_h) {
+            *c += h.copied().unwrap_or(0.0).max(0.0);
+        }
         Self {
             n_u: n - c.len(),
             operator,
-            h,
+            h: h.map(CsrView::new),
             c,
             diagonal,
             strain: None,
@@ -80,7 +79,7 @@ impl<'a> EnergyNorms<'a> {
     }
 
     /// Adds `± ε a_ii |u_i|` to the residual, signs at random.
-    pub(super) fn add_rounding(&self, x: &[f64], r: &mut [f64]) {
+    pub fn add_rounding(&self, x: &[f64], r: &mut [f64]) {
         let Some(stiffness) = self.stiffness else {
             return;
         };
@@ -91,34 +90,44 @@ impl<'a> EnergyNorms<'a> {
         }
     }
 
-    /// `(‖e_u‖ / ‖u‖, ‖e_t‖ / ‖t‖)` of an error estimate beside the solution x.
-    pub fn relative(&self, e: &[f64], x: &[f64]) -> [f64; 2] {
-        let mut work = vec![0.0; self.operator.work_len()];
-        let mut part = vec![0.0; e.len()];
-        let mut image = vec![0.0; e.len()];
+    /// `(‖e_u‖, ‖e_t‖)` of an error.
+    pub fn error(&self, e: &[f64]) -> [f64; 2] {
+        [self.displacements(e, true), self.tractions(&e[self.n_u..])]
+    }
+
+    /// `(‖u‖, ‖t‖)` of a solution, which errors are judged against.
+    pub fn solution(&self, x: &[f64]) -> [f64; 2] {
+        let u = match &self.strain {
+            Some(norm) => norm(&x[..self.n_u]),
+            None => self.displacements(x, false),
+        };
+        [u, self.tractions(&x[self.n_u..])]
+    }
+
+    /// `(‖e_u‖/‖u‖, ‖e_t‖/‖t‖)` of these norms; a part that all but vanishes counts as 1e-6 of both.
+    pub fn relative(error: [f64; 2], of: [f64; 2]) -> [f64; 2] {
+        let least = LEAST_SHARE * of[0].hypot(of[1]);
+        [0, 1].map(|part: usize| ratio(error[part], of[part].max(least)))
+    }
+
+    /// `√(vᵀA v)`, with the springs of the jumps where they are asked for.
+    fn displacements(&self, v: &[f64], jumps: bool) -> f64 {
         let n_u = self.n_u;
-        let mut displacements = |v: &[f64], jumps: bool| {
-            part[..n_u].copy_from_slice(&v[..n_u]);
-            self.operator.apply(&part, &mut image, &mut work);
-            let energy = dot(&part[..n_u], &image[..n_u]);
-            let weights = self.diagonal.iter().filter(|_| jumps);
-            let springs = image[n_u..].iter().zip(weights).map(|(g, c)| g * g / c);
-            (energy.max(0.0) + springs.sum::<f64>()).sqrt()
-        };
-        let e_u = displacements(e, true);
-        let u = match self.strain {
-            Some(norm) => norm(&x[..n_u]),
-            None => displacements(x, false),
-        };
-        let [e_t, t] = [e, x].map(|v| self.tractions(&v[n_u..]));
-        let least = LEAST_SHARE * u.hypot(t);
-        [(e_u, u), (e_t, t)].map(|(error, own)| ratio(error, own.max(least)))
+        let mut part = vec![0.0; v.len()];
+        part[..n_u].copy_from_slice(&v[..n_u]);
+        let mut image = vec![0.0; v.len()];
+        let mut work = vec![0.0; self.operator.work_len()];
+        self.operator.apply(&part, &mut image, &mut work);
+        let energy = dot(&part[..n_u], &image[..n_u]);
+        let weights = self.diagonal.iter().filter(|_| jumps);
+        let springs = image[n_u..].iter().zip(weights).map(|(g, c)| g * g / c);
+        (energy.max(0.0) + springs.sum::<f64>()).sqrt()
     }
 
     /// `√(tᵀ(C_0 + H)t)`.
     fn tractions(&self, t: &[f64]) -> f64 {
         let c: f64 = t.iter().zip(&self.c).map(|(t, c)| c * t * t).sum();
-        let h = self.h.map_or(0.0, |h| {
+        let h = self.h.as_ref().map_or(0.0, |h| {
             let mut image = vec![0.0; t.len()];
             h.apply(t, &mut image, &mut vec![0.0; h.work_len()]);
             dot(t, &image)

@@ -17,7 +17,7 @@ mod tests;
 pub use bricks::Bricks;
 pub(crate) use colours::Colours;
 pub use hexes::Hexes;
-pub use restricted::Restricted;
+pub use restricted::{Restricted, strain_norm};
 
 use super::{Elastic, ElasticityError};
 use crate::mesh::HexMesh;

@@ -5,6 +5,17 @@ use fracas_operators::operator::assert_product;
 use fracas_operators::vector::dot;
 use fracas_operators::{AdjointOperator, LinearOperator, Real, Shape};
 
+/// `√(wᵀA w)`, A and w in full numbering: √2 times the root of the strain energy.
+///
+/// # Cost
+/// One product, one vector.
+pub fn strain_norm(full: &impl LinearOperator<f64>, w: &[f64]) -> f64 {
+    let mut image = vec![0.0; w.len()];
+    let mut work = vec![0.0; full.work_len()];
+    full.apply_add(1.0, w, &mut image, &mut work);
+    dot(w, &image).max(0.0).sqrt()
+}
+
 /// `A_ff = P A Pᵀ`: spread the free values over zeros, multiply, gather.
 #[derive(Clone, Debug)]
 pub struct Restricted<A> {
@@ -32,21 +43,17 @@ impl<A> Restricted<A> {
         &self.full
     }
 
-    /// `√(wᵀA w)`, w = `u` with the prescribed values in their places: √2 times the root of the strain energy.
+    /// [`strain_norm`] of `u` with the prescribed values in their places.
     pub fn strain_norm(&self, u: &[f64]) -> f64
     where
         A: LinearOperator<f64>,
     {
-        let w = self.constraints.expand(u);
-        let mut image = vec![0.0; w.len()];
-        let mut work = vec![0.0; self.full.work_len()];
-        self.full.apply_add(1.0, &w, &mut image, &mut work);
-        dot(&w, &image).max(0.0).sqrt()
+        strain_norm(&self.full, &self.constraints.expand(u))
     }
 
     /// True where a displacement is prescribed that is not 0.
     pub fn is_displaced(&self) -> bool {
-        self.constraints.prescribed().iter().any(|(_, u)| *u != 0.0)
+        self.constraints.is_displaced()
     }
 
     /// Runs `product(x_full, y_full, work)` between spreading and gathering.

@@ -10,6 +10,7 @@ fn state(step: usize) -> State {
         next: f64::MIN_POSITIVE / 4.0,
         force: 2.0 / 3.0,
         traction: 1e300,
+        size: [1e-300, 0.7],
         krylov: 2.5,
         prepared: Some(Prepared {
             states: vec![ContactState::Open, ContactState::Stick],

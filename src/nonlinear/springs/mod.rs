@@ -13,8 +13,9 @@ pub(super) mod linear;
 mod newton;
 mod operator;
 
-use super::active_set::{Log, Settled, or_closing, slip_violation};
+use super::active_set::{Log, Settled};
 use super::fallback::Fallbacks;
+use super::judge::{or_closing, slip_violation};
 use super::newton::{Attempt, Iterate};
 use super::{ContactProblem, Event, Failure, FreeMemory, Prepared, RunPreconditioner};
 use crate::contact::ContactState;
@@ -142,6 +143,8 @@ impl SpringMethod {
                     traction,
                     effective: at.jumps,
                     slip_violation,
+                    size: attempt.size,
+                    error: [f64::NAN; 2],
                     unstable: None,
                 });
             }

@@ -21,6 +21,7 @@ pub(super) fn event(event: &Event) -> (&'static str, Value) {
             "projection",
             json!({ "round": round, "reason": reason, "remedy": PROJECTION }),
         ),
+        Event::Rounding { part, error } => ("rounding", json!({ "part": part, "error": error })),
         Event::Arrested { patch } => (
             "arrested",
             json!({

@@ -3,7 +3,7 @@
 use fracas::nonlinear::{EnergyRecord, LinearRecord, StepRecord};
 
 /// First line of `history.csv`.
-pub(super) const HISTORY: &str = "step,time_s,dt_s,active_it,newton_it,lin_it,lin_res,stick,newslip,slip,open,changed_area,max_pen,max_tau_viol,slip_max_m,h_jump_max_m,h_overlap_max_m,cuts,wall_s,max_slip_viol,arrested\n";
+pub(super) const HISTORY: &str = "step,time_s,dt_s,active_it,newton_it,lin_it,lin_res,stick,newslip,slip,open,changed_area,max_pen,max_tau_viol,slip_max_m,h_jump_max_m,h_overlap_max_m,cuts,wall_s,max_slip_viol,arrested,error_u,error_t\n";
 
 /// First line of `solver.csv`.
 pub(super) const SOLVER: &str = "step,attempt,active,newton,krylov,iterations,tolerance,relative_residual,residual,step_length,setup,stick,newslip,slip,open\n";
@@ -20,7 +20,7 @@ pub(super) fn row(record: &StepRecord, wall_s: Option<f64>) -> String {
     let [stick, newslip, slip, open] = r.faces;
     let wall = wall_s.map_or(String::new(), |s| format!("{s:.3}"));
     format!(
-        "{},{:?},{:?},{},{},{},{:?},{stick},{newslip},{slip},{open},{:?},{:?},{:?},{:?},{:?},{:?},{},{wall},{:?},{}\n",
+        "{},{:?},{:?},{},{},{},{:?},{stick},{newslip},{slip},{open},{:?},{:?},{:?},{:?},{:?},{:?},{},{wall},{:?},{},{},{}\n",
         r.step,
         r.time,
         r.dt,
@@ -36,8 +36,18 @@ pub(super) fn row(record: &StepRecord, wall_s: Option<f64>) -> String {
         r.h_overlap,
         r.cuts,
         r.max_slip_viol,
-        u8::from(r.arrested)
+        u8::from(r.arrested),
+        error(r.error[0]),
+        error(r.error[1])
     )
+}
+
+/// An error, empty where only residuals are judged.
+fn error(error: f64) -> String {
+    if error.is_nan() {
+        return String::new();
+    }
+    format!("{error:?}")
 }
 
 /// A row of `solver.csv`.
@@ -79,7 +89,7 @@ pub(super) fn energy_row(record: &StepRecord, e: &EnergyRecord) -> String {
 /// The numbers of a history row up to `wall_s`, or `None` where it is no such row.
 pub(super) fn numbers(row: &str) -> Option<[f64; NUMBERS]> {
     let fields: Vec<&str> = row.trim_end().split(',').collect();
-    if fields.len() != NUMBERS + 3 {
+    if fields.len() != HISTORY.split(',').count() {
         return None;
     }
     let values: Option<Vec<f64>> = fields[..NUMBERS].iter().map(|f| f.parse().ok()).collect();
@@ -118,6 +128,7 @@ mod tests {
             max_tau_viol: 1e20,
             max_slip_viol: 2e-7,
             arrested: true,
+            error: [1e-9, f64::NAN],
             slip_max: 5e-324,
             h_jump: 2e-5,
             h_overlap: 1e-5,
@@ -137,7 +148,7 @@ mod tests {
     fn a_row_has_a_number_per_column_and_reads_back() {
         let text = row(&record(), None);
         assert_eq!(text.matches(',').count(), HISTORY.matches(',').count());
-        assert!(text.ends_with(",1,,2e-7,1\n"));
+        assert!(text.ends_with(",1,,2e-7,1,1e-9,\n"));
         let values = numbers(&text).unwrap();
         for (name, expected) in [
             ("step", 3.0),
@@ -154,7 +165,7 @@ mod tests {
         ] {
             assert_eq!(values[column(name)], expected, "{name}");
         }
-        assert!(row(&record(), Some(1.5)).ends_with(",1,1.500,2e-7,1\n"));
+        assert!(row(&record(), Some(1.5)).ends_with(",1,1.500,2e-7,1,1e-9,\n"));
         assert_eq!(numbers("1,2"), None);
     }
 }

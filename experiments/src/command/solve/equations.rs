@@ -3,9 +3,8 @@
 use fracas::elasticity::{Restricted, matrix_free};
 use fracas::matrix_free::{Magnitude, MatrixFreeSaddle};
 use fracas::scene::Body;
-use fracas_operators::sparse::CsrView;
 use fracas_operators::{AdjointOperator, LinearOperator};
-use fracas_solvers::saddle::{EnergyNorms, SaddleBlocks, SaddleOperator};
+use fracas_solvers::saddle::{EnergyNorms, SaddleBlocks, SaddleOperator, StrainNorm};
 
 /// A system `𝒜 x = b` without a right-hand side.
 pub(super) trait Equations {
@@ -25,17 +24,13 @@ pub(super) trait Equations {
     fn contact_scale(&self, x: &[f64], b: &[f64]) -> Vec<f64>;
 
     /// Norms of errors in u and t; `own` where the right-hand side is that of the system, with its prescribed displacements.
-    fn norms<'s>(&'s self, strain: &'s dyn Fn(&[f64]) -> f64, own: bool) -> EnergyNorms<'s>;
-
-    /// `‖u‖_A`, u with the prescribed displacements in their places.
-    fn strain_norm(&self, u: &[f64]) -> f64;
+    fn norms(&self, own: bool) -> EnergyNorms<'_>;
 }
 
 /// Assembled blocks.
 pub(super) struct Assembled<'a> {
     blocks: &'a SaddleBlocks,
     operator: SaddleOperator<'a>,
-    h: Option<CsrView<'a, f64>>,
     /// A in full numbering, where displacements are prescribed.
     displaced: Option<Restricted<Box<dyn AdjointOperator<f64>>>>,
 }
@@ -43,11 +38,7 @@ pub(super) struct Assembled<'a> {
 impl<'a> Assembled<'a> {
     /// The blocks, and the body that they are of.
     pub(super) fn new(blocks: &'a SaddleBlocks, body: Option<&Body>) -> anyhow::Result<Self> {
-        let displaced = |body: &&Body| {
-            let mut values = body.constraints.prescribed().iter();
-            values.any(|(_, u)| *u != 0.0)
-        };
-        let displaced = match body.filter(displaced) {
+        let displaced = match body.filter(|body| body.constraints.is_displaced()) {
             Some(body) => {
                 let full = matrix_free::<f64>(&body.mesh, &body.materials)?;
                 Some(Restricted::new(full, body.constraints.clone()))
@@ -57,7 +48,6 @@ impl<'a> Assembled<'a> {
         Ok(Self {
             blocks,
             operator: SaddleOperator::new(blocks),
-            h: blocks.h.as_ref().map(CsrView::new),
             displaced,
         })
     }
@@ -90,21 +80,11 @@ impl Equations for Assembled<'_> {
         scale
     }
 
-    fn norms<'s>(&'s self, strain: &'s dyn Fn(&[f64]) -> f64, own: bool) -> EnergyNorms<'s> {
-        let h = self.h.as_ref().map(|h| h as &dyn LinearOperator<f64>);
-        let diagonal = match &self.blocks.h {
-            Some(h) => (0..h.rows())
-                .map(|i| h.get(i, i).copied().unwrap_or(0.0))
-                .collect(),
-            None => Vec::new(),
-        };
+    fn norms(&self, own: bool) -> EnergyNorms<'_> {
         let c = self.blocks.contact_compliance();
-        EnergyNorms::new(&self.operator, h, c, &diagonal)
-            .against((own && self.displaced.is_some()).then_some(strain))
-    }
-
-    fn strain_norm(&self, u: &[f64]) -> f64 {
-        (self.displaced.as_ref()).map_or(0.0, |a| a.strain_norm(u))
+        let strain = |a| -> StrainNorm<'_> { Box::new(move |u| Restricted::strain_norm(a, u)) };
+        let displaced = self.displaced.as_ref().filter(|_| own);
+        EnergyNorms::new(&self.operator, self.blocks.h.as_ref(), c).against(displaced.map(strain))
     }
 }
 
@@ -137,13 +117,11 @@ impl Equations for MatrixFree {
         self.saddle.contact_scale(x, b)
     }
 
-    fn norms<'s>(&'s self, strain: &'s dyn Fn(&[f64]) -> f64, own: bool) -> EnergyNorms<'s> {
-        let displaced = self.saddle.stiffness().is_displaced();
-        let strain = (own && displaced).then_some(strain);
+    fn norms(&self, own: bool) -> EnergyNorms<'_> {
+        let a = self.saddle.stiffness();
+        let strain = || -> StrainNorm<'_> { Box::new(|u| a.strain_norm(u)) };
+        let displaced = own && a.is_displaced();
+        let strain = displaced.then(strain);
         self.saddle.energy_norms(&self.magnitude, strain)
-    }
-
-    fn strain_norm(&self, u: &[f64]) -> f64 {
-        self.saddle.stiffness().strain_norm(u)
     }
 }

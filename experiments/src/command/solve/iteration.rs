@@ -109,10 +109,8 @@ impl Solve {
         };
         let mut x = vec![0.0; built.b.len()];
         let method = krylov.method();
-        let strain = |u: &[f64]| built.equations.strain_norm(u);
-        let norms = built
-            .equations
-            .norms(&strain, built.rhs == RightHandSide::Folder);
+        let own = built.rhs == RightHandSide::Folder;
+        let norms = built.equations.norms(own);
         // pressures have no norm of their own yet
         let measure = match built.equations.lengths() {
             [_, _, 0] => Measure::from(self.measure),

@@ -33,7 +33,7 @@ impl Faer {
         a: &SparseMatrix<f64>,
         least: f64,
     ) -> Result<(Box<dyn Factorization>, Vec<usize>), SetupError> {
-        symmetric::SymmetricSymbolic::new(a, Kind::Spd)?.independent(a, least)
+        symmetric::SymmetricSymbolic::new(a, Kind::QuasiDefinite)?.independent(a, least)
     }
 }
 

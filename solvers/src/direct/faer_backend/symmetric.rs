@@ -7,8 +7,8 @@ use crate::direct::pattern::{BLOCK, Pattern};
 use crate::direct::pivots;
 use crate::direct::{Factorization, Kind, Symbolic, for_column_blocks};
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
-use faer::linalg::cholesky::ldlt::factor::LdltError;
-use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
+use faer::linalg::cholesky::ldlt::factor::{LdltError, LdltRegularization};
+use faer::linalg::cholesky::llt::factor::LltError;
 use faer::perm::PermRef;
 use faer::sparse::linalg::cholesky::{
     LdltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
@@ -64,11 +64,11 @@ impl SymmetricSymbolic {
         }
     }
 
-    /// The factors, pivots unseen; `regularization` is for LLᵀ.
+    /// The factors, pivots unseen; `regularization` is for LDLᵀ.
     fn numeric(
         &self,
         a: &SparseMatrix<f64>,
-        regularization: LltRegularization<f64>,
+        regularization: LdltRegularization<'_, f64>,
     ) -> Result<SymmetricFactors, SetupError> {
         let n = self.pattern.size();
         let matrix = faer::sparse::SparseColMatRef::new(
@@ -96,7 +96,7 @@ impl SymmetricSymbolic {
                     &mut values,
                     matrix,
                     Side::Lower,
-                    regularization,
+                    Default::default(),
                     par,
                     stack,
                     Default::default(),
@@ -110,7 +110,7 @@ impl SymmetricSymbolic {
                     &mut values,
                     matrix,
                     Side::Lower,
-                    Default::default(),
+                    regularization,
                     par,
                     stack,
                     Default::default(),
@@ -125,16 +125,19 @@ impl SymmetricSymbolic {
         Ok(SymmetricFactors::new(structure, values, self.kind))
     }
 
-    /// `L Lᵀ` of a positive semidefinite matrix without the rows whose pivots are `least` or less, and these, ascending.
+    /// `L D Lᵀ` of a positive semidefinite matrix without the rows whose pivots are `least` or less, and these, ascending.
     pub(super) fn independent(
         &self,
         a: &SparseMatrix<f64>,
         least: f64,
     ) -> Result<(Box<dyn Factorization>, Vec<usize>), SetupError> {
-        assert_eq!(self.kind, Kind::Spd, "a semidefinite matrix has LLᵀ");
+        // faer 0.24.4 loses a replaced pivot of LLᵀ
+        assert_eq!(self.kind, Kind::QuasiDefinite, "pivots are those of LDLᵀ");
+        let signs = vec![1; self.pattern.size()];
         let factors = self.numeric(
             a,
-            LltRegularization {
+            LdltRegularization {
+                dynamic_regularization_signs: Some(&signs),
                 dynamic_regularization_delta: LEFT_OUT,
                 dynamic_regularization_epsilon: least,
             },

@@ -1,0 +1,128 @@
+//! What M⁻¹r says of the error of an iterate.
+
+use super::EnergyNorms;
+
+/// Ritz value of M⁻¹𝒜 above which M⁻¹r is taken for the error. Unit: 1.
+const TRUSTED: f64 = 0.1;
+
+/// Share of the tolerance that the next pass aims at. Unit: 1.
+const AIM: f64 = 0.5;
+
+/// Bounds of what a pass lowers the residual by: less is not worth a start, of more nothing is known. Unit: 1.
+const STEP: [f64; 2] = [1e-4, 0.1];
+
+/// Share by which a pass has to lower the error: else rounding is all that is left. Unit: 1.
+const GAIN: f64 = 0.5;
+
+/// Judges the errors of u and t, pass by pass, by `e = 𝒜⁻¹r = (M⁻¹𝒜)⁻¹ M⁻¹r ≈ M⁻¹r`.
+///
+/// Where M is poor, M⁻¹r may be too small by the eigenvalue θ of M⁻¹𝒜 nearest to zero: 1/|θ|, θ a Ritz value of the iteration, is
+/// a bound, and what a further pass changes shows the error before it. Of both the weighted mean nearer to what was seen,
+/// `(seen² bound)^⅓`, is taken: a rule, not a theorem, tried over random systems (`tests/accuracy.rs`).
+#[derive(Clone, Debug, Default)]
+pub struct ErrorJudge {
+    last: Option<Pass>,
+}
+
+/// Errors of an iterate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Judged {
+    /// `(‖e_u‖/‖u‖, ‖e_t‖/‖t‖)` in [`EnergyNorms`], larger than those of M⁻¹r where M is poor.
+    pub error: [f64; 2],
+    /// The larger one of M⁻¹r itself.
+    pub estimate: f64,
+    /// True where the pass did not halve the error: rounding leaves of x what it leaves.
+    pub stands: bool,
+}
+
+impl Judged {
+    /// Of an iterate that is not finite.
+    pub const UNKNOWN: Self = Self {
+        error: [f64::NAN; 2],
+        estimate: f64::NAN,
+        stands: false,
+    };
+
+    /// The larger error.
+    pub fn worst(&self) -> f64 {
+        self.error[0].max(self.error[1])
+    }
+
+    /// What has the larger error.
+    pub fn part(&self) -> &'static str {
+        ["displacements", "tractions"][usize::from(self.error[1] > self.error[0])]
+    }
+
+    /// By how much the next pass is to lower the residual on the way to this tolerance.
+    pub fn step(&self, tolerance: f64) -> f64 {
+        (AIM * tolerance / self.estimate).clamp(STEP[0], STEP[1])
+    }
+}
+
+/// Where a pass ended.
+#[derive(Clone, Debug)]
+struct Pass {
+    /// Norms of M⁻¹r, not relative to anything.
+    error: [f64; 2],
+    estimate: f64,
+    /// Kept where M is poor.
+    x: Vec<f64>,
+}
+
+impl ErrorJudge {
+    /// Errors of x for `e = M⁻¹r`, relative to the norms `of` ([`EnergyNorms::solution`] of x or more); `ritz` is the Ritz value
+    /// of M⁻¹𝒜 nearest to zero, where one is known.
+    ///
+    /// # Cost
+    /// One norm of e, and one of a change of x where M is poor.
+    pub fn judge(
+        &mut self,
+        norms: &EnergyNorms<'_>,
+        (e, x): (&[f64], &[f64]),
+        of: [f64; 2],
+        ritz: Option<f64>,
+    ) -> Judged {
+        let size = norms.error(e);
+        let relative = EnergyNorms::relative(size, of);
+        let is_poor = ritz.is_none_or(|ritz| ritz < TRUSTED);
+        let bound = ritz.map_or(f64::INFINITY, |ritz| TRUSTED / ritz);
+        let factor = match (&self.last, is_poor) {
+            (_, false) => [1.0; 2],
+            (None, true) => [bound; 2],
+            (Some(before), true) => {
+                let seen = before.effectivity(norms, x);
+                seen.map(|seen| match bound.is_finite() {
+                    true => (seen.clamp(1.0, bound).powi(2) * bound).cbrt(),
+                    false => seen.max(1.0),
+                })
+            }
+        };
+        let estimate = relative[0].max(relative[1]);
+        let stands = (self.last.as_ref()).is_some_and(|last| estimate > GAIN * last.estimate);
+        self.last = Some(Pass {
+            error: size,
+            estimate,
+            x: if is_poor { x.to_vec() } else { Vec::new() },
+        });
+        Judged {
+            error: [0, 1].map(|part: usize| relative[part] * factor[part]),
+            estimate,
+            stands,
+        }
+    }
+}
+
+impl Pass {
+    /// Error over its estimate, part by part, the next iterate standing for the solution; infinite where that is not known.
+    fn effectivity(&self, norms: &EnergyNorms<'_>, next: &[f64]) -> [f64; 2] {
+        if self.x.is_empty() {
+            return [f64::INFINITY; 2];
+        }
+        let change: Vec<f64> = next.iter().zip(&self.x).map(|(y, x)| y - x).collect();
+        let change = norms.error(&change);
+        [0, 1].map(|part: usize| match change[part] {
+            0.0 => 1.0,
+            change => change / self.error[part],
+        })
+    }
+}

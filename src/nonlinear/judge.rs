@@ -1,0 +1,86 @@
+//! Whether the faces agree with their states.
+
+use super::Evaluation;
+use super::newton::{Attempt, Iterate, relative};
+use crate::contact::{ContactState, Thresholds, next_state};
+
+/// Judges faces.
+pub(super) struct Judge<'s> {
+    attempt: &'s Attempt<'s>,
+    /// Faces that a round of this attempt has opened: they close in slip.
+    opened: Vec<bool>,
+    /// Largest traction so far [Pa].
+    pub(super) traction: f64,
+}
+
+impl<'s> Judge<'s> {
+    pub(super) fn new(attempt: &'s Attempt<'s>, faces: usize) -> Self {
+        Self {
+            attempt,
+            opened: vec![false; faces],
+            traction: attempt.traction,
+        }
+    }
+
+    /// Faces that take another state, and which. What counts as zero is `zero` times the largest traction of all rounds so
+    /// far (the first one, with every closed face in stick, shows what the loads could do), or the one that would close the largest
+    /// jump at hand.
+    pub(super) fn changes(
+        &mut self,
+        states: &[ContactState],
+        x: &Iterate,
+        at: &Evaluation,
+        zero: f64,
+    ) -> Vec<(usize, ContactState)> {
+        let problem = self.attempt.problem;
+        let compliance = problem.compliance();
+        let largest = x.t.iter().fold(0.0, |m: f64, t| m.max(t.abs()));
+        self.traction = self.traction.max(largest);
+        // jumps are known relative to the largest of them
+        let traction = or_closing(self.traction, &at.jumps, compliance);
+        let mut changes = Vec::new();
+        for (f, state) in states.iter().enumerate() {
+            let measure = problem.measure(f, *state, &x.t, &at.effective, self.attempt.start);
+            let thresholds = Thresholds {
+                jump: zero * traction * compliance[f],
+                traction: zero * traction,
+                hysteresis: 0.0,
+            };
+            let next = match next_state(*state, &measure, &thresholds) {
+                // in stick it would carry again what tore it open
+                ContactState::Stick if *state == ContactState::Open && self.opened[f] => {
+                    ContactState::Slip
+                }
+                next => next,
+            };
+            if next != *state {
+                self.opened[f] |= next == ContactState::Open;
+                changes.push((f, next));
+            }
+        }
+        changes
+    }
+}
+
+/// Largest `‖t_T − P(t_T + Δg_T/ω)‖` of a slipping face over the largest traction, P onto the disc of radius τ_L: what slip
+/// against the traction is worth, and 0 where slip follows it.
+pub(super) fn slip_violation(
+    attempt: &Attempt<'_>,
+    states: &[ContactState],
+    [t, effective]: [&[f64]; 2],
+    traction: f64,
+) -> f64 {
+    let slips = |(_, s): &(usize, &ContactState)| s.constrained() == 1;
+    let short = |(f, state): (usize, &ContactState)| {
+        let face = (attempt.problem).measure(f, *state, t, effective, attempt.start);
+        (face.limit - face.trial).max(0.0)
+    };
+    let faces = states.iter().enumerate().filter(slips).map(short);
+    relative(faces.fold(0.0, f64::max), traction)
+}
+
+/// A traction, or the one that would close the largest normal jump [Pa].
+pub(super) fn or_closing(traction: f64, jumps: &[f64], compliance: &[f64]) -> f64 {
+    let gaps = jumps.iter().step_by(3).zip(compliance);
+    gaps.fold(traction, |m, (g, c)| m.max(g.abs() / c))
+}
