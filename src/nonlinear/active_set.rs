@@ -1,31 +1,23 @@
 //! The active set: states change until every face agrees with its own.
 
-use super::accuracy::{Accuracy, Standing};
-use super::cycling::Rounds;
-use super::judge::{Judge, or_closing, slip_violation};
+use super::accuracy::Accuracy;
+use super::judge::{Judge, or_closing};
 use super::linear::Linear;
-use super::newton::{Attempt, Iterate, Until, newton, relative};
+use super::newton::{Attempt, Iterate};
 use super::proximal::Proximal;
-use super::{Evaluation, Event, Failure, Instability, LinearRecord};
+use super::rounds::{Ended, Search};
+use super::{Event, Failure, Instability, LinearRecord};
 use crate::contact::ContactState;
-use fracas_operators::sparse::Csr;
-use fracas_operators::vector::norm2;
 use fracas_solvers::{Observer, Step};
-
-/// Residual up to which Newton is solved while states still change, and what then counts as zero. Unit: 1.
-const LOOSE: f64 = 1e-4;
-
-/// Newton steps that a round may take while states still change.
-const LOOSE_STEPS: usize = 3;
-
-/// Newton steps that a round may take while the limit of the iterate before stands for weakening.
-const LAGGED_STEPS: usize = 60;
 
 /// Rounds after which proximal iterations take over though no states have returned.
 const PATIENCE: usize = 20;
 
 /// Proximal iterations after which states that did not settle are tried again.
 const AGAIN: usize = 10;
+
+/// Krylov iterations of a step, over the most of one system, from which on states that do not settle are given up. Unit: 1.
+const SPENT: usize = 50;
 
 /// Traction that would close the widest jump, over the largest traction, beyond which a body is taken to fly away. Unit: 1.
 const AWAY: f64 = 1e5;
@@ -65,8 +57,13 @@ pub(super) struct Log {
 }
 
 impl Log {
+    /// Krylov iterations so far.
+    fn iterations(&self) -> usize {
+        self.linear.iter().map(|l| l.iterations).sum()
+    }
+
     /// A round failed: proximal iterations take over, or go on.
-    fn failed(&mut self, round: usize, failure: &Failure) {
+    pub(super) fn failed(&mut self, round: usize, failure: &Failure) {
         self.events.push(Event::Projection {
             round: round + 1,
             reason: failure.to_string(),
@@ -97,12 +94,17 @@ pub(super) fn active_set(
         linear,
         observer,
     };
-    let from = x.clone();
+    let (from, first) = (x.clone(), log.rounds + 1);
     let patience = PATIENCE.min(most);
     let (mut form, why) = match search.rounds(states, &mut x, None, patience, log)? {
         Ended::Settled(found) => return Ok(search.settled(*found, x)),
-        // linear equations that cannot be solved are no matter of states
-        Ended::Not(_, Some(why)) if log.states.iter().all(|s| s.is_linear()) => return Err(why),
+        // linear equations that cannot be solved are no matter of states, and those at the start no matter of the load
+        Ended::Not(_, Some(why)) if log.states.iter().all(|s| s.is_linear()) => {
+            return Err(match log.rounds == first && why.may_be_cut() {
+                true => Failure::Unsolvable(Box::new(why)),
+                false => why,
+            });
+        }
         Ended::Not(form, why) => (form, why),
     };
     // an iterate that Newton left is no better than the start
@@ -113,11 +115,16 @@ pub(super) fn active_set(
     let mut h = problem.stabilization(&form);
     let (mut before, mut tried, mut since) = (Vec::new(), Vec::new(), 0);
     let last = log.rounds + most - patience;
-    while log.rounds < last {
+    let enough = SPENT * problem.body().solver.max_krylov;
+    while log.rounds < last && log.iterations() < enough {
         let round = log.rounds;
         log.rounds += 1;
         let found =
             proximal.iterate(h.as_ref(), round, &mut x, &mut log.linear, search.observer)?;
+        let torn = proximal.torn();
+        if !torn.is_empty() {
+            return Err(Failure::Torn { faces: torn });
+        }
         let changed = count_changes(&found, &before);
         log.states.clone_from(&found);
         let step = Step::Round {
@@ -178,257 +185,4 @@ fn grow(form: &mut [ContactState], states: &[ContactState]) -> bool {
         }
     }
     grown
-}
-
-/// How rounds ended.
-enum Ended {
-    /// No face changes.
-    Settled(Box<Found>),
-    /// Not settled: per face the state of those at hand, or of the rounds that returned, that constrains most; and what failed.
-    Not(Vec<ContactState>, Option<Failure>),
-}
-
-/// States that no face changes, and the equations there.
-struct Found {
-    states: Vec<ContactState>,
-    at: Evaluation,
-    /// `None` where only residuals are judged.
-    standing: Option<Standing>,
-}
-
-/// What rounds need.
-struct Search<'a, 's> {
-    attempt: &'s Attempt<'s>,
-    judge: &'a mut Judge<'s>,
-    accuracy: Option<Accuracy<'s>>,
-    linear: &'a mut Linear,
-    observer: &'a mut dyn Observer,
-}
-
-impl Search<'_, '_> {
-    fn settled(&self, found: Found, x: Iterate) -> Settled {
-        let Found {
-            states,
-            at,
-            standing,
-        } = found;
-        let traction = self.judge.traction;
-        let (size, error) = match standing {
-            Some(Standing { size, judged }) => (size, judged.error),
-            None => (self.attempt.size, [f64::NAN; 2]),
-        };
-        let slip_violation = slip_violation(self.attempt, &states, [&x.t, &at.effective], traction);
-        Settled {
-            states,
-            x,
-            force: self.attempt.scale,
-            traction,
-            effective: at.effective,
-            slip_violation,
-            size,
-            error,
-            unstable: None,
-        }
-    }
-
-    /// At most `most` rounds, H that of the states or the given one.
-    ///
-    /// While states change, Newton takes at most three steps and stops at 1e-4, and only violations beyond that count; once no
-    /// face changes it is solved, and the faces are judged, to the tolerances asked. Then the errors of u and t are judged, and
-    /// Newton goes on until they are below the tolerance, too, or rounding leaves no more to gain.
-    fn rounds(
-        &mut self,
-        mut states: Vec<ContactState>,
-        x: &mut Iterate,
-        fixed: Option<Option<&Csr<f64>>>,
-        most: usize,
-        log: &mut Log,
-    ) -> Result<Ended, Failure> {
-        let (attempt, problem) = (self.attempt, self.attempt.problem);
-        let settings = problem.body().solver;
-        let loose = Until {
-            residual: settings.tolerance.max(LOOSE),
-            steps: LOOSE_STEPS.min(settings.max_newton),
-            lagged: false,
-        };
-        let tight = Until {
-            residual: settings.tolerance,
-            steps: settings.max_newton,
-            lagged: false,
-        };
-        // what the lag of weakening takes: it converges by a factor a step
-        let lagging = Until {
-            steps: LAGGED_STEPS,
-            lagged: true,
-            ..tight
-        };
-        // where the errors of u and t stood last
-        let mut standing: Option<Standing> = None;
-        let weakens = problem.weakens();
-        let mut rounds = Rounds::default();
-        let mut h = match fixed {
-            None => problem.stabilization(&states),
-            Some(_) => None,
-        };
-        let _ = rounds.enter(&states);
-        if let Some(accuracy) = &mut self.accuracy {
-            accuracy.begin();
-        }
-        // limits that proximal iterations found are those of the iterate before, too
-        let mut until = match fixed.is_some() && weakens {
-            true => lagging,
-            false => loose,
-        };
-        for _ in 0..most {
-            let round = log.rounds;
-            log.rounds += 1;
-            log.states.clone_from(&states);
-            let solved = newton(
-                attempt,
-                (&states, fixed.unwrap_or(h.as_ref())),
-                until,
-                (self.linear, round),
-                x,
-                &mut log.linear,
-                self.observer,
-            );
-            let (at, residual) = match solved {
-                Ok(found) => found,
-                // the residual has been small enough: what is left is rounding
-                Err(Failure::Linear(_)) if standing.is_some() => {
-                    let h = fixed.unwrap_or(h.as_ref());
-                    let at =
-                        problem.evaluate(&states, h, [&x.u, &x.t], attempt.start, attempt.load);
-                    let residual = relative(norm2(&at.residual), attempt.scale);
-                    (at, residual)
-                }
-                Err(failure) if failure.may_be_projected() => {
-                    log.failed(round, &failure);
-                    return Ok(Ended::Not(states, Some(failure)));
-                }
-                Err(failure) => return Err(failure),
-            };
-            let zero = match until == loose {
-                true => settings.state_tolerance.max(LOOSE),
-                false => settings.state_tolerance,
-            };
-            let changes = self.judge.changes(&states, x, &at, zero);
-            let step = Step::Round {
-                round: round + 1,
-                changed: changes.len(),
-            };
-            if self.observer.observe(&step).is_break() {
-                return Err(Failure::Stopped);
-            }
-            if changes.is_empty() {
-                let converged = residual <= until.residual;
-                let solved = converged && until != loose || standing.is_some();
-                if solved {
-                    let h = fixed.unwrap_or(h.as_ref());
-                    let stands = (&states[..], h);
-                    let last = match self.accurate(stands, (x, &at), &mut standing)? {
-                        Some(step) if converged => step,
-                        Some(_) | None => {
-                            self.accepts(&standing, residual, log)?;
-                            return Ok(Ended::Settled(Box::new(Found {
-                                states,
-                                at,
-                                standing,
-                            })));
-                        }
-                    };
-                    until.residual = last * residual;
-                    continue;
-                }
-                until = match converged {
-                    true => tight,
-                    false if until == tight && weakens => lagging,
-                    false if until == loose && weakens => lagging,
-                    false if until == loose => tight,
-                    false => {
-                        let failure = Failure::Newton {
-                            residual,
-                            iterations: until.steps,
-                            tolerance: until.residual,
-                        };
-                        log.failed(round, &failure);
-                        return Ok(Ended::Not(states, Some(failure)));
-                    }
-                };
-                continue;
-            }
-            standing = None;
-            if let Some(accuracy) = &mut self.accuracy {
-                accuracy.other_states(x);
-            }
-            until = loose;
-            // new-slip to slip leaves H as it is
-            let other_h = |(f, state): &(usize, ContactState)| {
-                state.constrained() != states[*f].constrained()
-            };
-            let other_h = changes.iter().any(other_h);
-            for (f, state) in &changes {
-                states[*f] = *state;
-            }
-            log.changing = changes.into_iter().map(|(f, _)| f).collect();
-            if other_h && fixed.is_none() {
-                h = problem.stabilization(&states);
-            }
-            if let Some(cycle) = rounds.enter(&states) {
-                log.events.push(Event::Cycle {
-                    round: round + 1,
-                    period: cycle.period,
-                    faces: cycle.faces,
-                });
-                return Ok(Ended::Not(cycle.most_constrained, None));
-            }
-        }
-        Ok(Ended::Not(states, None))
-    }
-
-    /// By how much the residual is still to be lowered for errors below the tolerance; `None` where they are, or where rounding
-    /// leaves no more to gain. `standing` is where they stand.
-    fn accurate(
-        &mut self,
-        stands: (&[ContactState], Option<&Csr<f64>>),
-        at: (&Iterate, &Evaluation),
-        standing: &mut Option<Standing>,
-    ) -> Result<Option<f64>, Failure> {
-        let tolerance = self.attempt.problem.body().solver.tolerance;
-        let Some(accuracy) = &mut self.accuracy else {
-            return Ok(None);
-        };
-        let found = accuracy.of(stands, at, self.linear, self.observer)?;
-        let judged = found.judged;
-        *standing = Some(found);
-        let enough = judged.worst() <= tolerance || judged.stands;
-        Ok((!enough && judged.estimate.is_finite()).then(|| judged.step(tolerance)))
-    }
-
-    /// Errors that rounding leaves are told; beyond what states are judged by they are a failure.
-    fn accepts(
-        &self,
-        standing: &Option<Standing>,
-        residual: f64,
-        log: &mut Log,
-    ) -> Result<(), Failure> {
-        let settings = self.attempt.problem.body().solver;
-        let Some(Standing { judged, .. }) = standing else {
-            return Ok(());
-        };
-        let (part, error) = (judged.part(), judged.worst());
-        let most = settings.tolerance.max(settings.state_tolerance);
-        if error <= most {
-            if error > settings.tolerance {
-                log.events.push(Event::Rounding { part, error });
-            }
-            return Ok(());
-        }
-        Err(Failure::Inaccurate {
-            part,
-            error,
-            tolerance: most,
-            residual,
-        })
-    }
 }

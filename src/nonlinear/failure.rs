@@ -57,6 +57,9 @@ pub enum Failure {
     /// A linear system.
     #[error("Krylov: {0}")]
     Linear(#[from] LinearFailure),
+    /// The linear equations of the states that the step starts with, which are the same however short the step.
+    #[error("{0}")]
+    Unsolvable(Box<Failure>),
     /// Newton at fixed states.
     #[error(
         "Newton: residual {residual:.1e} after {iterations} steps at fixed states, asked {tolerance:.1e}"
@@ -89,6 +92,12 @@ pub enum Failure {
         /// Rounds made.
         rounds: usize,
         /// Faces that changed in the last one.
+        faces: Vec<usize>,
+    },
+    /// Faces open and close over and over: the attempt starts once more with their cohesion lost.
+    #[error("{} faces open and close over and over, first of them {}", faces.len(), first(faces))]
+    Torn {
+        /// Which.
         faces: Vec<usize>,
     },
     /// A block has lost what held it.
@@ -172,13 +181,13 @@ impl Failure {
         self
     }
 
-    /// True where other states may help: what states leave loose, or what they ask of Newton, may be no equilibrium.
-    pub(super) fn may_be_projected(&self) -> bool {
-        self.may_be_cut()
-    }
-
     /// True where a shorter step may help.
     pub(super) fn may_be_cut(&self) -> bool {
+        self.may_be_projected() && !matches!(self, Self::Unsolvable(_))
+    }
+
+    /// True where other states may help: what states leave loose, or what they ask of Newton, may be no equilibrium.
+    pub(super) fn may_be_projected(&self) -> bool {
         !matches!(
             self,
             Self::Stopped

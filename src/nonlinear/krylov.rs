@@ -5,7 +5,8 @@ use super::workspace::{Workspace, fitted};
 use fracas_solvers::Observer;
 use fracas_solvers::krylov::{Breakdown, Criteria, KrylovChoice, Outcome, System};
 
-/// Relative residual up to which a system that rounding keeps from its tolerance is taken: Newton corrects it. Unit: 1.
+/// Relative residual up to which a system that rounding or the limit of iterations keeps from its tolerance is taken: Newton
+/// corrects it, and fails where it cannot. Unit: 1.
 const USEFUL: f64 = 1e-2;
 
 /// How a system is to be solved.
@@ -125,12 +126,14 @@ pub(super) fn solve(
     let iterations = spent + iterations;
     match (outcome, asked.patience) {
         (Outcome::IterationLimit, Some(_)) => Ok(Ended::Dropped { iterations }),
-        (Outcome::IterationLimit, None) => Err(LinearFailure::IterationLimit {
-            krylov,
-            iterations,
-            residual: relative_residual,
-            tolerance: asked.tolerance,
-        }),
+        (Outcome::IterationLimit, None) if relative_residual > USEFUL => {
+            Err(LinearFailure::IterationLimit {
+                krylov,
+                iterations,
+                residual: relative_residual,
+                tolerance: asked.tolerance,
+            })
+        }
         _ => Ok(Ended::Solved(Solved {
             krylov,
             iterations,

@@ -31,6 +31,7 @@ mod problem;
 mod proximal;
 mod record;
 mod remarks;
+mod rounds;
 mod simulation;
 mod springs;
 mod stability;

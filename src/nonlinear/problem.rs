@@ -32,6 +32,16 @@ pub struct Start {
     pub slip: Vec<f64>,
     /// Tractions that H does not act on [Pa]: t_T at the start of the step, and t_N of the initial stress.
     pub t: Vec<f64>,
+    /// Faces that opened and closed again within the step, which have lost their cohesion for the rest of it; empty where there are
+    /// none.
+    pub torn: Vec<bool>,
+}
+
+impl Start {
+    /// True for a face that opened and closed again within the step.
+    pub fn is_torn(&self, face: usize) -> bool {
+        self.torn.get(face).copied().unwrap_or(false)
+    }
 }
 
 /// The equations at a point.
@@ -164,6 +174,18 @@ impl<'a> ContactProblem<'a> {
         self.body.friction[fracture].unwrap_or(Friction::NONE)
     }
 
+    /// Friction of a face within a step: without cohesion where it is torn.
+    pub(super) fn friction_in(&self, face: usize, start: &Start) -> Friction {
+        let friction = self.friction(face);
+        match start.is_torn(face) {
+            true => Friction {
+                cohesion: 0.0,
+                ..friction
+            },
+            false => friction,
+        }
+    }
+
     /// H for these states, tractions in the balanced unit; `None` where it has no entries.
     pub fn stabilization(&self, states: &[ContactState]) -> Option<Csr<f64>> {
         let s = self.saddle.unit();
@@ -263,7 +285,7 @@ impl<'a> ContactProblem<'a> {
         let (mut jump, from) = (three(jumps), three(&start.jump));
         (1..3).for_each(|k| jump[k] -= from[k]);
         let law = FaceLaw {
-            friction: self.friction(f),
+            friction: self.friction_in(f, start),
             compliance: self.compliance[f],
             tiny: 0.0,
         };

@@ -105,6 +105,11 @@ pub enum Event {
         /// That error, relative.
         error: f64,
     },
+    /// Faces opened and closed again within the step: they have no cohesion until its end.
+    Torn {
+        /// Which.
+        faces: Vec<usize>,
+    },
     /// Slip ran away; the step goes to where it came to rest.
     Arrested {
         /// What ran away.

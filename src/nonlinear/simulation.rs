@@ -1,6 +1,6 @@
 //! Steps: from the unloaded body to the last time of its scene.
 
-use super::active_set::{Log, Settled, active_set};
+use super::active_set::{Log, Settled};
 use super::fallback::Fallbacks;
 use super::fields::slip_after;
 use super::linear::Linear;
@@ -8,7 +8,7 @@ use super::loads::initial_traction;
 use super::newton::{Attempt, Iterate};
 use super::record::count;
 use super::springs::SpringMethod;
-use super::stability::{COMPARED, instability, is_shown};
+use super::stability::{COMPARED, is_shown, stable};
 use super::times::{Target, Times, length};
 use super::{
     Accepted, ContactProblem, Event, FaceFields, Failure, FreeMemory, Load, NewtonSystem,
@@ -241,7 +241,7 @@ impl<'a> Simulation<'a> {
         let any_open = closed_stick.contains(&ContactState::Open);
         let first = self.attempt(state, target, closed_stick, attempts, log, observer);
         match first {
-            Err(reason) if any_open && reason.may_be_cut() => {
+            Err(reason) if any_open && reason.may_be_projected() => {
                 log.events.push(Event::Retry {
                     reason: reason.to_string(),
                 });
@@ -271,49 +271,52 @@ impl<'a> Simulation<'a> {
         for (r, t0) in reference.iter_mut().zip(&self.initial_traction).step_by(3) {
             *r = target.loaded * t0;
         }
-        let start = Start {
+        let mut start = Start {
             jump: problem.jumps(&state.u, &before),
             slip: state.slip.clone(),
             t: reference,
+            torn: Vec::new(),
         };
-        let attempt = Attempt {
-            problem,
-            start: &start,
-            load: &load,
-            scale: self.scale(&t, [&before, &load]).max(state.force),
-            traction: state.traction,
-            size: state.size,
-            held: problem.loads().held_at(target.time, target.loaded),
-            step: state.step,
-            attempt: *attempts,
-        };
-        *attempts += 1;
-        let x = Iterate {
-            u: state.u.clone(),
-            t,
-        };
-        let settled = match &mut self.springs {
-            Some(springs) => {
-                let settled = springs.attempt(&attempt, states, x, log, observer);
-                log.events.append(&mut springs.take_events());
-                settled?
+        let scale = self.scale(&t, [&before, &load]).max(state.force);
+        loop {
+            let attempt = Attempt {
+                problem,
+                start: &start,
+                load: &load,
+                scale,
+                traction: state.traction,
+                size: state.size,
+                held: problem.loads().held_at(target.time, target.loaded),
+                step: state.step,
+                attempt: *attempts,
+            };
+            *attempts += 1;
+            let x = Iterate {
+                u: state.u.clone(),
+                t: t.clone(),
+            };
+            let settled = match &mut self.springs {
+                Some(springs) => {
+                    let settled = springs.attempt(&attempt, states.clone(), x, log, observer);
+                    log.events.append(&mut springs.take_events());
+                    settled
+                }
+                None => {
+                    let linear = &mut self.linear;
+                    let settled = stable(&attempt, states.clone(), x, linear, log, observer);
+                    log.events.append(&mut self.linear.fallbacks.events);
+                    settled
+                }
+            };
+            match settled {
+                Err(Failure::Torn { faces }) => {
+                    start.torn.resize(states.len(), false);
+                    faces.iter().for_each(|f| start.torn[*f] = true);
+                    log.events.push(Event::Torn { faces });
+                }
+                settled => return Ok((settled?, load)),
             }
-            None => {
-                let settled = active_set(&attempt, states, x, &mut self.linear, log, observer)
-                    .and_then(|mut settled| {
-                        if problem.weakens() {
-                            let found = (&settled.states[..], &settled.x);
-                            let (traction, linear) = (settled.traction, &mut self.linear);
-                            settled.unstable =
-                                instability(&attempt, found, traction, linear, observer)?;
-                        }
-                        Ok(settled)
-                    });
-                log.events.append(&mut self.linear.fallbacks.events);
-                settled?
-            }
-        };
-        Ok((settled, load))
+        }
     }
 
     /// The largest of the loads before and after and of the forces of the tractions before [N]: residuals are relative to it.

@@ -1,5 +1,6 @@
 //! Slip that runs away under weakening: the tangent of the patch that slips is not positive definite.
 
+use super::active_set::{Log, Settled, active_set};
 use super::linear::Linear;
 use super::newton::{Attempt, Iterate};
 use super::{ContactProblem, Failure, Load};
@@ -69,6 +70,23 @@ impl std::fmt::Display for Instability {
     }
 }
 
+/// States that settle, and whether slip runs away there.
+pub(super) fn stable(
+    attempt: &Attempt<'_>,
+    states: Vec<ContactState>,
+    x: Iterate,
+    linear: &mut Linear,
+    log: &mut Log,
+    observer: &mut dyn Observer,
+) -> Result<Settled, Failure> {
+    let mut settled = active_set(attempt, states, x, linear, log, observer)?;
+    if attempt.problem.weakens() {
+        let found = (&settled.states[..], &settled.x);
+        settled.unstable = instability(attempt, found, settled.traction, linear, observer)?;
+    }
+    Ok(settled)
+}
+
 /// The patch that runs away at states in equilibrium, if one does.
 ///
 /// With slip frozen in its directions m and every limit given, an increase of all limits by τ holds back the slip
@@ -79,7 +97,7 @@ impl std::fmt::Display for Instability {
 ///
 /// # Cost
 /// A linear system per iteration; none where nothing has weakened.
-pub(super) fn instability(
+fn instability(
     attempt: &Attempt<'_>,
     (states, x): (&[ContactState], &Iterate),
     traction: f64,
@@ -181,7 +199,8 @@ impl Weak {
         let after = [from[0] + moved[0], from[1] + moved[1]];
         let size = after[0].hypot(after[1]);
         let along = (m[0] * after[0] + m[1] * after[1]) / size;
-        let rate = -attempt.problem.friction(f).by_slip(x.t[3 * f], before) * along;
+        let friction = attempt.problem.friction_in(f, attempt.start);
+        let rate = -friction.by_slip(x.t[3 * f], before) * along;
         let weakens = shear > 0.0 && slip > 0.0 && rate > 0.0;
         weakens.then_some(Self {
             face: f,

@@ -63,7 +63,7 @@ fn evaluate(
         let law = SpringLaw {
             stiffness: faces.stiffness[f],
             multiplier: std::array::from_fn(|k| faces.multiplier[3 * f + k]),
-            friction: problem.friction(f),
+            friction: problem.friction_in(f, attempt.start),
         };
         let held = held.get(f).copied().flatten();
         let slip = [0, 1].map(|k| attempt.start.slip[2 * f + k]);

@@ -21,6 +21,10 @@ pub(super) fn event(event: &Event) -> (&'static str, Value) {
             "projection",
             json!({ "round": round, "reason": reason, "remedy": PROJECTION }),
         ),
+        Event::Torn { faces } => (
+            "torn",
+            json!({ "faces": faces, "text": "faces that open and close again within the step have no cohesion until its end" }),
+        ),
         Event::Rounding { part, error } => ("rounding", json!({ "part": part, "error": error })),
         Event::Arrested { patch } => (
             "arrested",
