@@ -7,7 +7,7 @@
 use fracas::contact::JumpStabilization;
 use fracas::matrix_free::{MatrixFreeRacp, MatrixFreeSaddle};
 use fracas::scene::{Body, Scene};
-use fracas_operators::random::splitmix64;
+use fracas_operators::random::Random;
 use fracas_operators::sparse::SparseMatrix;
 use fracas_operators::{LinearOperator, Preconditioner};
 use fracas_solvers::Silent;
@@ -29,31 +29,9 @@ fn environment(name: &str, otherwise: u64) -> u64 {
     std::env::var(name).map_or(otherwise, |value| value.parse().unwrap())
 }
 
-/// Numbers in [0, 1) from a seed.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        (splitmix64(self.0) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.next()
-    }
-
-    fn whole(&mut self, low: u32, high: u32) -> u32 {
-        low + (f64::from(high - low + 1) * self.next()) as u32
-    }
-
-    fn chance(&mut self, share: f64) -> bool {
-        self.next() < share
-    }
-}
-
 /// Layers of contrast 1e±8, cells up to 1:1000, ν up to 0.4999, one or two cuts, pressed or displaced from above.
 fn scene(seed: u64) -> String {
-    let r = &mut Random(seed);
+    let r = &mut Random::new(seed);
     let cells = [r.whole(4, 6), r.whole(3, 5), r.whole(4, 6)];
     let mut toml = format!("title = 'seed {seed}'\n[mesh]\n");
     let thin = r.whole(0, 2) as usize;

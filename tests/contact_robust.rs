@@ -5,36 +5,13 @@
 
 use fracas::nonlinear::{Failure, Simulation};
 use fracas::scene::Scene;
-use fracas_operators::random::splitmix64;
+use fracas_operators::random::Random;
 use fracas_solvers::Step;
 use std::ops::ControlFlow;
 
-/// A small generator of numbers in [0, 1): SplitMix64 (Steele, Lea, Flood 2014).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        let bits = splitmix64(self.0);
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        (bits >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.next()
-    }
-
-    fn chance(&mut self, share: f64) -> bool {
-        self.next() < share
-    }
-
-    fn whole(&mut self, low: u32, high: u32) -> u32 {
-        low + (f64::from(high - low + 1) * self.next()) as u32
-    }
-}
-
 /// A scene that the seed alone decides.
 fn scene(seed: u64) -> String {
-    let r = &mut Random(seed.wrapping_mul(0x2545_F491_4F6C_DD1D) + 1);
+    let r = &mut Random::new(seed.wrapping_mul(0x2545_F491_4F6C_DD1D) + 1);
     let (nx, ny, nz) = (r.whole(4, 6), r.whole(2, 4), r.whole(4, 6));
     let mut toml = format!(
         "title = 'seed {seed}'\n[mesh]\nx = {{ from = '0 m', to = '{nx} m', cells = {nx} }}\n\
@@ -127,7 +104,7 @@ fn scene(seed: u64) -> String {
 /// A network in rock under its own weight that the seed alone decides: one to four fractures that cross, dips, depletion,
 /// gravity and initial stress, fluid pressure, weakening, sides that go forth and back; 400 to 4,000 displacements.
 fn network(seed: u64) -> String {
-    let r = &mut Random(seed.wrapping_mul(0x9E6D_62D0_6F6A_9A9B) + 1);
+    let r = &mut Random::new(seed.wrapping_mul(0x9E6D_62D0_6F6A_9A9B) + 1);
     let cells = [r.whole(5, 12), r.whole(2, 4), r.whole(5, 12)];
     let mut toml = format!("title = 'network {seed}'\n[solver]\ninner = 'exact'\n[mesh]\n");
     for (axis, n) in ["x", "y", "z"].iter().zip(cells) {

@@ -9,7 +9,7 @@ use fracas::mesh::{BodyPart, Hold};
 use fracas::multigrid::Geometric;
 use fracas::scene::{Body, Scene};
 use fracas_operators::Preconditioner;
-use fracas_operators::random::splitmix64;
+use fracas_operators::random::Random;
 use fracas_operators::sparse::Csr;
 use fracas_solvers::Silent;
 use fracas_solvers::amg::{Amg, Precision};
@@ -30,41 +30,18 @@ const ENOUGH: usize = 30;
 /// Iterations after which a solve has failed.
 const MOST: usize = 400;
 
-/// Numbers from a seed.
-struct Dice(u64);
-
-impl Dice {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(1);
-        splitmix64(self.0)
-    }
-
-    /// From `low` to `high`, both included.
-    fn range(&mut self, low: usize, high: usize) -> usize {
-        low + (self.next() % (high - low + 1) as u64) as usize
-    }
-
-    /// With this probability in percent.
-    fn percent(&mut self, chance: u64) -> bool {
-        self.next() % 100 < chance
-    }
-
-    fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn one_of<T: Copy>(&mut self, list: &[T]) -> T {
-        list[self.range(0, list.len() - 1)]
-    }
-}
-
 const AXES: [&str; 3] = ["x", "y", "z"];
 
+/// From `low` to `high`, both included.
+fn range(dice: &mut Random, low: usize, high: usize) -> usize {
+    low + dice.below(high - low + 1)
+}
+
 /// Grid lines of an axis: equal, stretched, growing, or uneven cells.
-fn lines(dice: &mut Dice, cells: usize, stretch: f64) -> Vec<f64> {
-    let kind = dice.range(0, 5);
+fn lines(dice: &mut Random, cells: usize, stretch: f64) -> Vec<f64> {
+    let kind = range(dice, 0, 5);
     let growth = 1.0 + 0.5 * dice.unit();
-    let middle = dice.range(0, cells) as f64;
+    let middle = range(dice, 0, cells) as f64;
     let mut lines = vec![0.0];
     let mut at: f64 = 0.0;
     for i in 0..cells {
@@ -80,22 +57,22 @@ fn lines(dice: &mut Dice, cells: usize, stretch: f64) -> Vec<f64> {
     lines
 }
 
-fn interval(dice: &mut Dice, lines: &[f64], whole: u64) -> [f64; 2] {
+fn interval(dice: &mut Random, lines: &[f64], whole: usize) -> [f64; 2] {
     let n = lines.len() - 1;
-    if dice.percent(whole) {
+    if dice.below(100) < whole {
         return [lines[0], lines[n]];
     }
-    let from = dice.range(0, n - 2);
-    let to = dice.range(from + 2, n);
+    let from = range(dice, 0, n - 2);
+    let to = range(dice, from + 2, n);
     [lines[from], lines[to]]
 }
 
 /// A scene as text: 1–6 cuts, T and X crossings, or a network; held and loaded sides; layers.
 fn scene(seed: u64) -> String {
-    let dice = &mut Dice(splitmix64(seed));
-    let cells = [0, 1, 2].map(|_| dice.range(5, 13));
+    let dice = &mut Random::new(seed);
+    let cells = [0, 1, 2].map(|_| range(dice, 5, 13));
     let stretch = [0, 1, 2].map(|_| {
-        if dice.percent(15) {
+        if dice.below(100) < 15 {
             dice.one_of(&[0.02, 0.1, 0.5, 5.0, 20.0])
         } else {
             1.0
@@ -107,16 +84,16 @@ fn scene(seed: u64) -> String {
         let list: Vec<String> = lines[d].iter().map(|x| format!("\"{x} m\"")).collect();
         writeln!(text, "{} = {{ lines = [{}] }}", AXES[d], list.join(", ")).unwrap();
     }
-    let rock = |dice: &mut Dice| dice.one_of(&[0.0, 0.2, 0.25, 0.25, 0.3, 0.4, 0.49]);
+    let rock = |dice: &mut Random| dice.one_of(&[0.0, 0.2, 0.25, 0.25, 0.3, 0.4, 0.49]);
     let poisson = rock(dice);
     writeln!(
         text,
         "[[material]]\nname = \"rock\"\nyoung = \"25 GPa\"\npoisson = {poisson}\ndensity = \"2500 kg/m3\""
     )
     .unwrap();
-    if dice.percent(35) {
+    if dice.below(100) < 35 {
         let young = 25.0 * dice.one_of(&[0.5, 0.1, 0.01, 1e-3, 10.0, 100.0]);
-        let layers: Vec<String> = (0..dice.range(1, 2))
+        let layers: Vec<String> = (0..range(dice, 1, 2))
             .map(|_| {
                 let [from, to] = interval(dice, &lines[2], 0);
                 format!("[\"{from} m\", \"{to} m\"]")
@@ -130,7 +107,7 @@ fn scene(seed: u64) -> String {
         )
         .unwrap();
     }
-    let network = dice.percent(30);
+    let network = dice.below(100) < 30;
     let mut number = 0;
     let mut plane = |text: &mut String,
                      axis: usize,
@@ -153,16 +130,16 @@ fn scene(seed: u64) -> String {
         let depth = interval(dice, &lines[2], 30);
         let axes = dice.one_of(&[&[0usize, 1][..], &[0, 1], &[0, 1, 2], &[0, 2], &[0]]);
         for axis in axes {
-            let every = dice.range(1, 3).min(cells[*axis] - 1);
+            let every = range(dice, 1, 3).min(cells[*axis] - 1);
             let limits = [None, None, (*axis != 2).then_some(depth)];
             plane(&mut text, *axis, format!("every = {every}"), limits);
         }
     } else {
-        let axes = [dice.range(0, 2), dice.range(0, 2), dice.range(0, 2)];
+        let axes = [range(dice, 0, 2), range(dice, 0, 2), range(dice, 0, 2)];
         let mut used: Vec<(usize, usize)> = Vec::new();
-        for _ in 0..dice.range(1, 6) {
+        for _ in 0..range(dice, 1, 6) {
             let axis = dice.one_of(&axes);
-            let at = dice.range(1, cells[axis] - 1);
+            let at = range(dice, 1, cells[axis] - 1);
             if used.contains(&(axis, at)) {
                 continue;
             }
@@ -177,7 +154,7 @@ fn scene(seed: u64) -> String {
         }
     }
     for (k, side) in ["z-", "x-", "x+", "y-", "y+", "z+"].iter().enumerate() {
-        let condition = match (k, dice.range(0, 99)) {
+        let condition = match (k, range(dice, 0, 99)) {
             (0, 0..80) => "hold = \"fixed\"",
             (0, _) => "hold = \"roller\"",
             (1..5, 0..22) => "hold = \"fixed\"",

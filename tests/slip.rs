@@ -10,31 +10,8 @@ use fracas::contact::ContactState;
 use fracas::nonlinear::{EnergyRecord, FaceFields, Simulation, State, StepRecord};
 use fracas::scene::Body;
 use fracas_operators::LinearOperator;
-use fracas_operators::random::splitmix64;
+use fracas_operators::random::Random;
 use fracas_solvers::Silent;
-
-/// Numbers in [0, 1) that a seed decides (SplitMix64).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        (splitmix64(self.0) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.next()
-    }
-
-    /// Between with the logarithm spread evenly.
-    fn scale(&mut self, low: f64, high: f64) -> f64 {
-        low * (high / low).powf(self.next())
-    }
-
-    fn whole(&mut self, low: u32, high: u32) -> u32 {
-        low + (f64::from(high - low + 1) * self.next()) as u32
-    }
-}
 
 fn seeds() -> std::ops::Range<u64> {
     let asked = std::env::var("FRACAS_SEEDS").ok();
@@ -84,7 +61,7 @@ fn sheared(r: &mut Random, friction: &str) -> String {
     let young = r.scale(1e9, 1e11);
     let strain = 2e7 / young;
     let [a, b] = [0; 2].map(|_| r.between(-1.0, 1.0) * strain * lx);
-    let press = -0.2 * strain * lx * r.next();
+    let press = -0.2 * strain * lx * r.unit();
     let [free, held] = match r.whole(0, 1) {
         0 => ["z", "y"],
         _ => ["y", "z"],
@@ -112,7 +89,7 @@ fn sheared(r: &mut Random, friction: &str) -> String {
 fn a_fault_that_cannot_slip_shows_none_and_keeps_its_friction() {
     let mut largest = 0.0f64;
     for seed in seeds() {
-        let r = &mut Random(seed);
+        let r = &mut Random::new(seed);
         let friction = "friction_angle = '31 deg'\ncohesion = '1 GPa'\ndynamic_friction_angle = '10 deg'\nweakening_distance = '1 um'\n";
         let body = body(&sheared(r, friction), &[]);
         let law = body.friction[0].unwrap();
@@ -160,7 +137,7 @@ fn a_fault_that_cannot_slip_shows_none_and_keeps_its_friction() {
 #[test]
 fn a_block_slides_by_its_closed_form_in_cells_of_any_shape() {
     for seed in seeds() {
-        let r = &mut Random(seed);
+        let r = &mut Random::new(seed);
         let (width, depth) = (r.scale(0.02, 50.0), r.scale(0.02, 50.0));
         let [lower, upper] = [0; 2].map(|_| r.between(0.5, 3.0));
         let height = lower + upper;
@@ -254,10 +231,10 @@ fn a_block_slides_by_its_closed_form_in_cells_of_any_shape() {
 fn slip_changes_in_slip_alone_and_friction_never_gains() {
     let (mut finished, mut stuck, mut slid) = (0, 0, 0);
     for seed in seeds() {
-        let r = &mut Random(seed + 1000);
+        let r = &mut Random::new(seed + 1000);
         let angle = r.between(1.0, 4.0);
         let mut friction = format!("friction_angle = '{angle} deg'\n");
-        if r.next() < 0.5 {
+        if r.unit() < 0.5 {
             friction += &format!(
                 "dynamic_friction_angle = '{} deg'\nweakening_distance = '{} mm'\n",
                 0.9 * angle,

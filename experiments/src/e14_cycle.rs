@@ -46,7 +46,7 @@ fn scenes(level: Level) -> anyhow::Result<Vec<Scene>> {
     };
     let strict = scenes
         .iter()
-        .map(|s| s.with_overrides(&["solver.tolerance=1e-10"]));
+        .map(|s| s.with_overrides(&["solver.tolerance=1e-10", "solver.measure=residual"]));
     Ok(strict.collect::<Result<_, _>>()?)
 }
 

@@ -16,9 +16,85 @@ pub fn signed(value: u64) -> f64 {
     (splitmix64(value) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
 }
 
+/// The generator SplitMix64: a case is its seed, on every machine.
+///
+/// # Source
+/// Steele, Lea, Flood, OOPSLA 2014.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Random(u64);
+
+impl Random {
+    /// From a seed; near seeds give unlike numbers.
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// 64 bits.
+    pub fn bits(&mut self) -> u64 {
+        let bits = splitmix64(self.0);
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        bits
+    }
+
+    /// In [0, 1).
+    pub fn unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// In [low, high).
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    /// In [low, high), both positive, the logarithm spread evenly.
+    pub fn scale(&mut self, low: f64, high: f64) -> f64 {
+        low * (high / low).powf(self.unit())
+    }
+
+    /// From low to high, both included.
+    pub fn whole(&mut self, low: u32, high: u32) -> u32 {
+        low + (f64::from(high - low + 1) * self.unit()) as u32
+    }
+
+    /// Below n, which is not 0.
+    pub fn below(&mut self, n: usize) -> usize {
+        (self.bits() % n as u64) as usize
+    }
+
+    /// True with this probability.
+    pub fn chance(&mut self, share: f64) -> bool {
+        self.unit() < share
+    }
+
+    /// True once in n times.
+    pub fn once_in(&mut self, n: usize) -> bool {
+        self.below(n) == 0
+    }
+
+    /// One of a few.
+    pub fn one_of<T: Copy>(&mut self, of: &[T]) -> T {
+        of[self.below(of.len())]
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_stay_where_they_are_asked_for() {
+        let r = &mut Random::new(0);
+        assert_eq!(r.bits(), 0xe220_a839_7b1d_cdaf);
+        assert_eq!(r.bits(), 0x6e78_9e6a_a1b9_65f4);
+        let mut seen = [0; 3];
+        for _ in 0..3000 {
+            assert!((2.0..3.0).contains(&r.between(2.0, 3.0)));
+            assert!((0.01..100.0).contains(&r.scale(0.01, 100.0)));
+            seen[r.whole(4, 6) as usize - 4] += 1;
+            assert!(r.below(7) < 7 && [1, 5].contains(&r.one_of(&[1, 5])));
+        }
+        assert!(seen.iter().all(|n| *n > 800), "{seen:?}");
+    }
 
     #[test]
     fn the_first_numbers_of_the_published_generator() {

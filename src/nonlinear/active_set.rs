@@ -16,7 +16,7 @@ const PATIENCE: usize = 20;
 /// Proximal iterations after which states that did not settle are tried again.
 const AGAIN: usize = 10;
 
-/// Krylov iterations of a step, over the most of one system, from which on states that do not settle are given up. Unit: 1.
+/// Krylov iterations of a step, over the most of one system, from which on it is given up. Unit: 1.
 const SPENT: usize = 50;
 
 /// Traction that would close the widest jump, over the largest traction, beyond which a body is taken to fly away. Unit: 1.
@@ -57,9 +57,10 @@ pub(super) struct Log {
 }
 
 impl Log {
-    /// Krylov iterations so far.
-    fn iterations(&self) -> usize {
-        self.linear.iter().map(|l| l.iterations).sum()
+    /// True where a step has taken so many Krylov iterations that it is given up; `most` are those of one system.
+    pub(super) fn is_spent(&self, most: usize) -> bool {
+        let iterations = self.linear.iter().map(|l| l.iterations);
+        iterations.sum::<usize>() >= SPENT * most
     }
 
     /// A round failed: proximal iterations take over, or go on.
@@ -115,8 +116,8 @@ pub(super) fn active_set(
     let mut h = problem.stabilization(&form);
     let (mut before, mut tried, mut since) = (Vec::new(), Vec::new(), 0);
     let last = log.rounds + most - patience;
-    let enough = SPENT * problem.body().solver.max_krylov;
-    while log.rounds < last && log.iterations() < enough {
+    let max_krylov = problem.body().solver.max_krylov;
+    while log.rounds < last && !log.is_spent(max_krylov) {
         let round = log.rounds;
         log.rounds += 1;
         let found =

@@ -191,7 +191,12 @@ impl Search<'_, '_> {
                             })));
                         }
                     };
-                    until.residual = last * residual;
+                    // steps that rounding keeps from it are few
+                    until = Until {
+                        residual: last * residual,
+                        steps: LOOSE_STEPS.min(settings.max_newton),
+                        ..until
+                    };
                     continue;
                 }
                 until = match converged {

@@ -205,7 +205,11 @@ impl<'a> Simulation<'a> {
                     let next = self.times.next(state, target, increment, cuts);
                     return Ok(self.accept(state, target, settled, &load, log, cuts, next));
                 }
-                Err(reason) if reason.may_be_cut() && 0.5 * length(state, target) >= shortest => {
+                Err(reason)
+                    if reason.may_be_cut()
+                        && !log.is_spent(self.problem.body().solver.max_krylov)
+                        && 0.5 * length(state, target) >= shortest =>
+                {
                     increment = 0.5 * length(state, target);
                     cuts += 1;
                     log.events.push(Event::Cut {

@@ -77,7 +77,10 @@ impl CrackScene {
             Family::Uniform(n) => (2.0 * self.tip / n as f64, 1.0 + 4.0 / n as f64),
             Family::Graded(s) => (0.5 * s * s, s.exp()),
         };
-        let mut sets = vec![format!("solver.tolerance={TOLERANCE:e}")];
+        let mut sets = vec![
+            format!("solver.tolerance={TOLERANCE:e}"),
+            "solver.measure=residual".to_owned(),
+        ];
         for axis in self.along.iter().chain([&self.across]) {
             sets.push(format!("mesh.{axis}.size={size} m"));
             sets.push(format!("mesh.{axis}.growth={growth}"));

@@ -164,7 +164,7 @@ pub(super) fn precision(
             None => scene.clone(),
         };
         // one step: what fails fails
-        let scene = scene.with_overrides(&["solver.max_cuts=0"])?;
+        let scene = scene.with_overrides(&["solver.max_cuts=0", "solver.measure=residual"])?;
         Ok::<_, anyhow::Error>(scene.with_overrides(settings)?)
     };
     let reference = Run::of(&with(&REFERENCE.map(str::to_owned), None)?, observer)?

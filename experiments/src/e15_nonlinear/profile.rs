@@ -68,7 +68,7 @@ impl Case {
             (None, Level::Paper) => fractured(32)?,
         };
         let scene = scene.with_overrides(self.overrides)?;
-        Ok(scene.with_overrides(&["solver.inner=exact"])?)
+        Ok(scene.with_overrides(&["solver.inner=exact", "solver.measure=residual"])?)
     }
 }
 

@@ -17,7 +17,7 @@ fn time(row: usize) -> f64 {
     3600.0 * hours[row]
 }
 
-const HEADER: &str = "step,time_s,dt_s,active_it,newton_it,lin_it,lin_res,stick,newslip,slip,open,changed_area,max_pen,max_tau_viol,slip_max_m,h_jump_max_m,h_overlap_max_m,cuts,wall_s,max_slip_viol,arrested";
+const HEADER: &str = "step,time_s,dt_s,active_it,newton_it,lin_it,lin_res,stick,newslip,slip,open,changed_area,max_pen,max_tau_viol,slip_max_m,h_jump_max_m,h_overlap_max_m,cuts,wall_s,max_slip_viol,arrested,error_u,error_t";
 
 #[test]
 fn a_run_leaves_its_tree() {

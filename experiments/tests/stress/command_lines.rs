@@ -1,12 +1,12 @@
 //! Mutated command lines: parsed or refused; the harmless ones are run.
 
-use crate::generator::Generator;
 use crate::mutation::mutate;
 use crate::room::{Verdict, count, scratch, trial};
 use crate::scenes::RICH;
 use clap::Parser;
 use fracas::scene::Scene;
 use fracas_experiments::command::{Arguments, outcome};
+use fracas_operators::random::Random;
 
 /// Nodes up to which a scene is checked.
 const CHECKED: u128 = 400;
@@ -57,7 +57,7 @@ fn mutated_command_lines_are_parsed_or_refused() {
 }
 
 /// A line with up to three words changed, doubled, swapped or gone.
-fn arguments(scene: &str, g: &mut Generator) -> Vec<String> {
+fn arguments(scene: &str, g: &mut Random) -> Vec<String> {
     let line = g.one_of(&LINES);
     let mut words: Vec<String> = line.split(' ').map(String::from).collect();
     // a value with a unit is one word

@@ -1,8 +1,8 @@
 //! Mutated system folders: what is taken is what a slow and strict reader finds.
 
-use crate::generator::Generator;
 use crate::mutation::mutate;
 use crate::room::{Verdict, count, scratch, trial};
+use fracas_operators::random::Random;
 use fracas_operators::sparse::SparseMatrix;
 use fracas_solvers::saddle::folder::read_folder;
 use std::collections::BTreeMap;
@@ -211,7 +211,7 @@ pub(crate) fn plain(bytes: &[u8]) -> Result<Plain, String> {
 }
 
 /// A random small system: symmetric positive definite A with a spread of scales, B of full rank, perhaps H; n_u, n_t.
-pub(crate) fn random(folder: &Path, g: &mut Generator) -> (usize, usize) {
+pub(crate) fn random(folder: &Path, g: &mut Random) -> (usize, usize) {
     let n_t = 1 + g.below(4);
     let n_u = n_t + 1 + g.below(9);
     let scale: Vec<f64> = (0..n_u).map(|_| 10f64.powf(3.0 * g.unit())).collect();
@@ -241,7 +241,7 @@ pub(crate) fn random(folder: &Path, g: &mut Generator) -> (usize, usize) {
             h += if i == j { "1.5e-1\n" } else { "-1e-2\n" };
         }
     }
-    let vector = |n: usize, g: &mut Generator| {
+    let vector = |n: usize, g: &mut Random| {
         let values: String = (0..n).map(|_| format!("{:e}\n", g.unit() - 0.5)).collect();
         format!("%%MatrixMarket matrix array real general\n{n} 1\n{values}")
     };

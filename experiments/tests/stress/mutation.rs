@@ -1,6 +1,6 @@
 //! What happens to files on their way: bytes, lines and numbers that are not what they were.
 
-use crate::generator::Generator;
+use fracas_operators::random::Random;
 
 /// Numbers and words that readers stumble over.
 const NASTY: [&str; 30] = [
@@ -48,7 +48,7 @@ pub(crate) enum Change {
 }
 
 /// One to three changes of a file; [`Change::Other`] where they are several.
-pub(crate) fn mutate(bytes: &[u8], g: &mut Generator) -> (Vec<u8>, Change) {
+pub(crate) fn mutate(bytes: &[u8], g: &mut Random) -> (Vec<u8>, Change) {
     let mut bytes = bytes.to_vec();
     let mut what = Change::Other;
     let changes = 1 + usize::from(g.once_in(3)) + usize::from(g.once_in(6));
@@ -59,7 +59,7 @@ pub(crate) fn mutate(bytes: &[u8], g: &mut Generator) -> (Vec<u8>, Change) {
     (bytes, what)
 }
 
-fn one(bytes: &mut Vec<u8>, g: &mut Generator) -> Change {
+fn one(bytes: &mut Vec<u8>, g: &mut Random) -> Change {
     if bytes.is_empty() {
         bytes.extend_from_slice(g.one_of(&NASTY).as_bytes());
         return Change::Other;
@@ -84,7 +84,7 @@ fn one(bytes: &mut Vec<u8>, g: &mut Generator) -> Change {
             return Change::Longer;
         }
         2 => bytes[g.below(n)] ^= 1 << g.below(8),
-        3 => bytes[g.below(n)] = g.next() as u8,
+        3 => bytes[g.below(n)] = g.bits() as u8,
         4 => drop(bytes.remove(g.below(n))),
         5 => bytes.insert(
             g.below(n),
@@ -99,7 +99,7 @@ fn one(bytes: &mut Vec<u8>, g: &mut Generator) -> Change {
     Change::Other
 }
 
-fn lines(bytes: &mut Vec<u8>, g: &mut Generator, change: impl Fn(&mut Vec<Vec<u8>>, usize, usize)) {
+fn lines(bytes: &mut Vec<u8>, g: &mut Random, change: impl Fn(&mut Vec<Vec<u8>>, usize, usize)) {
     let mut lines: Vec<Vec<u8>> = bytes
         .split_inclusive(|b| *b == b'\n')
         .map(<[u8]>::to_vec)
@@ -110,7 +110,7 @@ fn lines(bytes: &mut Vec<u8>, g: &mut Generator, change: impl Fn(&mut Vec<Vec<u8
 }
 
 /// Puts a nasty word, or another word of the file, in the place of one.
-fn word(bytes: &mut Vec<u8>, g: &mut Generator) {
+fn word(bytes: &mut Vec<u8>, g: &mut Random) {
     let ends = |b: &u8| b" \n\t\"=,[]{}".contains(b);
     let at = g.below(bytes.len());
     let from = bytes[..at].iter().rposition(ends).map_or(0, |i| i + 1);

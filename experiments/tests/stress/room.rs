@@ -1,6 +1,7 @@
 //! The room: so many cases of a kind, each from its seed and its number, none of which may panic, hang or lie.
 
-use crate::generator::Generator;
+use crate::generator::generator;
+use fracas_operators::random::Random;
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -53,11 +54,7 @@ pub(crate) fn scratch(name: &str) -> PathBuf {
 }
 
 /// Runs `cases` cases, or the one that `FRACAS_STRESS_CASE` names, and fails where one of them is a finding.
-pub(crate) fn trial(
-    kind: &'static str,
-    cases: u64,
-    mut one: impl FnMut(&mut Generator) -> Verdict,
-) {
+pub(crate) fn trial(kind: &'static str, cases: u64, mut one: impl FnMut(&mut Random) -> Verdict) {
     silence();
     let seed = seed();
     let (first, last) = match asked("FRACAS_STRESS_CASE") {
@@ -69,7 +66,7 @@ pub(crate) fn trial(
     let (mut refused, mut taken, mut findings) = (0u64, 0u64, Vec::new());
     for case in first..last {
         watch.next(case);
-        let mut g = Generator::new(seed, kind, case);
+        let mut g = generator(seed, kind, case);
         match catch_unwind(AssertUnwindSafe(|| one(&mut g))) {
             Ok(Verdict::Refused) => refused += 1,
             Ok(Verdict::Taken) => taken += 1,

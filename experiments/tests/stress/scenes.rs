@@ -1,10 +1,10 @@
 //! Mutated scenes: what is taken is what the text says.
 
-use crate::generator::Generator;
 use crate::mutation::mutate;
 use crate::room::{Verdict, count, trial};
 use fracas::scene::{Scene, gallery};
 use fracas::units::Quantity;
+use fracas_operators::random::Random;
 use toml::{Table, Value};
 
 /// Nodes up to which a scene that is taken is also meshed.
@@ -159,7 +159,7 @@ fn equal(a: &Value, b: &Value) -> bool {
 }
 
 /// A random scene in text: a small box with up to four cuts.
-pub(crate) fn random(g: &mut Generator) -> String {
+pub(crate) fn random(g: &mut Random) -> String {
     let cells = [0; 3].map(|_| 2 + g.below(3));
     let mut text = String::from("title = \"random\"\n[mesh]\n");
     for (axis, n) in ["x", "y", "z"].iter().zip(cells) {

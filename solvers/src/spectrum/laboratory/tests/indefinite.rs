@@ -2,7 +2,7 @@
 
 use super::*;
 use faer::linalg::solvers::{FullPivLu, Solve};
-use fracas_operators::random::splitmix64;
+use fracas_operators::random::Random;
 
 /// What a seeded system is like.
 struct Sample {
@@ -13,24 +13,10 @@ struct Sample {
     lowest: f64,
 }
 
-/// Numbers of a seed.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(1);
-        splitmix64(self.0)
-    }
-}
-
-fn uniform(random: &mut Random, low: f64, high: f64) -> f64 {
-    low + (high - low) * (random.next() >> 11) as f64 / (1u64 << 53) as f64
-}
-
 /// `Σ λ_k q_k q_kᵀ` with random orthonormal q_k, to the last bit symmetric.
 fn with_eigenvalues(values: &[f64], random: &mut Random) -> Mat<f64> {
     let n = values.len();
-    let mut gram = Mat::from_fn(n, n, |_, _| uniform(random, -1.0, 1.0));
+    let mut gram = Mat::from_fn(n, n, |_, _| random.between(-1.0, 1.0));
     gram = &gram + gram.transpose();
     let (_, q) = dense::symmetric_eigen(gram.as_ref()).unwrap();
     let mut a = Mat::from_fn(n, n, |i, j| {
@@ -41,40 +27,37 @@ fn with_eigenvalues(values: &[f64], random: &mut Random) -> Mat<f64> {
 }
 
 fn sample(seed: u64) -> Sample {
-    let mut random = Random(splitmix64(seed));
-    let (n_u, n_t) = (
-        2 + (random.next() % 7) as usize,
-        1 + (random.next() % 5) as usize,
-    );
-    let positive = |random: &mut Random| 10f64.powf(uniform(random, -2.0, 1.0));
+    let mut random = Random::new(seed);
+    let (n_u, n_t) = (2 + random.below(7), 1 + random.below(5));
+    let positive = |random: &mut Random| 10f64.powf(random.between(-2.0, 1.0));
     let mut values: Vec<f64> = (0..n_u).map(|_| positive(&mut random)).collect();
-    match random.next() % 4 {
+    match random.below(4) {
         0 => {}
         1 => values[0] = 0.0,
-        2 => values[0] = -10f64.powf(uniform(&mut random, -7.0, 0.5)),
+        2 => values[0] = -10f64.powf(random.between(-7.0, 0.5)),
         _ => values.iter_mut().take(2).for_each(|v| *v = -*v),
     }
     let largest = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     let lowest = values.iter().copied().fold(f64::INFINITY, f64::min) / largest;
     let a = with_eigenvalues(&values, &mut random);
-    let is_deficient = random.next().is_multiple_of(3);
-    let b = Mat::from_fn(n_u, n_t, |_, _| uniform(&mut random, -2.0, 2.0));
-    let h: Option<Vec<f64>> = match random.next() % 4 {
+    let is_deficient = random.once_in(3);
+    let b = Mat::from_fn(n_u, n_t, |_, _| random.between(-2.0, 2.0));
+    let h: Option<Vec<f64>> = match random.below(4) {
         0 => None,
-        1 => Some((0..n_t).map(|_| uniform(&mut random, 0.0, 8.0)).collect()),
+        1 => Some((0..n_t).map(|_| random.between(0.0, 8.0)).collect()),
         2 => Some((0..n_t).map(|k| if k == 0 { 5.0 } else { 0.0 }).collect()),
-        _ => Some((0..n_t).map(|_| uniform(&mut random, -3.0, 6.0)).collect()),
+        _ => Some((0..n_t).map(|_| random.between(-3.0, 6.0)).collect()),
     };
     let h = h.map(|values| with_eigenvalues(&values, &mut random));
     let choices = [
         AugmentationChoice::Local,
         AugmentationChoice::LocalH,
         AugmentationChoice::Global,
-        AugmentationChoice::GlobalTimes(10f64.powf(uniform(&mut random, -2.0, 1.0))),
+        AugmentationChoice::GlobalTimes(10f64.powf(random.between(-2.0, 1.0))),
         AugmentationChoice::HalfH,
     ];
-    let choice = choices[random.next() as usize % choices.len()];
-    let inner = ["exact", "exact", "jacobi", "ssor"][random.next() as usize % 4];
+    let choice = choices[random.below(choices.len())];
+    let inner = ["exact", "exact", "jacobi", "ssor"][random.below(4)];
     Sample {
         blocks: SaddleBlocks {
             a: sparse(n_u, n_u, |i, j| a[(i, j)]),
