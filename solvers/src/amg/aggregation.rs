@@ -1,6 +1,7 @@
 //! Nodes gathered into aggregates of strongly connected neighbours.
 
 use super::node_map::NONE;
+use super::reach::Reach;
 use super::rows::{Pattern, chunks};
 use super::sweeps::SweepMatrix;
 use fracas_operators::Real;
@@ -28,6 +29,22 @@ impl Aggregates {
         first
     }
 
+    /// Middles of the aggregates.
+    pub(super) fn centres(&self, positions: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        if positions.is_empty() {
+            return Vec::new();
+        }
+        let mut sums = vec![([0.0; 3], 0.0); self.count];
+        for (aggregate, x) in self.of.iter().zip(positions) {
+            if let Some((sum, count)) = sums.get_mut(*aggregate as usize) {
+                sum.iter_mut().zip(x).for_each(|(s, x)| *s += x);
+                *count += 1.0;
+            }
+        }
+        let middle = |(sum, count): &([f64; 3], f64)| sum.map(|s| s / count.max(1.0));
+        sums.iter().map(middle).collect()
+    }
+
     /// Aggregates that a bond between their nodes joins.
     pub(super) fn bonds(&self, of_nodes: &Pattern) -> Pattern {
         let mut members: Vec<Vec<u32>> = vec![Vec::new(); self.count];
@@ -53,28 +70,35 @@ impl Aggregates {
     }
 }
 
-/// Graph of the strong connections `‖A_ij‖_F > θ √(‖A_ii‖_F ‖A_jj‖_F)` between nodes of `group` block rows each.
-struct Strong {
+/// Graph of the strong connections `‖A_ij‖_F > θ √(‖A_ii‖_F ‖A_jj‖_F)` between nodes of `group` block rows each that are not far
+/// from each other.
+pub(super) struct Strong {
     offsets: Vec<usize>,
     neighbours: Vec<u32>,
     weights: Vec<f32>,
 }
 
 impl Strong {
-    fn new<R: Real>(a: &SweepMatrix<R>, bonds: Option<&Pattern>, group: usize, theta: f64) -> Self {
+    pub(super) fn new<R: Real>(
+        a: &SweepMatrix<R>,
+        bonds: Option<&Pattern>,
+        reach: &Reach<'_>,
+        group: usize,
+        theta: f64,
+    ) -> Self {
         let nodes = a.rows() / group;
-        let square = |block: &[R; 9]| {
-            block.iter().fold(0.0, |sum, v| {
-                let v = v.to_f64_exact();
-                sum + v * v
-            })
+        let scales = scales(a, group);
+        let square = |i: usize, j: usize, block: &[R; 9]| {
+            let [rows, columns] = [scales[i], scales[j]];
+            let entry = |k: usize| block[k].to_f64_exact() * rows[k / 3] * columns[k % 3];
+            (0..9).map(|k| entry(k).powi(2)).sum::<f64>()
         };
         let diagonal: Vec<f64> = (0..nodes)
             .into_par_iter()
             .map(|node| {
                 let rows = node * group..(node + 1) * group;
                 let own = |i: usize| a.row(i).filter(|(j, _)| j / group == node);
-                rows.map(|i| own(i).map(|(_, block)| square(block)).sum::<f64>())
+                rows.map(|i| own(i).map(|(j, block)| square(i, j, block)).sum::<f64>())
                     .sum()
             })
             .collect();
@@ -89,14 +113,14 @@ impl Strong {
                             list.push(other as u32);
                         }
                         // a stored zero block must not be listed twice
-                        sums[other] += square(block).max(f64::MIN_POSITIVE);
+                        sums[other] += square(i, j, block).max(f64::MIN_POSITIVE);
                     }
                 }
                 for other in &*list {
                     let j = *other as usize;
                     let weight = sums[j] / (diagonal[node] * diagonal[j]).sqrt();
                     let bonded = bonds.is_none_or(|b| b.row(node).binary_search(other).is_ok());
-                    if j != node && bonded && weight > theta * theta {
+                    if j != node && bonded && weight > theta * theta && !reach.is_far(node, j) {
                         neighbours.push(*other);
                         weights.push(weight as f32);
                     }
@@ -132,19 +156,31 @@ impl Strong {
     }
 }
 
+/// Factors of the rows: 1 on the finest level; on the others, where translations and rotations have different units, those of a unit
+/// diagonal. In flat cells a rotation is up to (ratio of sides)² stiffer than a translation, and couples to its like less and less
+/// from level to level: without factors it hides all others, and coarsening stops.
+fn scales<R: Real>(a: &SweepMatrix<R>, group: usize) -> Vec<[f64; 3]> {
+    let of_row = |i: usize| {
+        let own = a.diagonal(i);
+        [0, 4, 8].map(|k| {
+            let scale = own[k].to_f64_exact().sqrt().recip();
+            match group {
+                1 => 1.0,
+                _ if scale.is_finite() => scale,
+                _ => 0.0,
+            }
+        })
+    };
+    (0..a.rows()).into_par_iter().map(of_row).collect()
+}
+
 /// Greedy aggregation in three passes: whole neighbourhoods, leftovers to the strongest neighbour, the rest among
 /// themselves. With `bonds`, only nodes that share a bond count as connected: aggregates then do not reach across a
 /// fracture, whose two sides may turn against each other at no cost (columns between crossing fractures, like gears).
 ///
 /// # Source
 /// Vaněk, Mandel, Brezina, Computing 56 (1996).
-pub(super) fn aggregate<R: Real>(
-    a: &SweepMatrix<R>,
-    bonds: Option<&Pattern>,
-    group: usize,
-    theta: f64,
-) -> Aggregates {
-    let strong = Strong::new(a, bonds, group, theta);
+pub(super) fn aggregate<R: Real>(a: &SweepMatrix<R>, strong: &Strong, group: usize) -> Aggregates {
     let nodes = a.rows() / group;
     let mut of = vec![NONE; nodes];
     let mut count = 0_u32;

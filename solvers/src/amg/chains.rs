@@ -1,5 +1,6 @@
 //! Where Gauss–Seidel by nodes smooths badly.
 
+use super::reach::Reach;
 use super::sweeps::SweepMatrix;
 use super::{Amg, Smoother};
 use fracas_operators::Real;
@@ -14,6 +15,13 @@ use std::fmt;
 /// cubes with ν = 0.40, 0.45, 0.47, 0.49, 0.499 have 0.31, 0.39, 0.42, 0.47, 0.50 (along diagonals of faces).
 const LINK: f64 = 0.45;
 
+/// `‖A_ij‖_F / |tr A_ij|` from which a link resists changes of volume above all: `√(2 + r²)/(2 + r)` across flat cells with
+/// `r = (λ+2G)/G`, which is 0.66, 0.77, 0.85, 0.96 for ν = 0.25, 0.40, 0.45, 0.49, and 1 along diagonals. Unit: 1.
+///
+/// Below it the links of a node that has far neighbours do not count: aggregates follow them, and Gauss–Seidel smooths along them. Flat
+/// cells of 1:2.5, 1:4, 1:8 with ν = 0.49 take 82, 59, 64 iterations by Gauss–Seidel, 33, 33, 29 by FSAI.
+const VOLUME: f64 = 0.8;
+
 /// Share of nodes with such a neighbour from which the matrix is one of chains; fewer are outliers that the iteration
 /// around the cycle takes care of. Unit: 1.
 const SHARE: f64 = 0.25;
@@ -23,24 +31,29 @@ const SHARE: f64 = 0.25;
 pub struct Smoothing {
     /// Never [`Smoother::Auto`].
     pub smoother: Smoother,
-    /// Share of the nodes that are links of a chain, `‖A_ij‖_F ≥ 0.45 √(‖A_ii‖_F ‖A_jj‖_F)` for a j ≠ i, where that
-    /// decided; `None` where the settings name the smoother.
+    /// Share of the nodes that are links of a chain, `‖A_ij‖_F ≥ 0.45 √(‖A_ii‖_F ‖A_jj‖_F)` for a j ≠ i, along which no aggregate
+    /// is made, or which resists changes of volume, where that decided; `None` where the settings name the smoother.
     pub chained: Option<f64>,
 }
 
 impl Smoothing {
-    /// What the settings say, or what the finest matrix asks for.
+    /// What the settings say, or what the finest matrix asks for; no positions where they are not known, or where coarsening does not
+    /// heed them.
     ///
     /// # Cost
     /// Under [`Smoother::Auto`] one pass over the blocks.
-    pub(super) fn new<R: Real>(settings: &Amg, finest: &SweepMatrix<R>) -> Self {
+    pub(super) fn new<R: Real>(
+        settings: &Amg,
+        finest: &SweepMatrix<R>,
+        positions: &[[f64; 3]],
+    ) -> Self {
         if settings.smoother != Smoother::Auto {
             return Self {
                 smoother: settings.smoother,
                 chained: None,
             };
         }
-        let chained = chained(finest);
+        let chained = chained(finest, &Reach::new(finest, None, positions, 1));
         Self {
             smoother: if chained >= SHARE {
                 Smoother::Fsai
@@ -76,7 +89,7 @@ impl fmt::Display for Smoothing {
 }
 
 /// Share of the nodes with a neighbour that is a link.
-fn chained<R: Real>(a: &SweepMatrix<R>) -> f64 {
+fn chained<R: Real>(a: &SweepMatrix<R>, reach: &Reach<'_>) -> f64 {
     let square = |block: &[R; 9]| {
         let values = block.iter().map(|v| v.to_f64_exact());
         values.map(|v| v * v).sum::<f64>()
@@ -86,11 +99,14 @@ fn chained<R: Real>(a: &SweepMatrix<R>) -> f64 {
         .map(|i| square(a.diagonal(i)))
         .collect();
     let is_link = |i: usize| {
+        let flat = reach.has_far(a, i);
         a.row(i).any(|(j, block)| {
             // squares on both sides
             let limit = LINK.powi(4) * sizes[i] * sizes[j];
             let size = square(block);
-            j != i && size * size >= limit
+            let trace = block[0] + block[4] + block[8];
+            let volume = size >= (VOLUME * trace.to_f64_exact()).powi(2);
+            j != i && size * size >= limit && (volume || !flat)
         })
     };
     let links = (0..a.rows())
@@ -120,7 +136,9 @@ mod tests {
             ([0.01, 1.0, 1.0], Smoother::Fsai),
         ] {
             let (a, at) = clamped_box([8, 7, 7], h, |_| 1.0);
-            let found = smoothing(&a, &at);
+            // aggregates along the chains take their place where the nodes are known
+            assert_eq!(smoothing(&a, &at).smoother, Smoother::GaussSeidel, "{h:?}");
+            let found = Amg::default().build(&a, None).unwrap().summary().smoothing;
             assert_eq!(found.smoother, smoother, "{h:?}: {found}");
             let chained = found.chained.unwrap();
             assert!(chained == 0.0 || chained > 0.8, "{h:?}: {found}");
@@ -134,7 +152,7 @@ mod tests {
             let map = crate::amg::node_map::NodeMap::new(&scaled, Some(&at));
             let blocks = crate::amg::finest::Sum::new(&scaled, None).unwrap();
             let blocks = blocks.blocks::<f64>(&map, blocks.pattern(&map)).unwrap();
-            let again = Smoothing::new(&Amg::default(), &blocks.matrix);
+            let again = Smoothing::new(&Amg::default(), &blocks.matrix, &[]);
             assert!((again.chained.unwrap() - chained).abs() < 0.01);
         }
     }

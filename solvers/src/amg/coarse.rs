@@ -72,13 +72,20 @@ pub(super) struct Values<R> {
     pub(super) matrix: SweepMatrix<f64>,
 }
 
+/// What is known of a level besides its matrix.
+pub(super) struct Known<const K: usize> {
+    /// Which nodes share a piece of rock, where the matrix joins others, too; `None` once that no longer matters.
+    pub(super) bonds: Option<Pattern>,
+    /// Near-null vectors, three rows per block row.
+    pub(super) modes: Vec<[[f64; K]; 3]>,
+    /// Where the nodes are, a coarse one in the middle of its own; empty without coordinates.
+    pub(super) positions: Vec<[f64; 3]>,
+}
+
 /// A step that has been planned, and what the next one starts from.
 pub(super) struct Planned<P, const K: usize> {
     pub(super) step: P,
-    /// Which coarse nodes share a piece of rock; `None` once that no longer matters.
-    pub(super) bonds: Option<Pattern>,
-    /// Near-null vectors of `A_c`, three rows per block row.
-    pub(super) modes: Vec<[[f64; K]; 3]>,
+    pub(super) known: Known<K>,
 }
 
 /// A way to make coarse unknowns, N per coarse node, planned once for all matrices of one pattern whose strong connections
@@ -89,9 +96,8 @@ pub(super) trait Coarsener<const N: usize, const K: usize>: Sized + Send + Sync 
         settings: &Amg,
         depth: usize,
         a: &SweepMatrix<S>,
-        bonds: Option<&Pattern>,
+        known: &Known<K>,
         group: usize,
-        modes: &[[[f64; K]; 3]],
     ) -> Option<Planned<Self, K>>;
 
     /// P and the coarse matrix of `a + Δ` (block-diagonal Δ, may be empty); λ_max is that of `D⁻¹a`. A coarse row in

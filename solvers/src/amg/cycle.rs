@@ -1,6 +1,7 @@
 //! V, W and K cycles.
 
 use super::hierarchy::{Hierarchy, Level};
+use super::step_length::step;
 use super::{Amg, Cycle, Smoother};
 use fracas_operators::vector::{axpy, dot, xpby};
 use fracas_operators::{Preconditioner, Real};
@@ -99,7 +100,7 @@ impl<R: Real> Hierarchy<R> {
     /// Two steps of flexible conjugate gradients from x = 0.
     ///
     /// # Source
-    /// Notay & Vassilevski, Numer. Linear Algebra Appl. 15 (2008).
+    /// Notay & Vassilevski, Numer. Linear Algebra Appl. 15 (2008); the bound on [`step`] is ours.
     fn two_steps(&self, shape: Shape, k: usize, b: &mut [R], x: &mut [R], work: &mut [R]) {
         let n = b.len();
         let matrix = &self.levels[k].matrix;
@@ -112,11 +113,11 @@ impl<R: Real> Hierarchy<R> {
         self.cycle(shape, k, b, p, rest);
         matrix.product(p, q);
         let (rho, curvature) = (dot(b, p), dot(p, q));
-        if curvature.is_nan() || curvature <= R::zero() {
+        let Some(alpha) = step(rho, curvature) else {
+            // b = 0, or beyond the range of R: the cycle as it is
             return x.copy_from_slice(p);
-        }
+        };
         // x = α p,  b ← b − α A p
-        let alpha = rho / curvature;
         x.fill(R::zero());
         axpy(alpha, p, x);
         axpy(-alpha, q, b);
@@ -125,9 +126,8 @@ impl<R: Real> Hierarchy<R> {
         let beta = dot(q, d) / curvature;
         xpby(d, -beta, p);
         matrix.product(p, w);
-        let second = dot(p, w);
-        if second > R::zero() {
-            axpy(dot(b, p) / second, p, x);
+        if let Some(step) = step(dot(b, p), dot(p, w)) {
+            axpy(step, p, x);
         }
     }
 

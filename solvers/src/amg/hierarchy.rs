@@ -1,11 +1,10 @@
 //! From the finest matrix to all levels.
 
-use super::coarse::{Coarsener, Frame, NotPositive};
+use super::coarse::{Coarsener, Frame, Known, NotPositive};
 use super::coarsest::{Coarsest, NoInverse};
 use super::finest::Finest;
 use super::fsai_smoother;
 use super::lambda::largest_eigenvalue;
-use super::rows::Pattern;
 use super::summary::{LevelSummary, Summary};
 use super::sweeps::SweepMatrix;
 use super::transfer::Transfer;
@@ -106,13 +105,7 @@ impl<'a> Representatives<'a> {
 /// Where the steps of coarsening come from.
 pub(super) enum Steps<'a, C, const K: usize> {
     /// Planned on the way down, from what is known of the level at hand.
-    New {
-        planned: Vec<C>,
-        /// Nodes that an element joins, where the matrix joins others, too.
-        bonds: Option<Pattern>,
-        /// Near-null vectors, three rows per block row.
-        modes: Vec<[[f64; K]; 3]>,
-    },
+    New { planned: Vec<C>, known: Known<K> },
     /// Of an earlier hierarchy.
     Kept(&'a [C]),
 }
@@ -154,19 +147,15 @@ impl<C, const K: usize> Steps<'_, C, K> {
     {
         match self {
             Self::Kept(steps) => steps.get(depth),
-            Self::New {
-                planned,
-                bonds,
-                modes,
-            } => {
+            Self::New { planned, known } => {
                 let last = planned.last();
                 let enough = last.map_or(settings.coarsest, |step| step.direct_below(settings));
                 if 3 * a.rows() <= enough || depth == MOST_LEVELS {
                     return None;
                 }
                 let group = if depth == 0 { 1 } else { N / 3 };
-                let plan = C::plan(settings, depth, a, bonds.as_ref(), group, modes)?;
-                (*bonds, *modes) = (plan.bonds, plan.modes);
+                let plan = C::plan(settings, depth, a, known, group)?;
+                *known = plan.known;
                 planned.push(plan.step);
                 planned.last()
             }

@@ -9,6 +9,7 @@
 //! | S_u = A + F Fᵀ in node blocks | `finest` |
 //! | near-null space | `rigid_body` |
 //! | strong connections, aggregates | `aggregation` |
+//! | neighbours across flat cells, which count as far | `reach`, `extension` |
 //! | `P_0`, orthonormal on every aggregate | `tentative` |
 //! | `P = (I − ω D⁻¹A) P_0` | `prolongation`, `lambda` |
 //! | `A_c = PᵀA P` | `galerkin`, `coarse` |
@@ -25,6 +26,7 @@ mod classical;
 mod coarse;
 mod coarsest;
 mod cycle;
+mod extension;
 mod finest;
 mod fsai_smoother;
 mod galerkin;
@@ -34,6 +36,7 @@ pub(crate) mod lambda;
 mod node_map;
 mod plan;
 mod prolongation;
+mod reach;
 mod rigid_body;
 mod rows;
 mod schedule;
@@ -41,6 +44,7 @@ pub(crate) mod scratch;
 mod settings;
 pub(crate) mod shared;
 mod smoothed;
+pub(crate) mod step_length;
 mod summary;
 mod sweeps;
 mod tentative;

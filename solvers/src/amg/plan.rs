@@ -1,7 +1,7 @@
 //! What of a hierarchy outlives a change of values.
 
 use super::classical::Classical;
-use super::coarse::Coarsener;
+use super::coarse::{Coarsener, Known};
 use super::finest::{Finest, Sum};
 use super::hierarchy::{About, Hierarchy, Steps};
 use super::inverse::Either;
@@ -9,6 +9,7 @@ use super::node_map::{NONE, NodeMap};
 use super::rigid_body::{constants, rigid_body_modes};
 use super::rows::Pattern;
 use super::smoothed::SmoothedAggregation;
+use super::sweeps::SweepMatrix;
 use super::{Amg, AmgInverse, Coarsening, Precision, Smoothing};
 use crate::{DofCoordinate, SetupError};
 use fracas_operators::Real;
@@ -78,7 +79,7 @@ impl AmgPlan {
         let unknown = |row| unknown(&self.map, row);
         let about = About {
             near_null_space: near_null_space(&self.map),
-            smoothing: Smoothing::new(&self.settings, &finest.matrix),
+            smoothing: smoothing(&self.settings, &finest.matrix, &self.map),
             unknown: &unknown,
         };
         let settings = &self.settings;
@@ -148,9 +149,10 @@ fn new<R: Real>(
     let way = Way {
         settings,
         bonds: sum.bonds(&map),
+        positions: map.positions().map(<[_]>::to_vec).unwrap_or_default(),
         about: About {
             near_null_space: near_null_space(&map),
-            smoothing: Smoothing::new(settings, &finest.matrix),
+            smoothing: smoothing(settings, &finest.matrix, &map),
             unknown: &unknown,
         },
         finest,
@@ -174,6 +176,7 @@ struct Way<'a, R> {
     settings: &'a Amg,
     finest: Finest<R>,
     bonds: Option<Pattern>,
+    positions: Vec<[f64; 3]>,
     about: About<'a>,
 }
 
@@ -185,8 +188,11 @@ impl<R: Real> Way<'_, R> {
     ) -> Result<(Hierarchy<R>, Planned), SetupError> {
         let mut steps = Steps::New {
             planned: Vec::new(),
-            bonds: self.bonds,
-            modes,
+            known: Known {
+                bonds: self.bonds,
+                modes,
+                positions: self.positions,
+            },
         };
         let hierarchy = Hierarchy::new(self.settings, self.finest, &mut steps, &self.about)?;
         Ok((hierarchy, kind(steps.planned())))
@@ -203,6 +209,15 @@ fn unknown(map: &NodeMap, row: usize) -> usize {
     } else {
         own as usize
     }
+}
+
+/// What smooths the levels below this matrix; only aggregates heed where nodes are.
+fn smoothing<R: Real>(settings: &Amg, finest: &SweepMatrix<R>, map: &NodeMap) -> Smoothing {
+    let positions = match settings.coarsening {
+        Coarsening::SmoothedAggregation => map.positions().unwrap_or_default(),
+        Coarsening::Classical => &[],
+    };
+    Smoothing::new(settings, finest, positions)
 }
 
 fn near_null_space(map: &NodeMap) -> &'static str {

@@ -1,7 +1,9 @@
 //! Smoothed prolongation.
 
 use super::aggregation::Aggregates;
+use super::extension::Extension;
 use super::node_map::NONE;
+use super::reach::Reach;
 use super::rows::Pattern;
 use super::sweeps::SweepMatrix;
 use fracas_operators::Real;
@@ -33,11 +35,12 @@ impl<R, const K: usize> Prolongation<'_, R, K> {
     }
 }
 
-/// The pattern of `A P_0`.
+/// The pattern of `A P_0`, without aggregates that a row reaches at far nodes alone.
 pub(super) fn pattern<R: Real>(
     a: &SweepMatrix<R>,
     group: usize,
     aggregates: &Aggregates,
+    reach: &Reach<'_>,
 ) -> Pattern {
     Pattern::collect(
         a.rows(),
@@ -45,7 +48,11 @@ pub(super) fn pattern<R: Real>(
         |i, (), columns| {
             let start = columns.len();
             for j in a.columns_of(i) {
-                let aggregate = aggregates.of[*j as usize / group];
+                let node = *j as usize / group;
+                let aggregate = aggregates.of[node];
+                if aggregate != aggregates.of[i / group] && reach.is_far(i / group, node) {
+                    continue;
+                }
                 // a handful of aggregates per row: a linear search is the fastest
                 if aggregate != NONE && !columns[start..].contains(&aggregate) {
                     columns.push(aggregate);
@@ -56,7 +63,8 @@ pub(super) fn pattern<R: Real>(
     )
 }
 
-/// `P = (I − ω D⁻¹A) P_0`, `ω = 1.5 / λ_max(D⁻¹A)`, D the 3×3 diagonal blocks.
+/// `P = (I − ω D⁻¹A) P_0`, `ω = 1.5 / λ_max(D⁻¹A)`, D the 3×3 diagonal blocks. A node whose aggregate is not in the pattern of a
+/// row moves as if it belonged to the row's own (`extension`), so that P keeps the near-null space.
 ///
 /// # Source
 /// Vaněk, Mandel, Brezina, Computing 56 (1996).
@@ -65,6 +73,7 @@ pub(super) fn smoothed<S: Real, R: Real, const K: usize>(
     group: usize,
     aggregates: &Aggregates,
     tentative: &[[[f64; K]; 3]],
+    extension: Option<&Extension<K>>,
     pattern: &Pattern,
     lambda_max: f64,
 ) -> Vec<[[R; K]; 3]> {
@@ -77,6 +86,7 @@ pub(super) fn smoothed<S: Real, R: Real, const K: usize>(
             group,
             aggregates,
             tentative,
+            extension,
             pattern,
             rows,
             omega,
@@ -110,6 +120,7 @@ struct Smooth<'a, S, R, const K: usize> {
     group: usize,
     aggregates: &'a Aggregates,
     tentative: &'a [[[f64; K]; 3]],
+    extension: Option<&'a Extension<K>>,
     pattern: &'a Pattern,
     rows: std::ops::Range<usize>,
     omega: f64,
@@ -128,11 +139,15 @@ impl<S: Real, R: Real, const K: usize> Kernel<f64> for Smooth<'_, S, R, K> {
             let blocks = &mut *self.row;
             blocks.clear();
             blocks.resize(columns.len(), [[0.0; K]; 3]);
+            let own = self.aggregates.of[i / self.group];
+            let own_place = columns.iter().position(|c| *c == own);
             // A P_0
             for (j, a_ij) in self.a.row(i) {
                 let aggregate = self.aggregates.of[j / self.group];
                 if let Some(k) = columns.iter().position(|c| *c == aggregate) {
                     add_product(&mut blocks[k], a_ij, &self.tentative[j]);
+                } else if let (Some(extension), Some(k)) = (self.extension, own_place) {
+                    add_product(&mut blocks[k], a_ij, &extension.at(j, own as usize));
                 }
             }
             // P_0 − ω D⁻¹ (A P_0)
@@ -142,8 +157,7 @@ impl<S: Real, R: Real, const K: usize> Kernel<f64> for Smooth<'_, S, R, K> {
                 *block = [[0.0; K]; 3];
                 add_product(block, &scaled, &image);
             }
-            let own = self.aggregates.of[i / self.group];
-            if let Some(k) = columns.iter().position(|c| *c == own) {
+            if let Some(k) = own_place {
                 for (row, q) in blocks[k].iter_mut().zip(&self.tentative[i]) {
                     row.iter_mut().zip(q).for_each(|(p, q)| *p += q);
                 }

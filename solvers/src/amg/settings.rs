@@ -18,8 +18,8 @@ pub enum Coarsening {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Smoother {
-    /// Gauss–Seidel, or FSAI where the matrix is made of chains of nodes (flat cells, nearly incompressible rock): there
-    /// Gauss–Seidel by nodes smooths along the chains only.
+    /// Gauss–Seidel, or FSAI where the matrix is made of chains of nodes along which no aggregates are made (nearly incompressible
+    /// rock; flat cells without coordinates, or coarsened classically): there Gauss–Seidel by nodes smooths along the chains only.
     #[default]
     Auto,
     /// Symmetric Gauss–Seidel by nodes: forward before, backward after the coarse correction.

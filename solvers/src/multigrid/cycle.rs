@@ -2,6 +2,7 @@
 
 use super::bottom::Bottom;
 use super::level::{Chebyshev, Level};
+use crate::amg::step_length::step;
 use crate::amg::{LevelSummary, Smoother, Smoothing, Summary};
 use fracas_operators::vector::{axpby, axpy, dot, scale};
 use fracas_operators::{Linearity, Real};
@@ -73,19 +74,6 @@ fn visits(cycle: Cycle, sizes: &[usize]) -> Vec<Visit> {
         visit
     };
     (0..levels).map(visit).collect()
-}
-
-/// Longest step of a K-cycle. λ(M⁻¹A) ≤ 1 of a cycle, so that a step beyond 2 would enlarge what the cycle has solved, for the sake
-/// of what it hardly sees; and it would do so in one direction now, in another the next time, which no outer iteration can make up for.
-/// `layered_crossing` with contrast 4·10³ and ν = 0.49 in the stiff rock, 24³ cells: 30 iterations, without a bound 215; V 44, W 35.
-/// Unit: 1.
-const LONGEST: f64 = 2.0;
-
-/// Step to the minimum of `½ curvature t² − slope t`; `None` where there is none.
-fn step<R: Real>(slope: R, curvature: R) -> Option<R> {
-    let step = slope / curvature;
-    let longest = R::of(LONGEST);
-    (curvature > R::zero() && step.is_finite()).then(|| if step > longest { longest } else { step })
 }
 
 /// All levels, finest first, and the solver below them.
@@ -203,7 +191,7 @@ impl<R: Real> Hierarchy<R> {
     ///
     /// # Source
     /// Notay & Vassilevski, Numer. Linear Algebra Appl. 15 (2008); both steps always, without their tolerance of ¼, and
-    /// [`LONGEST`] is ours.
+    /// the bound on [`step`] is ours.
     fn two_steps(&self, k: usize, r: &mut [R], x: &mut [R], work: &mut [R]) {
         let n = r.len();
         let (q, work) = work.split_at_mut(n);

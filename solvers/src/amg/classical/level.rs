@@ -1,9 +1,9 @@
 //! One step of classical coarsening between levels.
 
-use super::{Modes, NodeBlocks, Start};
+use super::{NodeBlocks, Start};
 use crate::amg::Amg;
 use crate::amg::aggregation::Aggregates;
-use crate::amg::coarse::{Coarsener, Frame, NotPositive, Planned, STAGNATED, Values};
+use crate::amg::coarse::{Coarsener, Frame, Known, NotPositive, Planned, STAGNATED, Values};
 use crate::amg::node_map::NONE;
 use crate::amg::rows::Pattern;
 use crate::amg::sweeps::SweepMatrix;
@@ -23,10 +23,10 @@ impl<const K: usize> Coarsener<3, K> for Classical<K> {
         _settings: &Amg,
         _depth: usize,
         a: &SweepMatrix<S>,
-        mut bonds: Option<&Pattern>,
+        known: &Known<K>,
         _group: usize,
-        modes: &Modes<K>,
     ) -> Option<Planned<Self, K>> {
+        let (mut bonds, modes) = (known.bonds.as_ref(), &known.modes[..]);
         let nodes = NodeBlocks::of_level(a);
         let coarser = |count: usize| count > 0 && (count as f64) < STAGNATED * a.rows() as f64;
         let mut start = Start::new(&nodes, bonds, modes);
@@ -54,9 +54,13 @@ impl<const K: usize> Coarsener<3, K> for Classical<K> {
             columns: p.columns.clone(),
         };
         let coarse = start.splitting.nodes.iter();
-        Some(Planned {
+        let known = Known {
             bonds: bonds.map(|bonds| closest.bonds(bonds)),
-            modes: coarse.map(|i| modes[*i as usize]).collect(),
+            modes: coarse.clone().map(|i| modes[*i as usize]).collect(),
+            positions: Vec::new(),
+        };
+        Some(Planned {
+            known,
             step: Self {
                 frame: Frame::new(a, closest, pattern),
                 start,
