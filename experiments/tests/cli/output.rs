@@ -38,7 +38,7 @@ fn a_run_leaves_its_tree() {
         .collect();
     assert_eq!(rows.len(), ROWS);
     for (k, row) in rows.iter().enumerate() {
-        assert_eq!((row.len(), row[0]), (21, k.to_string().as_str()));
+        assert_eq!((row.len(), row[0]), (23, k.to_string().as_str()));
         assert_eq!(row[18], "", "no clock was asked for");
         assert!(
             row[1..18].iter().all(|f| f.parse::<f64>().is_ok()),
@@ -46,6 +46,11 @@ fn a_run_leaves_its_tree() {
         );
         // slip follows the traction: what violates it is below the tolerance of states
         assert!(row[19].parse::<f64>().unwrap() <= 1e-6, "{row:?}");
+        // u and t are as accurate as `tolerance` asks
+        assert!(
+            row[21..].iter().all(|e| e.parse::<f64>().unwrap() <= 1e-8),
+            "{row:?}"
+        );
         assert!((row[1].parse::<f64>().unwrap() - time(k)).abs() < 1e-6);
     }
     // the scene is one in which something happens
