@@ -318,6 +318,6 @@ fn converged_means_accurate_and_refused_means_not() {
         wrong.len()
     );
     assert!(converged * 2 > cases, "too few were solved");
-    assert!(modest * 10 <= cases, "{modest} refusals of good solutions");
+    assert!(modest * 8 <= cases, "{modest} refusals of good solutions");
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

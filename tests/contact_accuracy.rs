@@ -142,7 +142,7 @@ fn accepted_steps_are_accurate() {
         compared += 1;
         assert!(
             u.max(t) <= 10.0 * TOLERANCE,
-            "seed {seed}, {inner}: errors {u:.1e}, {t:.1e}"
+            "seed {seed}, {inner}: errors {u:.1e}, {t:.1e}\n{text}"
         );
         // what the residual alone would have passed
         if let Ok(found) = run(&text, &[&own, "solver.measure='residual'"])

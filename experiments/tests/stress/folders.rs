@@ -127,9 +127,10 @@ fn vector(values: &[f64]) -> Plain {
     (values.len(), 1, entries.collect())
 }
 
-/// The format as its report has it, and nothing else: Fortran exponents, blank lines and comments are the only liberties.
+/// The format as its report has it, and nothing else: Fortran exponents, blank lines and comments, in whatever encoding, are the
+/// only liberties.
 pub(crate) fn plain(bytes: &[u8]) -> Result<Plain, String> {
-    let text = std::str::from_utf8(bytes).map_err(|e| e.to_string())?;
+    let text = String::from_utf8_lossy(bytes);
     let mut lines = text.lines();
     let banner = lines.next().unwrap_or_default().to_ascii_lowercase();
     let words: Vec<&str> = banner.split_ascii_whitespace().collect();

@@ -27,7 +27,6 @@ pub(crate) fn ended(output: &Output) -> Result<i32, String> {
 }
 
 #[test]
-#[ignore = "runs whose faces do not settle take minutes each"]
 fn random_scenes_run_or_say_why_not() {
     let folder = scratch("random-scenes");
     let (scene, out) = (folder.join("scene.toml"), folder.join("out"));

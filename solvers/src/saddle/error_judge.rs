@@ -17,8 +17,8 @@ const GAIN: f64 = 0.5;
 /// Judges the errors of u and t, pass by pass, by `e = 𝒜⁻¹r = (M⁻¹𝒜)⁻¹ M⁻¹r ≈ M⁻¹r`.
 ///
 /// Where M is poor, M⁻¹r may be too small by the eigenvalue θ of M⁻¹𝒜 nearest to zero: 1/|θ|, θ a Ritz value of the iteration, is
-/// a bound, and what a further pass changes shows the error before it. Of both the weighted mean nearer to what was seen,
-/// `(seen² bound)^⅓`, is taken: a rule, not a theorem, tried over random systems (`tests/accuracy.rs`).
+/// a bound, and what a further pass changes shows the error before it. The geometric mean of both is taken: a rule, not a
+/// theorem, tried over random systems (`tests/accuracy.rs`).
 #[derive(Clone, Debug, Default)]
 pub struct ErrorJudge {
     last: Option<Pass>,
@@ -92,7 +92,7 @@ impl ErrorJudge {
             (Some(before), true) => {
                 let seen = before.effectivity(norms, x);
                 seen.map(|seen| match bound.is_finite() {
-                    true => (seen.clamp(1.0, bound).powi(2) * bound).cbrt(),
+                    true => (seen.clamp(1.0, bound) * bound).sqrt(),
                     false => seen.max(1.0),
                 })
             }
