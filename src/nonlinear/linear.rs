@@ -65,8 +65,9 @@ pub(super) struct Linear {
     /// Iterations per digit of the first all-stick system.
     reference: Option<f64>,
     slow: bool,
-    /// Ritz value of the last system nearest to zero.
-    smallest_ritz: Option<f64>,
+    /// Ritz value nearest to zero of the systems since states last changed: one of them alone may take too few iterations to
+    /// see it.
+    pub(super) smallest_ritz: Option<f64>,
     /// A preconditioner for its states has been built in this step.
     built: bool,
     work: Workspace,
@@ -164,7 +165,8 @@ impl Linear {
             Ended::Solved(solved) => Solved { setup, ..solved },
             Ended::Dropped { .. } => unreachable!("no patience is set"),
         };
-        self.smallest_ritz = solved.smallest_ritz;
+        let seen = [self.smallest_ritz, solved.smallest_ritz];
+        self.smallest_ritz = seen.into_iter().flatten().reduce(f64::min);
         let digits = -solved.relative_residual.max(f64::EPSILON).log10();
         let rate = solved.iterations as f64 / digits.max(1.0);
         let reference = *self.reference.get_or_insert(rate);
@@ -172,7 +174,7 @@ impl Linear {
         Ok(solved)
     }
 
-    /// `e ← M⁻¹ r`, an estimate of the error that leaves the residual r; and the Ritz value of the last system nearest to zero.
+    /// `e ← M⁻¹ r`, an estimate of the error that leaves the residual r; and the Ritz value nearest to zero that was seen.
     pub(super) fn error_of(
         &mut self,
         problem: &ContactProblem<'_>,

@@ -114,6 +114,7 @@ impl Search<'_, '_> {
         let _ = rounds.enter(&states);
         if let Some(accuracy) = &mut self.accuracy {
             accuracy.begin();
+            self.linear.smallest_ritz = None;
         }
         // limits that proximal iterations found are those of the iterate before, too
         let mut until = match fixed.is_some() && weakens {
@@ -219,6 +220,7 @@ impl Search<'_, '_> {
             standing = None;
             if let Some(accuracy) = &mut self.accuracy {
                 accuracy.other_states(x);
+                self.linear.smallest_ritz = None;
             }
             until = loose;
             // new-slip to slip leaves H as it is
