@@ -18,16 +18,9 @@ pub(super) struct Accuracy<'s> {
     norms: EnergyNorms<'s>,
     judge: ErrorJudge,
     /// Largest norms of u and t so far.
-    size: [f64; 2],
+    pub(super) size: [f64; 2],
     /// They know of this attempt.
     seen: bool,
-}
-
-/// Where an iterate stands.
-pub(super) struct Standing {
-    /// Largest norms of u and t so far.
-    pub(super) size: [f64; 2],
-    pub(super) judged: Judged,
 }
 
 impl<'s> Accuracy<'s> {
@@ -45,14 +38,15 @@ impl<'s> Accuracy<'s> {
     }
 
     /// Rounds begin: nothing is known of their solution.
-    pub(super) fn begin(&mut self) {
+    pub(super) fn begin(&mut self, linear: &mut Linear) {
         self.judge = ErrorJudge::default();
+        linear.smallest_ritz = None;
     }
 
     /// The states change after x. The first one, with every closed face in stick, shows what the loads could do, also where the
     /// solution bears nothing.
-    pub(super) fn other_states(&mut self, x: &Iterate) {
-        self.begin();
+    pub(super) fn other_states(&mut self, x: &Iterate, linear: &mut Linear) {
+        self.begin(linear);
         if !self.seen {
             let whole = self.balanced(x);
             self.widen(&whole);
@@ -83,7 +77,7 @@ impl<'s> Accuracy<'s> {
         (x, at): (&Iterate, &Evaluation),
         linear: &mut Linear,
         observer: &mut dyn Observer,
-    ) -> Result<Standing, Failure> {
+    ) -> Result<Judged, Failure> {
         let problem = self.attempt.problem;
         let whole = self.balanced(x);
         self.widen(&whole);
@@ -97,8 +91,6 @@ impl<'s> Accuracy<'s> {
                 linear.error_of(problem, (&jacobian, states), &residual, observer)?
             }
         };
-        let judged = (self.judge).judge(&self.norms, (&e, &whole), self.size, ritz);
-        let size = self.size;
-        Ok(Standing { size, judged })
+        Ok((self.judge).judge(&self.norms, (&e, &whole), self.size, ritz))
     }
 }

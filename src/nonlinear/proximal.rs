@@ -317,13 +317,8 @@ mod tests {
     use super::*;
     use crate::nonlinear::{ContactProblem, Start};
     use crate::scene::named;
-    use fracas_operators::random::splitmix64;
+    use fracas_operators::random::signed;
     use fracas_solvers::Silent;
-
-    /// In [−1, 1).
-    fn number(seed: u64) -> f64 {
-        (splitmix64(seed) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
 
     /// Φ(t) = ½ uᵀA u − jᵀt + ½ t*ᵀH t*, u in equilibrium with t, j the jump of the loads.
     fn dual_energy(attempt: &Attempt<'_>, h: Option<&Csr<f64>>, x: &Iterate) -> f64 {
@@ -365,7 +360,7 @@ mod tests {
                 step: 0,
                 attempt: 0,
             };
-            let random = |i: usize| 1e7 * number(1000 * seed + i as u64);
+            let random = |i: usize| 1e7 * signed(1000 * seed + i as u64);
             let mut x = Iterate {
                 u: vec![0.0; body.constraints.free_len()],
                 t: (0..3 * faces).map(random).collect(),
@@ -373,7 +368,7 @@ mod tests {
             let h = problem.stabilization(&vec![ContactState::Stick; faces]);
             let mut proximal = Proximal::new(&attempt, &Linear::new(&problem), &mut x);
             let limit: Vec<f64> = (0..faces)
-                .map(|f| 4e6 * (1.0 + number(77 + f as u64)))
+                .map(|f| 4e6 * (1.0 + signed(77 + f as u64)))
                 .collect();
             let (mut records, mut before) = (Vec::new(), f64::INFINITY);
             let mut changes = Vec::new();

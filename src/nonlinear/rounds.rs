@@ -1,6 +1,6 @@
 //! Rounds of Newton and new states until no face changes and the errors are small.
 
-use super::accuracy::{Accuracy, Standing};
+use super::accuracy::Accuracy;
 use super::active_set::{Log, Settled};
 use super::cycling::Rounds;
 use super::judge::{Judge, slip_violation};
@@ -10,6 +10,7 @@ use super::{Evaluation, Event, Failure};
 use crate::contact::ContactState;
 use fracas_operators::sparse::Csr;
 use fracas_operators::vector::norm2;
+use fracas_solvers::saddle::Judged;
 use fracas_solvers::{Observer, Step};
 
 /// Residual up to which Newton is solved while states still change, and what then counts as zero. Unit: 1.
@@ -34,7 +35,7 @@ pub(super) struct Found {
     pub(super) states: Vec<ContactState>,
     at: Evaluation,
     /// `None` where only residuals are judged.
-    standing: Option<Standing>,
+    judged: Option<Judged>,
 }
 
 /// What rounds need.
@@ -48,16 +49,9 @@ pub(super) struct Search<'a, 's> {
 
 impl Search<'_, '_> {
     pub(super) fn settled(&self, found: Found, x: Iterate) -> Settled {
-        let Found {
-            states,
-            at,
-            standing,
-        } = found;
+        let Found { states, at, judged } = found;
         let traction = self.judge.traction;
-        let (size, error) = match standing {
-            Some(Standing { size, judged }) => (size, judged.error),
-            None => (self.attempt.size, [f64::NAN; 2]),
-        };
+        let size = (self.accuracy.as_ref()).map_or(self.attempt.size, |accuracy| accuracy.size);
         let slip_violation = slip_violation(self.attempt, &states, [&x.t, &at.effective], traction);
         Settled {
             states,
@@ -67,7 +61,7 @@ impl Search<'_, '_> {
             effective: at.effective,
             slip_violation,
             size,
-            error,
+            error: judged.map_or([f64::NAN; 2], |judged| judged.error),
             unstable: None,
         }
     }
@@ -104,7 +98,7 @@ impl Search<'_, '_> {
             ..tight
         };
         // where the errors of u and t stood last
-        let mut standing: Option<Standing> = None;
+        let mut judged: Option<Judged> = None;
         let weakens = problem.weakens();
         let mut rounds = Rounds::default();
         let mut h = match fixed {
@@ -113,8 +107,7 @@ impl Search<'_, '_> {
         };
         let _ = rounds.enter(&states);
         if let Some(accuracy) = &mut self.accuracy {
-            accuracy.begin();
-            self.linear.smallest_ritz = None;
+            accuracy.begin(self.linear);
         }
         // limits that proximal iterations found are those of the iterate before, too
         let mut until = match fixed.is_some() && weakens {
@@ -137,7 +130,7 @@ impl Search<'_, '_> {
             let (at, residual) = match solved {
                 Ok(found) => found,
                 // the residual has been small enough: what is left is rounding
-                Err(Failure::Linear(_)) if standing.is_some() => {
+                Err(Failure::Linear(_)) if judged.is_some() => {
                     let h = fixed.unwrap_or(h.as_ref());
                     let at =
                         problem.evaluate(&states, h, [&x.u, &x.t], attempt.start, attempt.load);
@@ -151,17 +144,9 @@ impl Search<'_, '_> {
                 Err(failure) => return Err(failure),
             };
             // linear equations that steps do not solve are not solved by other states
-            if residual > until.residual
-                && states.iter().all(|s| s.is_linear())
-                && standing.is_none()
+            if residual > until.residual && states.iter().all(|s| s.is_linear()) && judged.is_none()
             {
-                let failure = Failure::Newton {
-                    residual,
-                    iterations: until.steps,
-                    tolerance: until.residual,
-                };
-                log.failed(round, &failure);
-                return Ok(Ended::Not(states, Some(failure)));
+                return Ok(unsolved(states, (until, residual), (log, round)));
             }
             let zero = match until == loose {
                 true => settings.state_tolerance.max(LOOSE),
@@ -177,19 +162,17 @@ impl Search<'_, '_> {
             }
             if changes.is_empty() {
                 let converged = residual <= until.residual;
-                let solved = converged && until != loose || standing.is_some();
+                let solved = converged && until != loose || judged.is_some();
                 if solved {
                     let h = fixed.unwrap_or(h.as_ref());
                     let stands = (&states[..], h);
-                    let last = match self.accurate(stands, (x, &at), &mut standing)? {
+                    judged = self.judged(stands, (x, &at))?;
+                    let last = match judged.and_then(|judged| self.left(judged)) {
                         Some(step) if converged => step,
                         Some(_) | None => {
-                            self.accepts(&standing, residual, log)?;
-                            return Ok(Ended::Settled(Box::new(Found {
-                                states,
-                                at,
-                                standing,
-                            })));
+                            self.accepts(judged, residual, log)?;
+                            let found = Found { states, at, judged };
+                            return Ok(Ended::Settled(Box::new(found)));
                         }
                     };
                     // steps that rounding keeps from it are few
@@ -205,22 +188,13 @@ impl Search<'_, '_> {
                     false if until == tight && weakens => lagging,
                     false if until == loose && weakens => lagging,
                     false if until == loose => tight,
-                    false => {
-                        let failure = Failure::Newton {
-                            residual,
-                            iterations: until.steps,
-                            tolerance: until.residual,
-                        };
-                        log.failed(round, &failure);
-                        return Ok(Ended::Not(states, Some(failure)));
-                    }
+                    false => return Ok(unsolved(states, (until, residual), (log, round))),
                 };
                 continue;
             }
-            standing = None;
+            judged = None;
             if let Some(accuracy) = &mut self.accuracy {
-                accuracy.other_states(x);
-                self.linear.smallest_ritz = None;
+                accuracy.other_states(x, self.linear);
             }
             until = loose;
             // new-slip to slip leaves H as it is
@@ -247,34 +221,30 @@ impl Search<'_, '_> {
         Ok(Ended::Not(states, None))
     }
 
-    /// By how much the residual is still to be lowered for errors below the tolerance; `None` where they are, or where rounding
-    /// leaves no more to gain. `standing` is where they stand.
-    fn accurate(
+    /// The errors of an iterate; `None` where only residuals are judged.
+    fn judged(
         &mut self,
         stands: (&[ContactState], Option<&Csr<f64>>),
         at: (&Iterate, &Evaluation),
-        standing: &mut Option<Standing>,
-    ) -> Result<Option<f64>, Failure> {
-        let tolerance = self.attempt.problem.body().solver.tolerance;
+    ) -> Result<Option<Judged>, Failure> {
         let Some(accuracy) = &mut self.accuracy else {
             return Ok(None);
         };
-        let found = accuracy.of(stands, at, self.linear, self.observer)?;
-        let judged = found.judged;
-        *standing = Some(found);
+        (accuracy.of(stands, at, self.linear, self.observer)).map(Some)
+    }
+
+    /// By how much the residual is still to be lowered for errors below the tolerance; `None` where they are, or where rounding
+    /// leaves no more to gain.
+    fn left(&self, judged: Judged) -> Option<f64> {
+        let tolerance = self.attempt.problem.body().solver.tolerance;
         let enough = judged.worst() <= tolerance || judged.stands;
-        Ok((!enough && judged.estimate.is_finite()).then(|| judged.step(tolerance)))
+        (!enough && judged.estimate.is_finite()).then(|| judged.step(tolerance))
     }
 
     /// Errors that rounding leaves are told; beyond what states are judged by they are a failure.
-    fn accepts(
-        &self,
-        standing: &Option<Standing>,
-        residual: f64,
-        log: &mut Log,
-    ) -> Result<(), Failure> {
+    fn accepts(&self, judged: Option<Judged>, residual: f64, log: &mut Log) -> Result<(), Failure> {
         let settings = self.attempt.problem.body().solver;
-        let Some(Standing { judged, .. }) = standing else {
+        let Some(judged) = judged else {
             return Ok(());
         };
         let (part, error) = (judged.part(), judged.worst());
@@ -292,4 +262,19 @@ impl Search<'_, '_> {
             residual,
         })
     }
+}
+
+/// Newton has not reached the residual asked at these states: proximal iterations take over, or go on.
+fn unsolved(
+    states: Vec<ContactState>,
+    (until, residual): (Until, f64),
+    (log, round): (&mut Log, usize),
+) -> Ended {
+    let failure = Failure::Newton {
+        residual,
+        iterations: until.steps,
+        tolerance: until.residual,
+    };
+    log.failed(round, &failure);
+    Ended::Not(states, Some(failure))
 }

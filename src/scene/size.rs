@@ -130,7 +130,7 @@ fn copies([x, y, z]: &[Vec<Planes>; 3]) -> u128 {
 #[cfg(test)]
 mod tests {
     use crate::scene::Scene;
-    use fracas_operators::random::splitmix64;
+    use fracas_operators::random::Random;
 
     const REST: &str = r#"
 [[material]]
@@ -159,11 +159,8 @@ hold = "fixed"
 
     /// Numbers below `end`, one after the other.
     fn draws(seed: u64) -> impl FnMut(u64) -> u64 {
-        let mut count = 0;
-        move |end| {
-            count += 1;
-            splitmix64(seed << 32 | count) % end
-        }
+        let mut random = Random::new(seed);
+        move |end| random.bits() % end
     }
 
     fn grid(cells: [u64; 3]) -> String {
