@@ -16,6 +16,7 @@ use fracas_solvers::saddle::{
     Accurate, EnergyNorms, Measure, SaddleBlocks, SaddleMethod, SaddleOperator, StrainNorm,
     solve_accurately,
 };
+use std::borrow::Cow;
 
 const TOLERANCE: f64 = 1e-8;
 
@@ -219,7 +220,12 @@ fn tried(body: &Body, inner: &str) -> Option<Tried> {
                     .with_parts(None, Some(inner.parse().unwrap()))
                     .unwrap();
                 let c = blocks.contact_compliance();
-                let norms = EnergyNorms::new(&assembled, blocks.h.as_ref(), c);
+                let norms = EnergyNorms::new(
+                    &assembled,
+                    blocks.h.as_ref(),
+                    c,
+                    Cow::Owned(blocks.stiffness()),
+                );
                 (
                     &assembled,
                     method.ready(&blocks).ok()?.inverse,

@@ -2,7 +2,7 @@
 //! loads or prescribed displacements drive it; the residual alone does not say so.
 #![allow(clippy::unwrap_used)]
 
-use fracas::nonlinear::{Failure, Simulation, State};
+use fracas::nonlinear::{Event, Failure, Simulation, State};
 use fracas::scene::Scene;
 use fracas_operators::random::Random;
 use fracas_solvers::Silent;
@@ -66,18 +66,31 @@ fn scene(seed: u64) -> String {
 }
 
 /// The equilibrium under the loads of time 0, or why there is none.
-fn run(text: &str, solver: &[&str]) -> Result<State, Failure> {
+///
+/// `by_rounds` is false where the active set did not settle by itself: H then acts on more than the last states constrain, and the
+/// solution is that of other equations.
+struct Ran {
+    state: State,
+    by_rounds: bool,
+}
+
+fn run(text: &str, solver: &[&str]) -> Result<Ran, Failure> {
     let scene = Scene::from_toml(text, "scene.toml").unwrap();
     let body = scene.with_overrides(solver).unwrap().build().unwrap();
     let mut simulation = Simulation::new(&body).unwrap();
-    let mut state = simulation.initial_state();
+    let (mut state, mut by_rounds) = (simulation.initial_state(), true);
     while !simulation.is_finished(&state) {
         match simulation.advance(&state, &mut Silent) {
-            Ok(done) => state = done.state,
+            Ok(done) => {
+                state = done.state;
+                let cycles =
+                    |e: &Event| matches!(e, Event::Cycle { .. } | Event::Projection { .. });
+                by_rounds &= !done.events.iter().any(cycles);
+            }
             Err(failure) => return Err(failure.reason),
         }
     }
-    Ok(state)
+    Ok(Ran { state, by_rounds })
 }
 
 /// Relative errors of u and t in the norms that runs are judged in.
@@ -110,13 +123,11 @@ fn accepted_steps_are_accurate() {
     for seed in 0..cases {
         let seed = first.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(seed);
         let text = scene(seed);
-        let exact = [
-            "solver.inner='exact'",
-            "solver.tolerance=1e-13",
-            "solver.state_tolerance=1e-8",
-        ];
-        let inner = ["exact", "amg", "geometric"][(seed % 3) as usize];
-        let own = format!("solver.inner='{inner}'");
+        let inner = ["exact", "amg", "geometric", "fsai"][(seed % 4) as usize];
+        let own = match inner {
+            "fsai" => "solver.racp={inner='fsai'}".into(),
+            inner => format!("solver.inner='{inner}'"),
+        };
         let found = match run(&text, &[&own]) {
             Ok(found) => found,
             Err(Failure::Inaccurate { error, .. }) => {
@@ -130,15 +141,23 @@ fn accepted_steps_are_accurate() {
                 continue;
             }
         };
-        let Ok(exact) = run(&text, &exact) else {
+        let exact = |tolerance: &str| {
+            let tolerance = format!("solver.tolerance={tolerance}");
+            let own = ["solver.inner='exact'", "solver.state_tolerance=1e-8"];
+            run(&text, &[own[0], own[1], &tolerance])
+        };
+        let Ok(exact) = exact("1e-13").or_else(|_| exact("1e-11")) else {
             println!("seed {seed}: no reference");
             continue;
         };
-        if found.states != exact.states {
-            println!("seed {seed}: a face at its limit is in another state");
+        let same = |found: &Ran| {
+            found.state.states == exact.state.states && found.by_rounds && exact.by_rounds
+        };
+        if !same(&found) {
+            println!("seed {seed}: a face at its limit is in another state, or was");
             continue;
         }
-        let [u, t] = errors(&text, &found, &exact);
+        let [u, t] = errors(&text, &found.state, &exact.state);
         compared += 1;
         assert!(
             u.max(t) <= 10.0 * TOLERANCE,
@@ -146,9 +165,9 @@ fn accepted_steps_are_accurate() {
         );
         // what the residual alone would have passed
         if let Ok(found) = run(&text, &[&own, "solver.measure='residual'"])
-            && found.states == exact.states
+            && same(&found)
         {
-            let [u, t] = errors(&text, &found, &exact);
+            let [u, t] = errors(&text, &found.state, &exact.state);
             loose = loose.max(u).max(t);
         }
     }

@@ -134,7 +134,7 @@ fn the_unit_of_the_moduli_means_nothing_to_f32() {
             let sample = of_body(body, AugmentationChoice::LocalH);
             let single = in_precision(Precision::F32);
             assert_eq!(sample.build(single).lost(), None);
-            assert!(sample.build(single).linearity().single);
+            assert!(sample.build(single).properties().single);
             let n = sample.iterations(single);
             let double = sample.iterations(in_precision(Precision::F64));
             assert!(n <= double + 2, "1e{exponent}: {n} against {double}");
@@ -163,7 +163,7 @@ fn f32_costs_no_iterations_or_gives_way_to_f64_and_says_so() {
             gives_way,
             "{soft}: {lost:?}"
         );
-        assert_eq!(built.linearity().single, !gives_way);
+        assert_eq!(built.properties().single, !gives_way);
         let n = sample.iterations(single);
         let double = sample.iterations(in_precision(Precision::F64));
         assert!(n <= double + 2, "{soft}: {n} against {double}");
@@ -184,7 +184,7 @@ fn what_overflows_in_f32_is_built_in_f64() {
     let sample = of_body(body, AugmentationChoice::LocalH);
     let m = sample.build(in_precision(Precision::F32));
     assert_eq!(m.lost(), Some(Lost::Range { level: 0 }));
-    assert!(!m.linearity().single);
+    assert!(!m.properties().single);
     let r = probe::<f64>(m.size(), 1);
     let mut z = vec![f64::NAN; r.len()];
     m.solve(&r, &mut z, &mut vec![f64::NAN; m.work_len()]);
@@ -363,7 +363,7 @@ fn a_k_cycle_takes_no_more_iterations_than_a_v_cycle() {
     ] {
         let of = |cycle| Geometric { cycle, ..exact() };
         let built = sample.build(of(Cycle::K));
-        assert!(!built.linearity().linear && sample.build(of(Cycle::W)).linearity().linear);
+        assert!(!built.properties().linear && sample.build(of(Cycle::W)).properties().linear);
         // not linear, but the same map every time, whatever its scratch contains
         let r = probe::<f64>(built.size(), 4);
         let solved = |dirt: f64| {

@@ -1,6 +1,6 @@
 //! How often was it applied?
 
-use crate::{AdjointOperator, LinearOperator, Linearity, Preconditioner, Real, Shape};
+use crate::{AdjointOperator, LinearOperator, Preconditioner, Properties, Real, Shape};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Counts the applications of an operator or a preconditioner.
@@ -72,7 +72,7 @@ impl<R: Real, M: Preconditioner<R>> Preconditioner<R> for Counted<M> {
     fn flops(&self) -> u64 {
         self.inner.flops()
     }
-    fn linearity(&self) -> Linearity {
-        self.inner.linearity()
+    fn properties(&self) -> Properties {
+        self.inner.properties()
     }
 }

@@ -5,7 +5,7 @@
 //! parts is no more linear than they are.
 
 use crate::vector::{dot, norm2};
-use crate::{AdjointOperator, Dense, LinearOperator, Linearity, Preconditioner, Real};
+use crate::{AdjointOperator, Dense, LinearOperator, Preconditioner, Properties, Real};
 
 /// A broken law: which, for what, and by how much.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -189,8 +189,8 @@ pub fn check_preconditioner<R: Real>(
     let (r, s) = (probe::<R>(n, 7), probe::<R>(n, 8));
     let (zr, zs) = (solve(&r, R::nan()), solve(&s, R::nan()));
     let again = solve(&r, R::of(3.0));
-    let linearity = m.linearity();
-    if linearity.linear {
+    let properties = m.properties();
+    if properties.linear {
         let same_bits = zr.iter().zip(&again).all(|(a, b)| a == b);
         judge.small(
             "same bits whatever z and work contain",
@@ -209,7 +209,7 @@ pub fn check_preconditioner<R: Real>(
             .zip(&zs)
             .map(|(a, b)| alpha * *a + beta * *b)
             .collect();
-        let rounding = match linearity.single {
+        let rounding = match properties.single {
             true => tolerance::<f32>().max(tolerance::<R>()),
             false => tolerance::<R>(),
         };
@@ -234,13 +234,13 @@ pub fn check_preconditioner<R: Real>(
     Ok(())
 }
 
-/// A part that says how far it is a linear map, and is the identity.
+/// A part that says what it is told to say of itself, and is the identity.
 #[derive(Clone, Copy, Debug)]
 pub struct Part {
     /// Length of the vectors.
     pub n: usize,
     /// What it says.
-    pub linearity: Linearity,
+    pub properties: Properties,
 }
 
 impl<R: Real> Preconditioner<R> for Part {
@@ -256,12 +256,12 @@ impl<R: Real> Preconditioner<R> for Part {
         0
     }
 
-    fn linearity(&self) -> Linearity {
-        self.linearity
+    fn properties(&self) -> Properties {
+        self.properties
     }
 }
 
-/// Checks that the preconditioner made of parts of these `sizes` is no linear map, or rounded to 32 bits, where any one
+/// Checks that the preconditioner made of parts of these `sizes` is no linear map, or rounded to 32 bits, or local, where any one
 /// part says so, and linear where all are.
 pub fn check_parts<const N: usize, R: Real, M: Preconditioner<R>>(
     subject: &str,
@@ -269,20 +269,21 @@ pub fn check_parts<const N: usize, R: Real, M: Preconditioner<R>>(
     whole: impl Fn([Part; N]) -> M,
 ) -> Result<(), Violation> {
     let judge = Judge { subject };
-    let both = Linearity::SINGLE.and(Linearity::NONLINEAR);
+    let both = Properties::SINGLE.and(Properties::NONLINEAR);
     for said in [
-        Linearity::EXACT,
-        Linearity::SINGLE,
-        Linearity::NONLINEAR,
+        Properties::LINEAR,
+        Properties::LOCAL,
+        Properties::SINGLE,
+        Properties::NONLINEAR,
         both,
     ] {
         for place in 0..N {
             let parts = std::array::from_fn(|k| Part {
                 n: sizes[k],
-                linearity: if k == place { said } else { Linearity::EXACT },
+                properties: if k == place { said } else { Properties::LINEAR },
             });
-            let wrong = f64::from(u8::from(whole(parts).linearity() != said));
-            judge.small("a whole is as linear as its parts", wrong, 1.0, 0.0)?;
+            let wrong = f64::from(u8::from(whole(parts).properties() != said));
+            judge.small("a whole says what its parts say", wrong, 1.0, 0.0)?;
         }
     }
     Ok(())

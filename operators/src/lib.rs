@@ -32,7 +32,7 @@ pub use block::{BlockOperator, Layout};
 pub use count::Counted;
 pub use dense::Dense;
 pub use operator::{AdjointOperator, LinearOperator};
-pub use preconditioner::{Identity, Inverse, Linearity, Preconditioner};
+pub use preconditioner::{Identity, Inverse, Preconditioner, Properties};
 pub use real::Real;
 pub use shape::Shape;
 pub use timed::Timed;

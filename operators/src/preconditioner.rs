@@ -22,45 +22,61 @@ pub trait Preconditioner<R: Real>: Send + Sync {
     /// Floating-point operations of one solve (a multiply-add counts two).
     fn flops(&self) -> u64;
 
-    /// How far `M⁻¹` is a linear map. Without a default: what is made of parts says [`and`](Linearity::and) of theirs.
-    fn linearity(&self) -> Linearity;
+    /// What those who use `M⁻¹` have to know. Without a default: what is made of parts says [`and`](Properties::and) of theirs.
+    fn properties(&self) -> Properties;
 }
 
-/// How far an `M⁻¹` is a linear map.
+/// How far an `M⁻¹` is a linear map, and how far it reaches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Linearity {
+pub struct Properties {
     /// False when `M⁻¹` changes from call to call or depends non-linearly on `r` (then use FGMRES).
     pub linear: bool,
     /// True when `M⁻¹ r` is rounded to 32 bits: a linear map to seven digits only. GMRES then keeps every `M⁻¹v`
     /// (FGMRES), because it would lose those digits in `M⁻¹(V y)`.
     pub single: bool,
+    /// True for one level: an entry of `M⁻¹r` depends on entries of r a few rows away. `M⁻¹𝒜` then has eigenvalues close to zero
+    /// that an iteration may not see, whose right-hand side has little of their vectors.
+    pub local: bool,
 }
 
-impl Linearity {
+impl Properties {
     /// Linear up to the rounding of the scalars.
-    pub const EXACT: Self = Self {
+    pub const LINEAR: Self = Self {
         linear: true,
         single: false,
+        local: false,
+    };
+
+    /// Linear, of one level.
+    pub const LOCAL: Self = Self {
+        local: true,
+        ..Self::LINEAR
     };
 
     /// Linear up to 32 bits.
     pub const SINGLE: Self = Self {
-        linear: true,
         single: true,
+        ..Self::LINEAR
     };
 
     /// No linear map.
     pub const NONLINEAR: Self = Self {
         linear: false,
-        single: false,
+        ..Self::LINEAR
     };
 
-    /// Of a whole that applies this and another part: linear if both are, rounded if one is.
+    /// Linear to the rounding of the scalars: `M⁻¹(V y)` is as good as `(M⁻¹V) y`.
+    pub const fn is_linear_map(self) -> bool {
+        self.linear && !self.single
+    }
+
+    /// Of a whole that applies this and another part: linear if both are, rounded or local if one is.
     #[must_use]
     pub const fn and(self, other: Self) -> Self {
         Self {
             linear: self.linear && other.linear,
             single: self.single || other.single,
+            local: self.local || other.local,
         }
     }
 }
@@ -80,8 +96,8 @@ macro_rules! forward_preconditioner {
             fn flops(&self) -> u64 {
                 (**self).flops()
             }
-            fn linearity(&self) -> Linearity {
-                (**self).linearity()
+            fn properties(&self) -> Properties {
+                (**self).properties()
             }
         }
     )*};
@@ -105,8 +121,8 @@ impl<R: Real> Preconditioner<R> for Identity {
     fn flops(&self) -> u64 {
         0
     }
-    fn linearity(&self) -> Linearity {
-        Linearity::EXACT
+    fn properties(&self) -> Properties {
+        Properties::LOCAL
     }
 }
 

@@ -1,6 +1,6 @@
 //! How long did it take?
 
-use crate::{AdjointOperator, LinearOperator, Linearity, Preconditioner, Real, Shape};
+use crate::{AdjointOperator, LinearOperator, Preconditioner, Properties, Real, Shape};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
@@ -75,7 +75,7 @@ impl<R: Real, M: Preconditioner<R>> Preconditioner<R> for Timed<M> {
     fn flops(&self) -> u64 {
         self.inner.flops()
     }
-    fn linearity(&self) -> Linearity {
-        self.inner.linearity()
+    fn properties(&self) -> Properties {
+        self.inner.properties()
     }
 }

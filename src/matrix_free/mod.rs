@@ -11,6 +11,7 @@ use fracas_operators::operator::assert_product;
 use fracas_operators::sparse::{Csr, SparseMatrix};
 use fracas_operators::{AdjointOperator, Layout, LinearOperator, Real, Shape};
 use fracas_solvers::saddle::{EnergyNorms, Stiffness, StrainNorm, unit_of_tractions};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 pub use pieces::PiecesError;
@@ -93,9 +94,9 @@ impl MatrixFreeSaddle<f64> {
         let square = self.unit * self.unit;
         let c = magnitude.compliance.iter().map(|c| c * square).collect();
         let h = self.h.as_deref().map(Csr::matrix);
-        EnergyNorms::new(self, h, c)
+        EnergyNorms::new(self, h, c, Cow::Borrowed(&magnitude.stiffness))
             .against(strain)
-            .rounded(&magnitude.stiffness)
+            .rounded()
     }
 
     /// `(f_f − A_fc u_c, −s B_cᵀ u_c)` for nodal forces `force` over all displacements [N] and tractions in units of s.

@@ -5,7 +5,7 @@ use super::hierarchy::hierarchy;
 use super::{Geometric, GeometricError, Lost};
 use crate::elasticity::Elastic;
 use crate::system::StickSystem;
-use fracas_operators::{Linearity, Preconditioner, Real};
+use fracas_operators::{Preconditioner, Properties, Real};
 use fracas_solvers::amg::{Precision, Summary};
 use fracas_solvers::multigrid::{Hierarchy, MultigridInverse, SomeHierarchy};
 use fracas_solvers::saddle::AugmentationMatrix;
@@ -164,7 +164,7 @@ impl Preconditioner<f64> for GeometricInverse {
         self.cycle.flops()
     }
 
-    fn linearity(&self) -> Linearity {
-        self.cycle.linearity()
+    fn properties(&self) -> Properties {
+        self.cycle.properties()
     }
 }

@@ -40,7 +40,7 @@ impl<'s> Accuracy<'s> {
     /// Rounds begin: nothing is known of their solution.
     pub(super) fn begin(&mut self, linear: &mut Linear) {
         self.judge = ErrorJudge::default();
-        linear.smallest_ritz = None;
+        linear.other_states();
     }
 
     /// The states change after x. The first one, with every closed face in stick, shows what the loads could do, also where the
@@ -88,7 +88,8 @@ impl<'s> Accuracy<'s> {
             true => (residual, Some(1.0)),
             false => {
                 let jacobian = problem.jacobian(states, h, at, false);
-                linear.error_of(problem, (&jacobian, states), &residual, observer)?
+                let parts = (&jacobian, states);
+                linear.error_of(problem, parts, &residual, &self.norms, observer)?
             }
         };
         Ok((self.judge).judge(&self.norms, (&e, &whole), self.size, ritz))

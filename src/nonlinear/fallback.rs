@@ -32,7 +32,7 @@ impl Fallbacks {
         c: &AugmentationMatrix,
     ) -> Result<GeometricInverse, MatrixFreeError> {
         let built = racp.inner.build(&problem.stick_system(), c)?;
-        self.double = !built.linearity().single;
+        self.double = !built.properties().single;
         self.instead = None;
         if let Some(lost) = built.lost() {
             self.note(lost.to_string());

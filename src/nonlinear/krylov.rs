@@ -65,9 +65,9 @@ pub(super) fn solve(
     let m = system.preconditioner;
     let vectors = work.vectors(m);
     let general = || fitted(vectors, false, m).map(|fitted| fitted.choice);
-    let linearity = m.linearity();
-    let short = match asked.short.filter(|_| linearity.linear) {
-        Some(_) if linearity.single && fitted(vectors, true, m)?.reason.is_none() => None,
+    let properties = m.properties();
+    let short = match asked.short.filter(|_| properties.linear) {
+        Some(_) if properties.single && fitted(vectors, true, m)?.reason.is_none() => None,
         short => short,
     };
     let criteria = Criteria {
@@ -150,7 +150,7 @@ pub(super) fn solve(
 mod tests {
     use super::*;
     use crate::nonlinear::FreeMemory;
-    use fracas_operators::{Dense, Identity, Linearity, Preconditioner, Shape};
+    use fracas_operators::{Dense, Identity, Preconditioner, Properties, Shape};
     use fracas_solvers::Silent;
     use fracas_solvers::krylov::{Cg, Sqmr};
 
@@ -207,8 +207,8 @@ mod tests {
         fn flops(&self) -> u64 {
             0
         }
-        fn linearity(&self) -> Linearity {
-            Linearity::SINGLE
+        fn properties(&self) -> Properties {
+            Properties::SINGLE
         }
     }
 

@@ -15,7 +15,9 @@ use crate::scene::{FACTORIZED, RunInner};
 use fracas_operators::Preconditioner;
 use fracas_solvers::direct::DirectChoice;
 use fracas_solvers::krylov::{KrylovChoice, Sqmr, System};
-use fracas_solvers::saddle::{AugmentationChoice, AugmentationMatrix, Block, InnerChoice, Racp};
+use fracas_solvers::saddle::{
+    AugmentationChoice, AugmentationMatrix, Block, EnergyNorms, InnerChoice, Racp, probe,
+};
 use fracas_solvers::{Observer, Step};
 
 /// Iterations per digit, over those of the first all-stick system, from which a preconditioner of the present states is
@@ -67,7 +69,9 @@ pub(super) struct Linear {
     slow: bool,
     /// Ritz value nearest to zero of the systems since states last changed: one of them alone may take too few iterations to
     /// see it.
-    pub(super) smallest_ritz: Option<f64>,
+    smallest_ritz: Option<f64>,
+    /// Smaller ones have been looked for.
+    probed: bool,
     /// A preconditioner for its states has been built in this step.
     built: bool,
     work: Workspace,
@@ -89,6 +93,7 @@ impl Linear {
             reference: None,
             slow: false,
             smallest_ritz: None,
+            probed: false,
             built: false,
             work: Workspace::default(),
             fallbacks: Fallbacks::default(),
@@ -114,6 +119,11 @@ impl Linear {
         self.slow = false;
         self.reference = (state.krylov > 0.0).then_some(state.krylov);
         self.present.begin_step(state.prepared.as_ref());
+    }
+
+    /// Systems are those of other states from now on.
+    pub(super) fn other_states(&mut self) {
+        (self.smallest_ritz, self.probed) = (None, false);
     }
 
     /// What the next step finds: iterations per digit of the first system, and what the preconditioner beside the all-stick
@@ -174,18 +184,32 @@ impl Linear {
         Ok(solved)
     }
 
-    /// `e ← M⁻¹ r`, an estimate of the error that leaves the residual r; and the Ritz value nearest to zero that was seen.
+    /// `e ← M⁻¹ r`, an estimate of the error that leaves the residual r; and the Ritz value nearest to zero that was seen, by a
+    /// [`probe`], too, where M is of one level.
     pub(super) fn error_of(
         &mut self,
         problem: &ContactProblem<'_>,
         (jacobian, states): (&ContactJacobian<'_>, &[ContactState]),
         residual: &[f64],
+        norms: &EnergyNorms<'_>,
         observer: &mut dyn Observer,
     ) -> Result<(Vec<f64>, Option<f64>), LinearFailure> {
         self.prepare(problem, jacobian, states, observer)?;
         let inverse = self.inverse(problem, jacobian, states);
         let mut e = vec![0.0; residual.len()];
         inverse.solve(residual, &mut e, &mut vec![0.0; inverse.work_len()]);
+        if inverse.properties().local && !self.probed {
+            let system = System {
+                operator: jacobian,
+                preconditioner: &inverse,
+                rhs: residual,
+            };
+            let krylov = KrylovChoice::default().flexible_for(&inverse);
+            let probed = probe(krylov.method(), &system, norms, observer);
+            let seen = [self.smallest_ritz, probed.ritz];
+            self.smallest_ritz = seen.into_iter().flatten().reduce(f64::min);
+            self.probed = true;
+        }
         Ok((e, self.smallest_ritz))
     }
 

@@ -3,7 +3,7 @@
 use super::face_rules::{FaceRule, Matrix3};
 use crate::contact::Coupling;
 use fracas_operators::sparse::Csr;
-use fracas_operators::{AdjointOperator, Layout, LinearOperator, Linearity, Preconditioner};
+use fracas_operators::{AdjointOperator, Layout, LinearOperator, Preconditioner, Properties};
 use fracas_solvers::saddle::Relaxation;
 
 /// RACP around the kept directions of every face, the others solved for their own tractions:
@@ -127,7 +127,7 @@ impl Preconditioner<f64> for StateInverse<'_> {
             + relaxation
     }
 
-    fn linearity(&self) -> Linearity {
-        self.s_u.linearity()
+    fn properties(&self) -> Properties {
+        self.s_u.properties()
     }
 }

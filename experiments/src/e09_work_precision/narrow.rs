@@ -1,6 +1,6 @@
 //! A preconditioner of f64 for an iteration in f32.
 
-use fracas_operators::{Linearity, Preconditioner};
+use fracas_operators::{Preconditioner, Properties};
 
 /// `z ← fl(M⁻¹ r)`.
 pub(super) struct Narrow<M>(M);
@@ -29,7 +29,7 @@ impl<M: Preconditioner<f64>> Preconditioner<f32> for Narrow<M> {
         self.0.flops()
     }
 
-    fn linearity(&self) -> Linearity {
-        self.0.linearity()
+    fn properties(&self) -> Properties {
+        self.0.properties()
     }
 }

@@ -11,7 +11,7 @@ use super::{Amg, AmgPlan, Cycle, Smoothing, Summary};
 use crate::{DofCoordinate, SetupError};
 use fracas_operators::sparse::SparseMatrix;
 use fracas_operators::vector::{for_row_ranges, norm_inf};
-use fracas_operators::{Linearity, Preconditioner, Real};
+use fracas_operators::{Preconditioner, Properties, Real};
 use std::sync::Arc;
 
 /// One multigrid cycle per solve.
@@ -179,10 +179,11 @@ impl Preconditioner<f64> for AmgInverse {
         }
     }
 
-    fn linearity(&self) -> Linearity {
-        Linearity {
+    fn properties(&self) -> Properties {
+        Properties {
             linear: !matches!(self.shape.cycle, Cycle::K),
             single: matches!(self.hierarchy, Either::Single(_)),
+            local: false,
         }
     }
 }

@@ -5,7 +5,7 @@ use super::pattern::{BLOCK, Pattern};
 use super::{DirectSolver, Factorization, Kind, Symbolic, for_column_blocks, pivots};
 use crate::SetupError;
 use fracas_operators::sparse::SparseMatrix;
-use fracas_operators::{Linearity, Preconditioner};
+use fracas_operators::{Preconditioner, Properties};
 use fracas_suitesparse_sys as sys;
 use std::ffi::c_int;
 use std::ptr::NonNull;
@@ -219,8 +219,8 @@ impl Preconditioner<f64> for CholmodFactors {
         4 * self.entries as u64
     }
 
-    fn linearity(&self) -> Linearity {
-        Linearity::EXACT
+    fn properties(&self) -> Properties {
+        Properties::LINEAR
     }
 }
 

@@ -4,7 +4,7 @@ use super::pattern::BLOCK;
 use super::{Factorization, reciprocal_condition};
 use crate::SetupError;
 use fracas_operators::sparse::SparseMatrix;
-use fracas_operators::{Linearity, Preconditioner};
+use fracas_operators::{Preconditioner, Properties};
 
 /// Below this `1/κ₁` of the equilibrated matrix no digit of a solution is right. Unit: 1; ten units of rounding.
 const SINGULAR: f64 = 10.0 * f64::EPSILON;
@@ -131,8 +131,8 @@ impl<F: Factorization> Preconditioner<f64> for Equilibrated<F> {
         2 * self.size() as u64 + self.factors.flops()
     }
 
-    fn linearity(&self) -> Linearity {
-        self.factors.linearity()
+    fn properties(&self) -> Properties {
+        self.factors.properties()
     }
 }
 

@@ -3,7 +3,7 @@
 use super::Factorization;
 use fracas_operators::sparse::{Csr, SparseMatrix};
 use fracas_operators::vector::axpy;
-use fracas_operators::{AdjointOperator, LinearOperator, Linearity, Preconditioner};
+use fracas_operators::{AdjointOperator, LinearOperator, Preconditioner, Properties};
 
 /// `z = F⁻¹ r`, then `z ← z + F⁻¹ (r − A z)` with approximate factors `F ≈ A`.
 ///
@@ -53,8 +53,8 @@ impl<F: Factorization> Preconditioner<f64> for Refined<F> {
         2 * self.factors.flops() + self.matrix.flops() + 2 * self.size() as u64
     }
 
-    fn linearity(&self) -> Linearity {
-        self.factors.linearity()
+    fn properties(&self) -> Properties {
+        self.factors.properties()
     }
 }
 

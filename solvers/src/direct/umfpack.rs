@@ -8,7 +8,7 @@ use super::refinement::Refined;
 use super::{DirectSolver, Factorization, Faer, Kind, Symbolic};
 use crate::SetupError;
 use fracas_operators::sparse::SparseMatrix;
-use fracas_operators::{Linearity, Preconditioner};
+use fracas_operators::{Preconditioner, Properties};
 use fracas_suitesparse_sys as sys;
 use std::ffi::{c_int, c_void};
 use std::sync::Arc;
@@ -196,8 +196,8 @@ impl Preconditioner<f64> for UmfpackFactors {
         2 * self.entries as u64
     }
 
-    fn linearity(&self) -> Linearity {
-        Linearity::EXACT
+    fn properties(&self) -> Properties {
+        Properties::LINEAR
     }
 }
 

@@ -8,7 +8,7 @@ use super::{Fsai, FsaiKind};
 use crate::SetupError;
 use crate::smoothers::entries::{BLOCK, positive_diagonal, rows};
 use fracas_operators::sparse::{Csr, SparseMatrix};
-use fracas_operators::{AdjointOperator, LinearOperator, Linearity, Preconditioner, Real};
+use fracas_operators::{AdjointOperator, LinearOperator, Preconditioner, Properties, Real};
 use rayon::prelude::*;
 
 /// Rows of G that one task computes.
@@ -99,8 +99,8 @@ impl<R: Real> Preconditioner<R> for FsaiInverse<R> {
         2 * self.g.flops()
     }
 
-    fn linearity(&self) -> Linearity {
-        Linearity::EXACT
+    fn properties(&self) -> Properties {
+        Properties::LOCAL
     }
 }
 

@@ -93,7 +93,7 @@ mod tests {
     use super::super::{Gmres, KrylovChoice};
     use super::*;
     use fracas_operators::laws::probe;
-    use fracas_operators::{Identity, Linearity, Preconditioner};
+    use fracas_operators::{Identity, Preconditioner, Properties};
     use std::sync::atomic::{AtomicU64, Ordering};
 
     /// Divides by 1, 2, 3, 1, … from call to call.
@@ -115,8 +115,8 @@ mod tests {
         fn flops(&self) -> u64 {
             self.n as u64
         }
-        fn linearity(&self) -> Linearity {
-            Linearity::NONLINEAR
+        fn properties(&self) -> Properties {
+            Properties::NONLINEAR
         }
     }
 

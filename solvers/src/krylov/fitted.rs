@@ -42,7 +42,7 @@ impl KrylovChoice {
             });
         }
         let full = per_step * FULL + 4;
-        let choice = if symmetric && preconditioner.linearity().linear && vectors >= 8 {
+        let choice = if symmetric && preconditioner.properties().linear && vectors >= 8 {
             Self::Sqmr(Sqmr {})
         } else if steps >= SHORT {
             Self::Gmres(Gmres::restarted(steps)).flexible_for(preconditioner)
@@ -64,7 +64,7 @@ impl KrylovChoice {
 mod tests {
     use super::*;
     use fracas_operators::laws::Part;
-    use fracas_operators::{Identity, Linearity};
+    use fracas_operators::{Identity, Properties};
 
     fn name(vectors: usize, symmetric: bool, m: &dyn Preconditioner<f64>) -> Option<String> {
         Some(
@@ -78,7 +78,7 @@ mod tests {
     fn the_basis_shrinks_with_memory_and_short_recurrences_take_over() {
         let m = Identity { n: 3 };
         let [single, nonlinear] =
-            [Linearity::SINGLE, Linearity::NONLINEAR].map(|linearity| Part { n: 3, linearity });
+            [Properties::SINGLE, Properties::NONLINEAR].map(|properties| Part { n: 3, properties });
         let some = |name: &str| Some(name.to_owned());
         assert_eq!(name(1000, true, &m), some("gmres:100"));
         assert_eq!(name(64, true, &m), some("gmres:60"));

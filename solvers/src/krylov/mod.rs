@@ -42,7 +42,7 @@ pub use sqmr::Sqmr;
 pub use system::{Criteria, Outcome, Report, System};
 
 use crate::Observer;
-use fracas_operators::{Linearity, Preconditioner, Real};
+use fracas_operators::{Preconditioner, Real};
 use serde::Deserialize;
 use std::fmt::Debug;
 
@@ -152,7 +152,7 @@ impl KrylovChoice {
     /// nothing else changes.
     pub fn flexible_for<R: Real>(self, preconditioner: &dyn Preconditioner<R>) -> Self {
         match self {
-            Self::Gmres(Gmres { restart }) if preconditioner.linearity() != Linearity::EXACT => {
+            Self::Gmres(Gmres { restart }) if !preconditioner.properties().is_linear_map() => {
                 Self::Fgmres(Fgmres { restart })
             }
             other => other,

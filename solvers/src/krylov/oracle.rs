@@ -5,7 +5,7 @@ use crate::Silent;
 use faer::prelude::Solve;
 use fracas_operators::laws::probe;
 use fracas_operators::sparse::{Csr, SparseMatrix};
-use fracas_operators::{Dense, LinearOperator, Linearity, Preconditioner, Shape};
+use fracas_operators::{Dense, LinearOperator, Preconditioner, Properties, Shape};
 
 /// A dense matrix as faer's.
 pub(super) fn faer_of(a: &Dense<f64>) -> faer::Mat<f64> {
@@ -69,8 +69,8 @@ impl Preconditioner<f64> for Explicit {
     fn flops(&self) -> u64 {
         self.0.flops()
     }
-    fn linearity(&self) -> Linearity {
-        Linearity::EXACT
+    fn properties(&self) -> Properties {
+        Properties::LINEAR
     }
 }
 

@@ -267,7 +267,7 @@ pub(super) fn require_linear<R: Real>(
     method: &'static str,
     system: &System<R>,
 ) -> Result<(), Breakdown> {
-    if system.preconditioner.linearity().linear {
+    if system.preconditioner.properties().linear {
         Ok(())
     } else {
         Err(Breakdown::NonlinearPreconditioner { method })

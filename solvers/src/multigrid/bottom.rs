@@ -2,7 +2,7 @@
 
 use super::semidefinite::Semidefinite;
 use crate::amg::scratch::doubles_of;
-use fracas_operators::{Linearity, Preconditioner, Real};
+use fracas_operators::{Preconditioner, Properties, Real};
 
 /// `A⁻¹`, or an approximation of it, over the free unknowns of the coarsest level.
 pub struct Bottom {
@@ -74,8 +74,8 @@ impl Bottom {
         (entries + 1) * (size_of::<f64>() / size_of::<R>())
     }
 
-    pub(super) fn linearity(&self) -> Linearity {
-        self.inverse.linearity()
+    pub(super) fn properties(&self) -> Properties {
+        self.inverse.properties()
     }
 
     pub(super) fn flops(&self) -> u64 {

@@ -5,7 +5,7 @@ use super::level::{Chebyshev, Level};
 use crate::amg::step_length::step;
 use crate::amg::{LevelSummary, Smoother, Smoothing, Summary};
 use fracas_operators::vector::{axpby, axpy, dot, scale};
-use fracas_operators::{Linearity, Real};
+use fracas_operators::{Properties, Real};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -119,14 +119,14 @@ impl<R: Real> Hierarchy<R> {
         self.levels.get(k).map_or(self.bottom.size(), Level::size)
     }
 
-    /// How far a cycle in exact arithmetic is a linear map.
-    pub(super) fn linearity(&self) -> Linearity {
+    /// Those of a cycle in exact arithmetic.
+    pub(super) fn properties(&self) -> Properties {
         let cycle = if self.visits.contains(&Visit::TwoSteps) {
-            Linearity::NONLINEAR
+            Properties::NONLINEAR
         } else {
-            Linearity::EXACT
+            Properties::LINEAR
         };
-        cycle.and(self.bottom.linearity())
+        cycle.and(self.bottom.properties())
     }
 
     /// Scratch entries of a cycle.

@@ -4,7 +4,7 @@ use super::cycle::Hierarchy;
 use crate::amg::scratch::{cast, doubles};
 use crate::amg::{LevelSummary, Summary};
 use fracas_operators::vector::{for_row_ranges, norm2};
-use fracas_operators::{Linearity, Preconditioner, Real};
+use fracas_operators::{Preconditioner, Properties, Real};
 
 /// Entries that one task copies.
 const GRAIN: usize = 16_384;
@@ -163,10 +163,10 @@ impl Preconditioner<f64> for MultigridInverse {
         }
     }
 
-    fn linearity(&self) -> Linearity {
+    fn properties(&self) -> Properties {
         match &self.hierarchy {
-            SomeHierarchy::Single(h) => h.linearity().and(Linearity::SINGLE),
-            SomeHierarchy::Double(h) => h.linearity(),
+            SomeHierarchy::Single(h) => h.properties().and(Properties::SINGLE),
+            SomeHierarchy::Double(h) => h.properties(),
         }
     }
 }

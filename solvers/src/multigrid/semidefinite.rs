@@ -11,7 +11,7 @@ use faer::Mat;
 use fracas_operators::random::signed;
 use fracas_operators::sparse::SparseMatrix;
 use fracas_operators::vector::dot;
-use fracas_operators::{Linearity, Preconditioner};
+use fracas_operators::{Preconditioner, Properties};
 
 /// Unknowns up to which the inverse is stored.
 const DENSE: usize = 1000;
@@ -179,8 +179,8 @@ impl Preconditioner<f64> for Semidefinite {
             }
     }
 
-    fn linearity(&self) -> Linearity {
-        Linearity::EXACT
+    fn properties(&self) -> Properties {
+        Properties::LINEAR
     }
 
     fn flops(&self) -> u64 {

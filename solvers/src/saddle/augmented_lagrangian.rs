@@ -6,7 +6,7 @@ use super::{AugmentationChoice, AugmentationMatrix, InnerChoice, SaddleBlocks};
 use crate::SetupError;
 use crate::direct::DirectChoice;
 use fracas_operators::sparse::{Csr, SparseMatrix};
-use fracas_operators::{Layout, LinearOperator, Linearity, Preconditioner};
+use fracas_operators::{Layout, LinearOperator, Preconditioner, Properties};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -90,8 +90,8 @@ impl<P: Preconditioner<f64>> Preconditioner<f64> for AugmentedLagrangianInverse<
         c + stabilized + self.s_u.flops() + self.b.flops()
     }
 
-    fn linearity(&self) -> Linearity {
-        self.s_u.linearity().and(self.c.linearity())
+    fn properties(&self) -> Properties {
+        self.s_u.properties().and(self.c.properties())
     }
 }
 

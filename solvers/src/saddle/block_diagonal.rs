@@ -7,7 +7,7 @@ use super::schur::{S_D, diagonal_schur};
 use super::{AugmentationChoice, InnerChoice, SaddleBlocks};
 use crate::SetupError;
 use crate::direct::DirectChoice;
-use fracas_operators::{Layout, Linearity, Preconditioner};
+use fracas_operators::{Layout, Preconditioner, Properties};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -61,8 +61,8 @@ impl<P: Preconditioner<f64>, S: Preconditioner<f64>> Preconditioner<f64>
         self.p.flops() + self.s.flops()
     }
 
-    fn linearity(&self) -> Linearity {
-        self.p.linearity().and(self.s.linearity())
+    fn properties(&self) -> Properties {
+        self.p.properties().and(self.s.properties())
     }
 }
 

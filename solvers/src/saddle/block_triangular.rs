@@ -7,7 +7,7 @@ use super::{InnerChoice, SaddleBlocks};
 use crate::SetupError;
 use crate::direct::DirectChoice;
 use fracas_operators::sparse::{Csr, SparseMatrix};
-use fracas_operators::{Layout, LinearOperator, Linearity, Preconditioner};
+use fracas_operators::{Layout, LinearOperator, Preconditioner, Properties};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -69,8 +69,8 @@ impl<P: Preconditioner<f64>, S: Preconditioner<f64>> Preconditioner<f64>
         self.p.flops() + self.s.flops() + self.b1.flops()
     }
 
-    fn linearity(&self) -> Linearity {
-        self.p.linearity().and(self.s.linearity())
+    fn properties(&self) -> Properties {
+        self.p.properties().and(self.s.properties())
     }
 }
 

@@ -2,9 +2,10 @@
 
 use super::SaddleBlocks;
 use fracas_operators::LinearOperator;
-use fracas_operators::random::splitmix64;
+use fracas_operators::random::signed;
 use fracas_operators::sparse::{CsrView, SparseMatrix};
 use fracas_operators::vector::dot;
+use std::borrow::Cow;
 
 /// `√(vᵀKv)` of the displacements of a solution with the prescribed ones in their places; K = stiffness in full numbering.
 pub type StrainNorm<'a> = Box<dyn Fn(&[f64]) -> f64 + 'a>;
@@ -28,17 +29,19 @@ pub struct EnergyNorms<'a> {
     /// Diagonal of C_0 + H.
     diagonal: Vec<f64>,
     strain: Option<StrainNorm<'a>>,
-    /// Diagonal of A, where its products are only known to rounding of it.
-    stiffness: Option<&'a Stiffness>,
+    stiffness: Cow<'a, Stiffness>,
+    /// Products with A are known to rounding of its diagonal.
+    rounded: bool,
     n_u: usize,
 }
 
 impl<'a> EnergyNorms<'a> {
-    /// Norms for `operator = [A B1; B2 −H]` with the diagonal of C_0.
+    /// Norms for `operator = [A B1; B2 −H]` with the diagonals of C_0 and A.
     pub fn new(
         operator: &'a dyn LinearOperator<f64>,
         h: Option<&'a SparseMatrix<f64>>,
         c: Vec<f64>,
+        stiffness: Cow<'a, Stiffness>,
     ) -> Self {
         let (n, rows) = (operator.shape().rows, h.map(SparseMatrix::rows));
         assert!(
@@ -58,7 +61,8 @@ impl<'a> EnergyNorms<'a> {
             c,
             diagonal,
             strain: None,
-            stiffness: None,
+            stiffness,
+            rounded: false,
         }
     }
 
@@ -70,24 +74,28 @@ impl<'a> EnergyNorms<'a> {
         self
     }
 
-    /// Counts `ε a_ii |u_i|` as a residual: a product that is computed anew from the elements is that of another matrix to rounding, and
+    /// Counts `ε diag(A) u` as a residual: a product that is computed anew from the elements is that of another matrix to rounding, and
     /// iterations solve that one to any residual. It matters where stiff rock moves far and soft rock bears the load.
     #[must_use]
-    pub fn rounded(mut self, stiffness: &'a Stiffness) -> Self {
-        self.stiffness = Some(stiffness);
+    pub fn rounded(mut self) -> Self {
+        self.rounded = true;
         self
     }
 
-    /// Adds `± ε a_ii |u_i|` to the residual, signs at random.
+    /// Adds `ε diag(A) u` to the residual: rounding has the same sign in like elements.
     pub fn add_rounding(&self, x: &[f64], r: &mut [f64]) {
-        let Some(stiffness) = self.stiffness else {
-            return;
-        };
-        for (i, ((r, x), halvings)) in r.iter_mut().zip(x).zip(&stiffness.halvings).enumerate() {
-            let sign = [1.0, -1.0][(splitmix64(i as u64) & 1) as usize];
-            let a = stiffness.largest * (-f64::from(*halvings)).exp2();
-            *r += sign * f64::EPSILON * a * x.abs();
+        if self.rounded {
+            for ((r, x), a) in r.iter_mut().zip(x).zip(self.stiffness.entries()) {
+                *r += f64::EPSILON * a * x;
+            }
         }
+    }
+
+    /// A residual with its share of every eigenvector: independent entries, as large as `√diag(A)` and `√diag(C_0 + H)`.
+    pub fn random_residual(&self) -> Vec<f64> {
+        let of_t = self.diagonal.iter().copied();
+        let size = self.stiffness.entries().chain(of_t).enumerate();
+        size.map(|(i, a)| a.sqrt() * signed(i as u64)).collect()
     }
 
     /// `(‖e_u‖, ‖e_t‖)` of an error.
@@ -154,6 +162,12 @@ impl Stiffness {
             halvings: halvings.collect(),
         }
     }
+
+    /// Diagonal entries, each to a factor of √2.
+    pub fn entries(&self) -> impl Iterator<Item = f64> {
+        let entry = |halvings: &u8| self.largest * (-f64::from(*halvings)).exp2();
+        self.halvings.iter().map(entry)
+    }
 }
 
 /// 0 where there is no error, infinite where there is nothing to compare it with.
@@ -173,5 +187,12 @@ impl SaddleBlocks {
         }
         c.iter_mut().filter(|c| **c == 0.0).for_each(|c| *c = 1.0);
         c
+    }
+
+    /// The size of the diagonal of A.
+    pub fn stiffness(&self) -> Stiffness {
+        let entry = |i| self.a.get(i, i).map_or(0.0, |a| a.abs());
+        let entries = (0..self.n_u()).map(entry);
+        Stiffness::new(entries.clone().fold(0.0, f64::max), entries)
     }
 }

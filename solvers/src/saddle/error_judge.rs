@@ -33,6 +33,8 @@ pub struct Judged {
     pub estimate: f64,
     /// True where the pass did not halve the error: rounding leaves of x what it leaves.
     pub stands: bool,
+    /// The Ritz value where M is poor, else 1: a pass that lowers the residual by less leaves errors along its vector as they are.
+    pub hidden: f64,
 }
 
 impl Judged {
@@ -41,6 +43,7 @@ impl Judged {
         error: [f64::NAN; 2],
         estimate: f64::NAN,
         stands: false,
+        hidden: 1.0,
     };
 
     /// The larger error.
@@ -55,7 +58,9 @@ impl Judged {
 
     /// By how much the next pass is to lower the residual on the way to this tolerance.
     pub fn step(&self, tolerance: f64) -> f64 {
-        (AIM * tolerance / self.estimate).clamp(STEP[0], STEP[1])
+        (AIM * tolerance / self.estimate)
+            .min(self.hidden)
+            .clamp(STEP[0], STEP[1])
     }
 }
 
@@ -108,6 +113,7 @@ impl ErrorJudge {
             error: [0, 1].map(|part: usize| relative[part] * factor[part]),
             estimate,
             stands,
+            hidden: ritz.filter(|_| is_poor).unwrap_or(1.0),
         }
     }
 }

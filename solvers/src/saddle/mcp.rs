@@ -8,7 +8,7 @@ use crate::SetupError;
 use crate::eigen::{LanczosSettings, extreme_eigenvalues};
 use crate::fsai::Fsai;
 use fracas_operators::sparse::{Csr, SparseMatrix};
-use fracas_operators::{AdjointOperator, Layout, LinearOperator, Linearity, Preconditioner};
+use fracas_operators::{AdjointOperator, Layout, LinearOperator, Preconditioner, Properties};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -88,8 +88,8 @@ impl<P: Preconditioner<f64>, S: Preconditioner<f64>> Preconditioner<f64> for Mcp
         2 * self.p.flops() + self.s.flops() + products * self.b.flops()
     }
 
-    fn linearity(&self) -> Linearity {
-        self.p.linearity().and(self.s.linearity())
+    fn properties(&self) -> Properties {
+        self.p.properties().and(self.s.properties())
     }
 }
 

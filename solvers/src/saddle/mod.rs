@@ -18,6 +18,7 @@ pub mod monolithic;
 pub mod operator;
 #[cfg(test)]
 pub(crate) mod oracle;
+mod probe;
 pub mod racp;
 pub mod relaxation;
 #[cfg(test)]
@@ -43,6 +44,7 @@ pub use mcp::{Mcp, McpInverse};
 pub use method::{NoSuchPart, SaddleMethod, SaddleSettings, UnknownSaddleMethod};
 pub use monolithic::Direct;
 pub use operator::SaddleOperator;
+pub use probe::{Probed, probe};
 pub use racp::{Racp, RacpInverse};
 pub use relaxation::{REACH, RELAXATION, Relaxation, RelaxationSummary};
 pub use simple::{Correction, Simple, SimpleInverse};

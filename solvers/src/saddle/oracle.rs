@@ -6,7 +6,7 @@ use crate::eigen::dense;
 use faer::linalg::solvers::{FullPivLu, Solve};
 use faer::{Mat, c64};
 use fracas_operators::sparse::SparseMatrix;
-use fracas_operators::{Dense, LinearOperator, Linearity, Preconditioner};
+use fracas_operators::{Dense, LinearOperator, Preconditioner, Properties};
 
 /// With all its zeros.
 pub(crate) fn full(m: &SparseMatrix<f64>) -> Mat<f64> {
@@ -85,8 +85,8 @@ impl Preconditioner<f64> for DenseInverse {
         2 * (self.size() * self.size()) as u64
     }
 
-    fn linearity(&self) -> Linearity {
-        Linearity::EXACT
+    fn properties(&self) -> Properties {
+        Properties::LINEAR
     }
 }
 

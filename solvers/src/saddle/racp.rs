@@ -9,7 +9,7 @@ use super::{
 use crate::direct::DirectChoice;
 use crate::{Prepare, SetupError};
 use fracas_operators::sparse::{Csr, SparseMatrix};
-use fracas_operators::{AdjointOperator, Layout, LinearOperator, Linearity, Preconditioner};
+use fracas_operators::{AdjointOperator, Layout, LinearOperator, Preconditioner, Properties};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
@@ -118,8 +118,8 @@ impl<S: Preconditioner<f64>, B: AdjointOperator<f64>> Preconditioner<f64> for Ra
         2 * c_inverse + self.s_u.flops() + 2 * LinearOperator::flops(&self.b) + relaxation
     }
 
-    fn linearity(&self) -> Linearity {
-        self.s_u.linearity().and(self.c.linearity())
+    fn properties(&self) -> Properties {
+        self.s_u.properties().and(self.c.properties())
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::SetupError;
 use crate::direct::{DirectSolver, Factorization, Kind, reciprocal_condition};
 use fracas_operators::sparse::SparseMatrix;
-use fracas_operators::{Linearity, Preconditioner};
+use fracas_operators::{Preconditioner, Properties};
 
 /// 1/κ₁ of a matrix with unit diagonal below which it counts as singular. Unit: 1.
 const SINGULAR: f64 = 1e-13;
@@ -114,7 +114,7 @@ impl Preconditioner<f64> for ScaledInverse {
         self.factors.flops() + 2 * self.size() as u64
     }
 
-    fn linearity(&self) -> Linearity {
-        self.factors.linearity()
+    fn properties(&self) -> Properties {
+        self.factors.properties()
     }
 }

@@ -5,7 +5,7 @@ use super::{AugmentationMatrix, SaddleBlocks};
 use crate::SetupError;
 use crate::direct::{DirectChoice, DirectSolver, Factorization, Kind};
 use fracas_operators::sparse::{SparseMatrix, Triplets};
-use fracas_operators::{Linearity, Preconditioner};
+use fracas_operators::{Preconditioner, Properties};
 
 /// `S_u = A + (BF)(BF)ᵀ` with `C⁻¹ = F Fᵀ`: symmetric to the last bit where A is.
 ///
@@ -156,7 +156,7 @@ impl Preconditioner<f64> for QuasiDefinite {
         self.factors.flops()
     }
 
-    fn linearity(&self) -> Linearity {
-        self.factors.linearity()
+    fn properties(&self) -> Properties {
+        self.factors.properties()
     }
 }

@@ -3,7 +3,7 @@
 use super::entries::{BLOCK, positive_diagonal, relaxation, rows};
 use crate::{Prepare, SetupError};
 use fracas_operators::sparse::SparseMatrix;
-use fracas_operators::{Linearity, Preconditioner};
+use fracas_operators::{Preconditioner, Properties};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -153,8 +153,8 @@ impl Preconditioner<f64> for JacobiInverse {
         }
     }
 
-    fn linearity(&self) -> Linearity {
-        Linearity::EXACT
+    fn properties(&self) -> Properties {
+        Properties::LOCAL
     }
 }
 

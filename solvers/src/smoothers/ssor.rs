@@ -3,7 +3,7 @@
 use super::entries::{positive_diagonal, relaxation, rows};
 use crate::{Prepare, SetupError};
 use fracas_operators::sparse::SparseMatrix;
-use fracas_operators::{Linearity, Preconditioner};
+use fracas_operators::{Preconditioner, Properties};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -121,8 +121,8 @@ impl Preconditioner<f64> for SsorInverse {
         2 * (self.lower.values.len() + self.upper.values.len()) as u64 + 7 * self.size() as u64
     }
 
-    fn linearity(&self) -> Linearity {
-        Linearity::EXACT
+    fn properties(&self) -> Properties {
+        Properties::LOCAL
     }
 }
 

@@ -47,7 +47,7 @@ pub fn analyse_method(
     let mut stages = Stages { observer, done: 0 };
     let (blocks, structure, notes) = simplified(blocks);
     let m = method.ready(&blocks)?.inverse;
-    if !m.linearity().linear {
+    if !m.properties().linear {
         return Err(no(
             "the preconditioner is no linear map, so it has no eigenvalues; take a V or W cycle",
         ));

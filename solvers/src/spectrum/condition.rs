@@ -6,7 +6,7 @@ use crate::eigen::{Extreme, LanczosSettings, Map, extreme_eigenvalues, kernel_of
 use crate::saddle::scaling::ScaledInverse;
 use crate::saddle::{AugmentationMatrix, SaddleBlocks, schur};
 use fracas_operators::sparse::Csr;
-use fracas_operators::{AdjointOperator, LinearOperator, Linearity, Preconditioner};
+use fracas_operators::{AdjointOperator, LinearOperator, Preconditioner, Properties};
 
 /// Both ends of the spectrum of an SPD matrix.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -204,8 +204,8 @@ impl Preconditioner<f64> for Weighted<'_> {
         self.inverse.flops() + 2 * self.size() as u64
     }
 
-    fn linearity(&self) -> Linearity {
-        self.inverse.linearity()
+    fn properties(&self) -> Properties {
+        self.inverse.properties()
     }
 }
 

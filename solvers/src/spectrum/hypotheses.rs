@@ -138,7 +138,11 @@ const PROBES: u64 = 4;
 /// `xᵀS̃_u⁻¹x > 0` and `xᵀS̃_u⁻¹y = yᵀS̃_u⁻¹x` on a few vectors: what can be said above the dense limit.
 pub(super) fn probed(inner: &dyn Preconditioner<f64>) -> Hypothesis {
     const STATEMENT: &str = "S̃_u ≻ 0";
-    let rounding = if inner.linearity().single { 1e-5 } else { 1e-9 };
+    let rounding = if inner.properties().single {
+        1e-5
+    } else {
+        1e-9
+    };
     let n = inner.size();
     let mut work = vec![0.0; inner.work_len()];
     let images: Vec<(Vec<f64>, Vec<f64>)> = (0..PROBES)

@@ -387,7 +387,7 @@ fn dense_eigenvalues(
             }
             matrix
         }
-        Err(SetupError::NotApplicable { reason, .. }) if inner.linearity().linear => {
+        Err(SetupError::NotApplicable { reason, .. }) if inner.properties().linear => {
             report.notes.push(format!(
                 "{reason}: eigenvalues of M⁻¹𝒜 itself, no bounds, no modes"
             ));

@@ -163,7 +163,7 @@ fn factor_of(inner: &dyn Preconditioner<f64>) -> Result<Mat<f64>, SetupError> {
         method: "the similarity transform",
         reason: format!("the approximation of S_u⁻¹ is not {what}"),
     };
-    if !inner.linearity().linear {
+    if !inner.properties().linear {
         return Err(not_spd("linear"));
     }
     let columns = Dense::of_preconditioner(inner);

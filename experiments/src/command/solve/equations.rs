@@ -5,6 +5,7 @@ use fracas::matrix_free::{Magnitude, MatrixFreeSaddle};
 use fracas::scene::Body;
 use fracas_operators::{AdjointOperator, LinearOperator};
 use fracas_solvers::saddle::{EnergyNorms, SaddleBlocks, SaddleOperator, StrainNorm};
+use std::borrow::Cow;
 
 /// A system `𝒜 x = b` without a right-hand side.
 pub(super) trait Equations {
@@ -84,7 +85,9 @@ impl Equations for Assembled<'_> {
         let c = self.blocks.contact_compliance();
         let strain = |a| -> StrainNorm<'_> { Box::new(move |u| Restricted::strain_norm(a, u)) };
         let displaced = self.displaced.as_ref().filter(|_| own);
-        EnergyNorms::new(&self.operator, self.blocks.h.as_ref(), c).against(displaced.map(strain))
+        let stiffness = Cow::Owned(self.blocks.stiffness());
+        EnergyNorms::new(&self.operator, self.blocks.h.as_ref(), c, stiffness)
+            .against(displaced.map(strain))
     }
 }
 

@@ -65,7 +65,7 @@ impl Solve {
     fn krylov(&self, built: &Built<'_>) -> anyhow::Result<(KrylovChoice, Option<String>)> {
         if let Some(asked) = self.krylov {
             let choice = asked.flexible_for(built.preconditioner);
-            if !built.preconditioner.linearity().linear && !choice.is_flexible() {
+            if !built.preconditioner.properties().linear && !choice.is_flexible() {
                 let krylov = choice.name();
                 let inner = built.names.inner.as_deref().unwrap_or_default();
                 anyhow::bail!(
@@ -116,7 +116,7 @@ impl Solve {
             [_, _, 0] => Measure::from(self.measure),
             _ => Measure::Residual,
         };
-        let may_stop = built.in_double.is_some() && built.preconditioner.linearity().single;
+        let may_stop = built.in_double.is_some() && built.preconditioner.properties().single;
         let mut watch = Watch::new(&mut progress, may_stop);
         let Accurate {
             mut result,

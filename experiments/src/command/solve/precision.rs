@@ -146,7 +146,7 @@ pub(super) fn again(
     let (Some(failure), Some(in_double)) = (failure(result, flat), &built.in_double) else {
         return None;
     };
-    if !built.preconditioner.linearity().single {
+    if !built.preconditioner.properties().single {
         return None;
     }
     if !x.iter().all(|x| x.is_finite()) {

@@ -14,7 +14,7 @@ use faer::sparse::linalg::{LuError, colamd, qr};
 use faer::sparse::{FaerError, SparseColMatRef};
 use faer::{Conj, MatMut, Par};
 use fracas_operators::sparse::SparseMatrix;
-use fracas_operators::{Linearity, Preconditioner};
+use fracas_operators::{Preconditioner, Properties};
 use std::sync::Arc;
 
 /// Operations per entry of the factors above which dense kernels on supernodes pay. Unit: flops; faer's own choice.
@@ -304,8 +304,8 @@ impl Preconditioner<f64> for GeneralFactors {
         2 * self.factor_entries() as u64
     }
 
-    fn linearity(&self) -> Linearity {
-        Linearity::EXACT
+    fn properties(&self) -> Properties {
+        Properties::LINEAR
     }
 }
 

@@ -17,7 +17,7 @@ use faer::sparse::linalg::cholesky::{
 };
 use faer::{Conj, MatMut, Par, Side};
 use fracas_operators::sparse::SparseMatrix;
-use fracas_operators::{Linearity, Preconditioner};
+use fracas_operators::{Preconditioner, Properties};
 use std::sync::Arc;
 
 /// Pivot that leaves a row out: its column of L and its unknown are zero to rounding. Unit: that of the matrix, whose entries are
@@ -244,8 +244,8 @@ impl Preconditioner<f64> for SymmetricFactors {
         4 * self.values.len() as u64
     }
 
-    fn linearity(&self) -> Linearity {
-        Linearity::EXACT
+    fn properties(&self) -> Properties {
+        Properties::LINEAR
     }
 }
 

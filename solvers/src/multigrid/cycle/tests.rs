@@ -7,7 +7,7 @@ use crate::krylov::{Cg, Criteria, KrylovMethod, Outcome, System};
 use crate::multigrid::Transfer;
 use fracas_operators::laws::probe;
 use fracas_operators::{
-    Counted, Dense, Identity, LinearOperator, Linearity, Preconditioner, Shape,
+    Counted, Dense, Identity, LinearOperator, Preconditioner, Properties, Shape,
 };
 use std::sync::Arc;
 
@@ -134,8 +134,8 @@ impl Preconditioner<f64> for Below<'_> {
         self.0.flops(1)
     }
 
-    fn linearity(&self) -> Linearity {
-        Linearity::EXACT
+    fn properties(&self) -> Properties {
+        Properties::LINEAR
     }
 }
 
@@ -262,9 +262,9 @@ fn nothing_comes_of_nothing() {
 #[test]
 fn only_a_k_cycle_over_levels_is_no_linear_map() {
     for cycle in [Cycle::V, Cycle::VThenW, Cycle::W] {
-        assert_eq!(sample(cycle).linearity(), Linearity::EXACT);
+        assert_eq!(sample(cycle).properties(), Properties::LINEAR);
     }
-    assert_eq!(sample(Cycle::K).linearity(), Linearity::NONLINEAR);
+    assert_eq!(sample(Cycle::K).properties(), Properties::NONLINEAR);
     let above_the_bottom = above(vec![level(12, Vec::new())], 6, Cycle::K);
-    assert_eq!(above_the_bottom.linearity(), Linearity::EXACT);
+    assert_eq!(above_the_bottom.properties(), Properties::LINEAR);
 }

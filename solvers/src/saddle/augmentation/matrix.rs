@@ -7,7 +7,7 @@ use fracas_operators::operator::assert_product;
 use fracas_operators::sparse::{SparseMatrix, Triplets};
 use fracas_operators::vector::for_row_ranges;
 use fracas_operators::{LinearOperator, Shape};
-use fracas_operators::{Linearity, Preconditioner};
+use fracas_operators::{Preconditioner, Properties};
 
 /// A 3×3 block by rows.
 pub type Block = [[f64; 3]; 3];
@@ -375,7 +375,7 @@ impl Preconditioner<f64> for AugmentationMatrix {
         }
     }
 
-    fn linearity(&self) -> Linearity {
-        Linearity::EXACT
+    fn properties(&self) -> Properties {
+        Properties::LINEAR
     }
 }

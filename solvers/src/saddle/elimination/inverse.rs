@@ -1,7 +1,7 @@
 //! The preconditioner of the whole system from one of the system without the eliminated rows.
 
 use super::Elimination;
-use fracas_operators::{Layout, LinearOperator, Linearity, Preconditioner};
+use fracas_operators::{Layout, LinearOperator, Preconditioner, Properties};
 
 /// `M⁻¹` of the whole system from one of the system without the rows l:
 /// ```text
@@ -80,7 +80,7 @@ impl<M: Preconditioner<f64>> Preconditioner<f64> for EliminatedInverse<M> {
         self.inner.flops() + b1_l.flops() + b2_l.flops() + h_lk.flops() + 2 * local.len() as u64
     }
 
-    fn linearity(&self) -> Linearity {
-        self.inner.linearity()
+    fn properties(&self) -> Properties {
+        self.inner.properties()
     }
 }

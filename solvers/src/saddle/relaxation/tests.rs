@@ -8,7 +8,7 @@ use crate::saddle::{
 use crate::smoothers::JacobiInverse;
 use faer::Mat;
 use fracas_operators::sparse::Csr;
-use fracas_operators::{Dense, Linearity};
+use fracas_operators::{Dense, Properties};
 
 /// A random system with an H of entries beside its diagonal.
 fn blocks() -> SaddleBlocks {
@@ -150,8 +150,8 @@ impl<M: Preconditioner<f64>> Preconditioner<f64> for Third<M> {
     fn flops(&self) -> u64 {
         self.0.flops()
     }
-    fn linearity(&self) -> Linearity {
-        self.0.linearity()
+    fn properties(&self) -> Properties {
+        self.0.properties()
     }
 }
 

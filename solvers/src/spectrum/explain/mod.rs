@@ -101,7 +101,7 @@ impl Explanation {
     /// Those of C, and of the eigenvalues of a small dense matrix.
     pub fn new(solved: &Solved<'_>) -> Result<Self, SetupError> {
         let blocks = solved.blocks;
-        let is_seen = solved.preconditioner.linearity().linear && blocks.flow.is_none();
+        let is_seen = solved.preconditioner.properties().linear && blocks.flow.is_none();
         let seen = match is_seen {
             true => Some(Seen::new(blocks, solved.preconditioner, solved.rhs)?),
             false => None,

@@ -6,7 +6,7 @@ use crate::saddle::samples::{random, sparse, trusses, two_chains};
 use crate::saddle::schur;
 use crate::smoothers::{Jacobi, Ssor};
 use crate::spectrum::{Theorem, Verdict};
-use fracas_operators::Linearity;
+use fracas_operators::Properties;
 
 fn request(augmentation: AugmentationChoice, inner: &str) -> SpectrumRequest {
     SpectrumRequest {
@@ -287,8 +287,8 @@ impl Preconditioner<f64> for Scaled<'_> {
     fn flops(&self) -> u64 {
         self.1.flops() + self.size() as u64
     }
-    fn linearity(&self) -> Linearity {
-        self.1.linearity()
+    fn properties(&self) -> Properties {
+        self.1.properties()
     }
 }
 

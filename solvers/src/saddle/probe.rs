@@ -1,0 +1,145 @@
+//! A look for eigenvalues of M⁻¹𝒜 close to zero.
+
+use super::EnergyNorms;
+use crate::krylov::{Breakdown, Criteria, KrylovMethod, System};
+use crate::{Observer, Step};
+
+/// Steps: well separated eigenvalues are found to a few per cent. Unit: 1.
+const STEPS: usize = 40;
+
+/// What was found, and its cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Probed {
+    /// Ritz value nearest to zero; `None` from methods that know none.
+    pub ritz: Option<f64>,
+    /// Products with 𝒜.
+    pub products: u64,
+    /// Solves with M.
+    pub solves: u64,
+}
+
+/// 40 steps of `method` towards 𝒜⁻¹w for a random w, with its share of every eigenvector. It is worth its cost around an M of one
+/// level ([`local`](fracas_operators::Properties)).
+///
+/// An iteration sees a small eigenvalue only through the share that b has of its vector. Where b is what holds stiff rock, soft
+/// rock has a share of 1e-8 or less, below any tolerance, and errors there are not seen either: M⁻¹r is the error times that
+/// eigenvalue.
+pub fn probe(
+    method: &dyn KrylovMethod<f64>,
+    system: &System<'_, f64>,
+    norms: &EnergyNorms<'_>,
+    observer: &mut dyn Observer,
+) -> Probed {
+    let system = System {
+        rhs: &norms.random_residual(),
+        ..*system
+    };
+    let criteria = Criteria {
+        relative_tolerance: f64::EPSILON,
+        max_iterations: STEPS,
+    };
+    let mut watch = |step: &Step| match step {
+        Step::Krylov { iteration, .. } => observer.observe(&Step::Progress {
+            stage: "looking for small eigenvalues",
+            done: *iteration,
+            total: STEPS,
+        }),
+        other => observer.observe(other),
+    };
+    let mut x = vec![0.0; system.size()];
+    match method.solve(&system, &criteria, &mut x, &mut watch) {
+        Ok(report) => Probed {
+            ritz: report.smallest_ritz,
+            products: report.products,
+            solves: report.preconditioner_solves,
+        },
+        Err(breakdown) => {
+            let ritz = match breakdown {
+                Breakdown::Stagnation { smallest_ritz, .. } => smallest_ritz,
+                _ => None,
+            };
+            let steps = breakdown.iteration() as u64;
+            Probed {
+                ritz,
+                products: steps,
+                solves: steps,
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::samples::sparse;
+    use super::super::{InnerChoice, SaddleBlocks, SaddleMethod, SaddleOperator};
+    use super::*;
+    use crate::Prepare;
+    use crate::Silent;
+    use crate::krylov::Gmres;
+    use crate::smoothers::Jacobi;
+    use fracas_operators::Preconditioner;
+    use std::borrow::Cow;
+
+    const SHORT: usize = 4;
+    const LONG: usize = 30;
+
+    /// Chains without a contact: a load on the one shows nothing of the slow modes of the other, which is longer.
+    #[test]
+    fn it_finds_what_an_iteration_misses() {
+        let of_chain = |i: usize| if i < SHORT { 0 } else { 1 };
+        let n = SHORT + LONG;
+        let a = sparse(n, n, |i, j| {
+            match (of_chain(i) == of_chain(j), i.abs_diff(j)) {
+                (true, 0) => 2.0,
+                (true, 1) => -1.0,
+                _ => 0.0,
+            }
+        });
+        let b1 = sparse(n, 1, |i, _| f64::from(u8::from(i == 0)));
+        let mut rhs_u = vec![0.0; n];
+        rhs_u[1] = 1.0;
+        let blocks = SaddleBlocks {
+            a,
+            b1,
+            b2: None,
+            h: None,
+            rhs_u,
+            rhs_t: vec![0.0],
+            coordinates: None,
+            flow: None,
+        };
+        let jacobi = InnerChoice::Jacobi(Jacobi::default());
+        let method = SaddleMethod::default().with_parts(None, Some(jacobi));
+        let m = method.unwrap().prepare(&blocks).unwrap();
+        assert!(m.properties().local);
+        let operator = SaddleOperator::new(&blocks);
+        let norms = EnergyNorms::new(
+            &operator,
+            None,
+            blocks.contact_compliance(),
+            Cow::Owned(blocks.stiffness()),
+        );
+        let system = System {
+            operator: &operator,
+            preconditioner: &m,
+            rhs: &blocks.rhs(),
+        };
+        let criteria = Criteria {
+            relative_tolerance: 1e-6,
+            max_iterations: 200,
+        };
+        let gmres = Gmres::default();
+        let mut x = vec![0.0; system.size()];
+        let report = gmres.solve(&system, &criteria, &mut x, &mut Silent);
+        let seen = report.unwrap().smallest_ritz.unwrap();
+        let probed = probe(&gmres, &system, &norms, &mut Silent);
+        // 1 − cos(π/(n + 1)) of Jacobi, times its damping
+        let found = probed.ritz.unwrap();
+        let least = 1.0 - (std::f64::consts::PI / (LONG + 1) as f64).cos();
+        assert!(
+            found < 1.5 * least && seen > 0.05,
+            "{found:e} beside {seen:e}"
+        );
+        assert!(probed.products <= 42 && probed.solves <= 42, "{probed:?}");
+    }
+}
