@@ -21,7 +21,7 @@ use std::borrow::Cow;
 const TOLERANCE: f64 = 1e-8;
 
 /// Systems tried where nobody asks for more.
-const CASES: u64 = 16;
+const CASES: u64 = 48;
 
 /// Inner solvers; `geometric` is set up from the body.
 const INNER: [&str; 4] = ["exact", "amg", "fsai", "geometric"];

@@ -120,8 +120,14 @@ pub(super) fn active_set(
     while log.rounds < last && !log.is_spent(max_krylov) {
         let round = log.rounds;
         log.rounds += 1;
-        let found =
-            proximal.iterate(h.as_ref(), round, &mut x, &mut log.linear, search.observer)?;
+        let found = proximal.iterate(
+            h.as_ref(),
+            round,
+            &mut x,
+            &mut log.linear,
+            &mut search.linear.resources,
+            search.observer,
+        )?;
         let torn = proximal.torn();
         if !torn.is_empty() {
             return Err(Failure::Torn { faces: torn });

@@ -1,7 +1,9 @@
 //! Why a step could not be done.
 
-use super::Instability;
+use super::active_set::Log;
 use super::record::count;
+use super::times::{Target, length};
+use super::{Instability, State};
 use crate::contact::ContactState;
 use crate::elasticity::ElasticityError;
 use crate::matrix_free::MatrixFreeError;
@@ -223,6 +225,31 @@ pub struct StepFailure {
     pub linear: Vec<super::LinearRecord>,
     /// What happened on the way.
     pub events: Vec<super::Event>,
+}
+
+impl StepFailure {
+    /// Of a step that goes no further.
+    pub(super) fn new(
+        state: &State,
+        target: Target,
+        cuts: usize,
+        reason: Failure,
+        log: Log,
+    ) -> Box<Self> {
+        Box::new(Self {
+            step: state.step,
+            time: state.time,
+            increment: length(state, target),
+            unit: match state.loaded < 1.0 {
+                true => "of the loads of time 0",
+                false => "s",
+            },
+            cuts,
+            reason,
+            linear: log.linear,
+            events: log.events,
+        })
+    }
 }
 
 /// Why a body cannot be simulated.

@@ -14,22 +14,22 @@ pub(super) struct Ready {
 pub(super) struct Kept {
     pub(super) ready: Option<Ready>,
     /// What a restart has to build again.
-    pub(super) owed: Option<Prepared>,
+    pub(super) pending: Option<Prepared>,
 }
 
 impl Kept {
     /// A step begins, with the preconditioner that was kept for it.
     pub(super) fn begin_step(&mut self, prepared: Option<&Prepared>) {
-        self.owed = None;
+        self.pending = None;
         if self.ready.as_ref().map(|ready| &ready.of) != prepared {
             self.ready = None;
-            self.owed = prepared.cloned();
+            self.pending = prepared.cloned();
         }
     }
 
     /// What the preconditioner that the next step finds was built for.
     pub(super) fn carried(&self) -> Option<Prepared> {
         let ready = self.ready.as_ref().map(|ready| &ready.of);
-        ready.or(self.owed.as_ref()).cloned()
+        ready.or(self.pending.as_ref()).cloned()
     }
 }

@@ -2,12 +2,11 @@
 
 use super::assembled::{Assembled, Built};
 use super::face_rules::FaceRule;
-use super::fallback::Fallbacks;
 use super::jacobian::FaceTangent;
 use super::kept::{Kept, Ready};
 use super::krylov::{self, Asked, Ended, Solved};
 use super::state_inverse::StateInverse;
-use super::workspace::{FreeMemory, Workspace};
+use super::workspace::Resources;
 use super::{ContactJacobian, ContactProblem, LinearFailure, NewtonSystem, Prepared, State};
 use crate::contact::ContactState;
 use crate::matrix_free::{MatrixFreeError, MatrixFreeRacp};
@@ -74,8 +73,7 @@ pub(super) struct Linear {
     probed: bool,
     /// A preconditioner for its states has been built in this step.
     built: bool,
-    work: Workspace,
-    pub(super) fallbacks: Fallbacks,
+    pub(super) resources: Resources,
     assembled: Assembled,
     /// Number of the system of a step to stop at, and that system.
     pub(super) wanted: Option<usize>,
@@ -95,17 +93,11 @@ impl Linear {
             smallest_ritz: None,
             probed: false,
             built: false,
-            work: Workspace::default(),
-            fallbacks: Fallbacks::default(),
+            resources: Resources::default(),
             assembled: Assembled::default(),
             wanted: None,
             found: None,
         }
-    }
-
-    /// Takes no more vectors than fit into this memory.
-    pub(super) fn limited_by(&mut self, free: FreeMemory) {
-        self.work = Workspace::limited_by(free);
     }
 
     /// Settings in use.
@@ -143,7 +135,7 @@ impl Linear {
         observer: &mut dyn Observer,
     ) -> Result<Solved, LinearFailure> {
         let setup = self.prepare(problem, jacobian, states, observer)?;
-        let mut work = std::mem::take(&mut self.work);
+        let mut work = std::mem::take(&mut self.resources.work);
         // laws of open faces are met at the start, and every iterate keeps them
         let n_u = problem.saddle().layout().lengths[0];
         x.fill(0.0);
@@ -170,7 +162,7 @@ impl Linear {
             patience: None,
         };
         let ended = krylov::solve(&system, asked, x, observer, &mut work);
-        self.work = work;
+        self.resources.work = work;
         let solved = match ended? {
             Ended::Solved(solved) => Solved { setup, ..solved },
             Ended::Dropped { .. } => unreachable!("no patience is set"),
@@ -259,7 +251,7 @@ impl Linear {
             let c = |c: &[[Block; 2]]| c_of(&rules(c, |_| FaceTangent::STICK));
             self.stick = Some(self.build(problem, all_stick, c, observer)?);
         }
-        if let Some(Prepared { states, c }) = self.present.owed.take() {
+        if let Some(Prepared { states, c }) = self.present.pending.take() {
             self.present.ready = Some(self.build(problem, states, |_| c.clone(), observer)?);
         }
         let new = |ready: &Option<Ready>| ready.as_ref().is_none_or(|r| r.of.states != states);
@@ -287,12 +279,17 @@ impl Linear {
         let (c, inverse, stage) = loop {
             match self.attempt(problem, settings, &c) {
                 Ok(built) => break built,
-                Err(failure) => settings = self.fallbacks.instead(problem, settings, failure)?,
+                Err(failure) => {
+                    settings = self
+                        .resources
+                        .fallbacks
+                        .instead(problem, settings, failure)?
+                }
             }
         };
         if self.stick.is_none() {
             // a restart builds the all-stick one first, too: it decides the same
-            self.settings = self.fallbacks.effective(settings);
+            self.settings = self.resources.fallbacks.effective(settings);
         }
         let step = Step::Progress {
             stage,
@@ -334,7 +331,7 @@ impl Linear {
                 let Built { inverse, lost } = self.assembled.build(racp.inner, &blocks, &matrix)?;
                 if let Some(error) = lost {
                     stage = IN_DOUBLE;
-                    self.fallbacks.note(format!("with f32 {error}"));
+                    self.resources.fallbacks.note(format!("with f32 {error}"));
                 }
                 Ok((c, inverse, stage))
             }
@@ -347,7 +344,7 @@ impl Linear {
                 let c = c(&self.c);
                 let matrix = AugmentationMatrix::from_face_blocks(c.clone())?;
                 let in_pascal = matrix.scaled(1.0 / (unit * unit));
-                let s_u = self.fallbacks.build(problem, racp, &in_pascal)?;
+                let s_u = self.resources.fallbacks.build(problem, racp, &in_pascal)?;
                 if s_u.lost().is_some() {
                     stage = IN_DOUBLE;
                 }

@@ -5,6 +5,7 @@ use super::newton::{Attempt, BACKTRACKS, DECREASE, Iterate, relative};
 use super::record::count;
 use super::springs::law::Spring;
 use super::springs::linear::SpringLinear;
+use super::workspace::Resources;
 use super::{Failure, LinearRecord};
 use crate::contact::ContactState;
 use fracas_operators::LinearOperator;
@@ -94,6 +95,7 @@ impl<'s> Proximal<'s> {
         round: usize,
         x: &mut Iterate,
         records: &mut Vec<LinearRecord>,
+        resources: &mut Resources,
         observer: &mut dyn Observer,
     ) -> Result<Vec<ContactState>, Failure> {
         let (attempt, problem) = (self.attempt, self.attempt.problem);
@@ -103,7 +105,8 @@ impl<'s> Proximal<'s> {
         let kappa = |i: usize| self.stiffness[i / 3];
         let moved = x.t.iter().zip(&through).enumerate();
         let multiplier: Vec<f64> = moved.map(|(i, (t, g))| t - kappa(i) * g).collect();
-        let springs = self.minimize(&multiplier, round, &mut x.u, records, observer)?;
+        let springs =
+            self.minimize(&multiplier, round, &mut x.u, records, (resources, observer))?;
         let jumps = problem.jumps(&x.u, attempt.load);
         let share = if self.iterations < DAMPED { 1.0 } else { 0.5 };
         for (f, spring) in springs.iter().enumerate() {
@@ -167,7 +170,7 @@ impl<'s> Proximal<'s> {
         round: usize,
         u: &mut [f64],
         records: &mut Vec<LinearRecord>,
-        observer: &mut dyn Observer,
+        (resources, observer): (&mut Resources, &mut dyn Observer),
     ) -> Result<Vec<Spring>, Failure> {
         let attempt = self.attempt;
         let mut at = self.evaluate(multiplier, u);
@@ -198,7 +201,7 @@ impl<'s> Proximal<'s> {
                 &at.residual,
                 forcing,
                 &mut correction,
-                observer,
+                (resources, observer),
             )?;
             if solved.stopped {
                 return Err(Failure::Stopped);
@@ -376,7 +379,14 @@ mod tests {
                 proximal.limit.clone_from(&limit);
                 let old = x.t.clone();
                 proximal
-                    .iterate(h.as_ref(), round, &mut x, &mut records, &mut Silent)
+                    .iterate(
+                        h.as_ref(),
+                        round,
+                        &mut x,
+                        &mut records,
+                        &mut Resources::default(),
+                        &mut Silent,
+                    )
                     .unwrap();
                 let moved = x.t.iter().zip(&old).map(|(a, b)| (a - b).abs());
                 changes.push(moved.fold(0.0, f64::max));

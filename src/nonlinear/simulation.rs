@@ -1,7 +1,6 @@
 //! Steps: from the unloaded body to the last time of its scene.
 
 use super::active_set::{Log, Settled};
-use super::fallback::Fallbacks;
 use super::fields::slip_after;
 use super::linear::Linear;
 use super::loads::initial_traction;
@@ -10,6 +9,7 @@ use super::record::count;
 use super::springs::SpringMethod;
 use super::stability::{COMPARED, is_shown, stable};
 use super::times::{Target, Times, length};
+use super::workspace::{Resources, Workspace};
 use super::{
     Accepted, ContactProblem, Event, FaceFields, Failure, FreeMemory, Load, NewtonSystem,
     RunPreconditioner, SimulationError, Start, State, StepFailure, StepRecord,
@@ -19,29 +19,6 @@ use crate::scene::{Body, Unstable};
 use fracas_operators::LinearOperator;
 use fracas_operators::vector::{axpy, norm2};
 use fracas_solvers::Observer;
-
-/// A step that goes no further.
-fn failed(
-    state: &State,
-    target: Target,
-    cuts: usize,
-    reason: Failure,
-    log: Log,
-) -> Box<StepFailure> {
-    Box::new(StepFailure {
-        step: state.step,
-        time: state.time,
-        increment: length(state, target),
-        unit: match state.loaded < 1.0 {
-            true => "of the loads of time 0",
-            false => "s",
-        },
-        cuts,
-        reason,
-        linear: log.linear,
-        events: log.events,
-    })
-}
 
 /// A body in contact, stepped through time.
 pub struct Simulation<'a> {
@@ -82,10 +59,7 @@ impl<'a> Simulation<'a> {
     /// does not.
     #[must_use]
     pub fn limited_by(mut self, free: FreeMemory) -> Self {
-        match &mut self.springs {
-            Some(springs) => springs.limited_by(free),
-            None => self.linear.limited_by(free),
-        }
+        self.resources_mut().work = Workspace::limited_by(free);
         self
     }
 
@@ -96,23 +70,30 @@ impl<'a> Simulation<'a> {
 
     /// The preconditioner in use, in f64 where f32 gave way to it.
     pub fn preconditioner(&self) -> RunPreconditioner {
-        self.fallbacks().effective(self.linear.settings())
+        (self.resources().fallbacks).effective(self.linear.settings())
     }
 
     /// Times that a preconditioner in f32 gave way to one in f64; [`Event::Precision`] says why.
     pub fn precision_fallbacks(&self) -> usize {
-        self.fallbacks().count
+        self.resources().fallbacks.count
     }
 
     /// Times that an inner solver could not be set up and another took its place; [`Event::Inner`] says why.
     pub fn inner_fallbacks(&self) -> usize {
-        self.fallbacks().inner
+        self.resources().fallbacks.inner
     }
 
-    fn fallbacks(&self) -> &Fallbacks {
+    fn resources(&self) -> &Resources {
         match &self.springs {
-            Some(springs) => springs.fallbacks(),
-            None => &self.linear.fallbacks,
+            Some(springs) => &springs.resources,
+            None => &self.linear.resources,
+        }
+    }
+
+    fn resources_mut(&mut self) -> &mut Resources {
+        match &mut self.springs {
+            Some(springs) => &mut springs.resources,
+            None => &mut self.linear.resources,
         }
     }
 
@@ -191,7 +172,7 @@ impl<'a> Simulation<'a> {
                             match self.problem.body().solver.unstable {
                                 Unstable::Stop => {
                                     let reason = Failure::Unstable(patch);
-                                    return Err(failed(state, target, cuts, reason, log));
+                                    return Err(StepFailure::new(state, target, cuts, reason, log));
                                 }
                                 Unstable::Arrest => {
                                     log.events.push(Event::Arrested {
@@ -203,6 +184,8 @@ impl<'a> Simulation<'a> {
                         }
                     }
                     let next = self.times.next(state, target, increment, cuts);
+                    // what is written after a step takes the place of the iteration's vectors
+                    self.resources_mut().work.release();
                     return Ok(self.accept(state, target, settled, &load, log, cuts, next));
                 }
                 Err(reason)
@@ -219,7 +202,7 @@ impl<'a> Simulation<'a> {
                 }
                 Err(reason) => {
                     let reason = reason.explained(self.problem.body(), &log.states);
-                    return Err(failed(state, target, cuts, reason, log));
+                    return Err(StepFailure::new(state, target, cuts, reason, log));
                 }
             }
         }
@@ -302,13 +285,13 @@ impl<'a> Simulation<'a> {
             let settled = match &mut self.springs {
                 Some(springs) => {
                     let settled = springs.attempt(&attempt, states.clone(), x, log, observer);
-                    log.events.append(&mut springs.take_events());
+                    log.events.append(&mut springs.resources.fallbacks.events);
                     settled
                 }
                 None => {
                     let linear = &mut self.linear;
                     let settled = stable(&attempt, states.clone(), x, linear, log, observer);
-                    log.events.append(&mut self.linear.fallbacks.events);
+                    log.events.append(&mut linear.resources.fallbacks.events);
                     settled
                 }
             };

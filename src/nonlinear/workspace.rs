@@ -1,6 +1,7 @@
 //! Memory of the iterations of a run.
 
 use super::LinearFailure;
+use super::fallback::Fallbacks;
 use fracas_operators::Preconditioner;
 use fracas_solvers::krylov::{Criteria, Fitted, KrylovChoice, KrylovMethod, System};
 
@@ -10,6 +11,13 @@ pub type FreeMemory = fn() -> Option<u64>;
 /// Share of the free memory that the vectors of an iteration may take: a preconditioner of other states, as large as the one at
 /// hand, and the fields have the rest. Unit: 1.
 const SHARE: f64 = 0.5;
+
+/// What the linear systems of a run share, be they of multipliers or of springs.
+#[derive(Debug, Default)]
+pub(super) struct Resources {
+    pub(super) work: Workspace,
+    pub(super) fallbacks: Fallbacks,
+}
 
 /// Scratch that serves every linear system of a run.
 ///
@@ -51,6 +59,11 @@ impl Workspace {
         })
     }
 
+    /// Gives the memory back until the next system.
+    pub(super) fn release(&mut self) {
+        self.numbers = Vec::new();
+    }
+
     /// Scratch for `method`, of arbitrary content.
     pub(super) fn of(
         &mut self,
@@ -61,7 +74,7 @@ impl Workspace {
         let needed = method.work_len(system, criteria);
         if self.numbers.len() < needed {
             // given back before more is taken, and not filled: `resize` would touch all of it
-            self.numbers = Vec::new();
+            self.release();
             self.numbers = vec![0.0; needed];
         }
         &mut self.numbers[..needed]

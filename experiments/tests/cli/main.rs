@@ -7,6 +7,7 @@ mod check;
 mod explain;
 mod geometric;
 mod gmsh;
+mod memory;
 mod modes;
 mod output;
 mod pipe;

@@ -3,10 +3,9 @@
 use super::law::Spring;
 use super::operator::SpringJacobian;
 use crate::mesh::FractureFace;
-use crate::nonlinear::fallback::Fallbacks;
 use crate::nonlinear::kept::{Kept, Ready};
 use crate::nonlinear::krylov::{self, Asked, Ended, Solved};
-use crate::nonlinear::workspace::{FreeMemory, Workspace};
+use crate::nonlinear::workspace::Resources;
 use crate::nonlinear::{ContactProblem, LinearFailure, Prepared, RunPreconditioner};
 use fracas_operators::Preconditioner;
 use fracas_solvers::Observer;
@@ -24,8 +23,6 @@ pub(in crate::nonlinear) struct SpringLinear {
     max_krylov: usize,
     blocks: Option<SaddleBlocks>,
     kept: Kept,
-    work: Workspace,
-    pub(in crate::nonlinear) fallbacks: Fallbacks,
 }
 
 impl SpringLinear {
@@ -35,14 +32,7 @@ impl SpringLinear {
             max_krylov,
             blocks: None,
             kept: Kept::default(),
-            work: Workspace::default(),
-            fallbacks: Fallbacks::default(),
         }
-    }
-
-    /// Takes no more vectors than fit into this memory.
-    pub(super) fn limited_by(&mut self, free: FreeMemory) {
-        self.work = Workspace::limited_by(free);
     }
 
     /// A step begins, with the preconditioner that was kept for it.
@@ -63,22 +53,22 @@ impl SpringLinear {
         rhs: &[f64],
         tolerance: f64,
         x: &mut [f64],
-        observer: &mut dyn Observer,
+        (resources, observer): (&mut Resources, &mut dyn Observer),
     ) -> Result<Solved, LinearFailure> {
         let jacobian = jacobian(problem, springs);
         let symmetric = springs.iter().all(Spring::is_symmetric);
-        if let Some(owed) = self.kept.owed.take() {
-            self.kept.ready = Some(self.prepare(problem, owed)?);
+        if let Some(pending) = self.kept.pending.take() {
+            self.kept.ready = Some(self.prepare(problem, pending, resources)?);
         }
         let short = symmetric.then_some(KrylovChoice::Cg(Cg {}));
         let mut spent = 0;
         loop {
             let (ready, made) = match self.kept.ready.take() {
                 Some(ready) => (ready, false),
-                None => (
-                    self.prepare(problem, wanted(problem, springs, stiffness))?,
-                    true,
-                ),
+                None => {
+                    let of = wanted(problem, springs, stiffness);
+                    (self.prepare(problem, of, resources)?, true)
+                }
             };
             let system = System {
                 operator: &jacobian,
@@ -92,7 +82,7 @@ impl SpringLinear {
                 patience: (!made).then_some(PATIENCE),
             };
             x.fill(0.0);
-            match krylov::solve(&system, asked, x, observer, &mut self.work)? {
+            match krylov::solve(&system, asked, x, observer, &mut resources.work)? {
                 Ended::Dropped { iterations } => spent += iterations,
                 Ended::Solved(solved) => {
                     self.kept.ready = Some(ready);
@@ -111,13 +101,16 @@ impl SpringLinear {
         &mut self,
         problem: &ContactProblem<'_>,
         of: Prepared,
+        resources: &mut Resources,
     ) -> Result<Ready, LinearFailure> {
         let c = AugmentationMatrix::from_face_blocks(of.c.clone())?;
         let mut settings = self.settings;
         let inverse = loop {
-            match self.inverse(problem, settings, &c) {
+            match self.inverse(problem, settings, &c, resources) {
                 Ok(inverse) => break inverse,
-                Err(failure) => settings = self.fallbacks.instead(problem, settings, failure)?,
+                Err(failure) => {
+                    settings = resources.fallbacks.instead(problem, settings, failure)?
+                }
             }
         };
         Ok(Ready { of, inverse })
@@ -129,6 +122,7 @@ impl SpringLinear {
         problem: &ContactProblem<'_>,
         settings: RunPreconditioner,
         c: &AugmentationMatrix,
+        resources: &mut Resources,
     ) -> Result<Box<dyn Preconditioner<f64>>, LinearFailure> {
         Ok(match settings {
             RunPreconditioner::Assembled(racp) => {
@@ -139,7 +133,7 @@ impl SpringLinear {
                 racp.inner.prepare(blocks, c)?.inverse
             }
             RunPreconditioner::MatrixFree(racp) => {
-                Box::new(self.fallbacks.build(problem, racp, c)?)
+                Box::new(resources.fallbacks.build(problem, racp, c)?)
             }
         })
     }

@@ -14,10 +14,10 @@ mod newton;
 mod operator;
 
 use super::active_set::{Log, Settled};
-use super::fallback::Fallbacks;
 use super::judge::{or_closing, slip_violation};
 use super::newton::{Attempt, Iterate};
-use super::{ContactProblem, Event, Failure, FreeMemory, Prepared, RunPreconditioner};
+use super::workspace::Resources;
+use super::{ContactProblem, Failure, Prepared, RunPreconditioner};
 use crate::contact::ContactState;
 use crate::scene::{AugmentedLagrangian, Method};
 use fracas_solvers::{Observer, Step};
@@ -31,6 +31,7 @@ pub(super) struct SpringMethod {
     /// Updates of the multipliers; `None` for a penalty.
     max_updates: Option<usize>,
     linear: SpringLinear,
+    pub(super) resources: Resources,
 }
 
 impl SpringMethod {
@@ -54,12 +55,8 @@ impl SpringMethod {
             stiffness: compliance.map(|omega| factor / omega).collect(),
             max_updates,
             linear: SpringLinear::new(preconditioner, solver.max_krylov),
+            resources: Resources::default(),
         })
-    }
-
-    /// Takes no more vectors than fit into this memory.
-    pub(super) fn limited_by(&mut self, free: FreeMemory) {
-        self.linear.limited_by(free);
     }
 
     /// A step begins, with the preconditioner that was kept for it.
@@ -70,16 +67,6 @@ impl SpringMethod {
     /// What the preconditioner that the next step finds was made for.
     pub(super) fn carried(&self) -> Option<Prepared> {
         self.linear.carried()
-    }
-
-    /// What f32 could not hold.
-    pub(super) fn fallbacks(&self) -> &Fallbacks {
-        &self.linear.fallbacks
-    }
-
-    /// What f32 could not hold since it was last asked.
-    pub(super) fn take_events(&mut self) -> Vec<Event> {
-        std::mem::take(&mut self.linear.fallbacks.events)
     }
 
     /// One attempt at a step from these states, displacements and tractions.
@@ -113,7 +100,7 @@ impl SpringMethod {
                 &states,
                 &mut u,
                 &mut log.linear,
-                observer,
+                (&mut self.resources, observer),
             )?;
             states = at.states();
             let t = at.tractions();

@@ -5,6 +5,7 @@ use super::linear::SpringLinear;
 use crate::contact::ContactState;
 use crate::nonlinear::newton::{Attempt, BACKTRACKS, DECREASE, relative};
 use crate::nonlinear::record::count;
+use crate::nonlinear::workspace::Resources;
 use crate::nonlinear::{Failure, LinearRecord};
 use fracas_operators::LinearOperator;
 use fracas_operators::vector::{axpy, norm2};
@@ -103,7 +104,7 @@ pub(super) fn newton(
     states: &[ContactState],
     u: &mut [f64],
     records: &mut Vec<LinearRecord>,
-    observer: &mut dyn Observer,
+    (resources, observer): (&mut Resources, &mut dyn Observer),
 ) -> Result<(Evaluation, f64), Failure> {
     let settings = attempt.problem.body().solver;
     let mut correction = vec![0.0; u.len()];
@@ -148,7 +149,7 @@ pub(super) fn newton(
             &at.residual,
             forcing,
             &mut correction,
-            observer,
+            (resources, observer),
         )?;
         if solved.stopped {
             return Err(Failure::Stopped);

@@ -1,7 +1,7 @@
 //! `run.json`: what was run, with which settings, and how it ended.
 
-use fracas::nonlinear::RunPreconditioner;
-use fracas::nonlinear::{Simulation, State};
+use crate::command::memory;
+use fracas::nonlinear::{RunPreconditioner, Simulation, State};
 use fracas::scene::{Body, Scene, SolverSection, TimeSection};
 use serde::Serialize;
 
@@ -45,6 +45,8 @@ pub(super) struct Manifest<'a> {
     precision_fallbacks: usize,
     /// Times that an inner solver could not be set up and another took its place; why is in `log.jsonl`.
     inner_fallbacks: usize,
+    /// High-water mark of this process [bytes], where the system tells.
+    peak_memory_bytes: Option<u64>,
     /// Steps of this process in which slip ran away and came to rest.
     pub(super) arrested: usize,
     tolerances: [Tolerance; 2],
@@ -101,6 +103,7 @@ impl<'a> Manifest<'a> {
             preconditioner: simulation.preconditioner(),
             precision_fallbacks: simulation.precision_fallbacks(),
             inner_fallbacks: simulation.inner_fallbacks(),
+            peak_memory_bytes: None,
             arrested: 0,
             tolerances: [
                 Tolerance {
@@ -135,6 +138,7 @@ impl<'a> Manifest<'a> {
         self.preconditioner = simulation.preconditioner();
         self.precision_fallbacks = simulation.precision_fallbacks();
         self.inner_fallbacks = simulation.inner_fallbacks();
+        self.peak_memory_bytes = memory::peak_bytes();
         self.tolerances[0].scale = Some(state.force);
         self.tolerances[1].scale = Some(state.traction);
         let mut text = serde_json::to_string_pretty(self)?;

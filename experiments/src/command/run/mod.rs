@@ -2,13 +2,13 @@
 
 mod collection;
 mod events;
-mod going;
 mod history;
 mod lines;
 mod lock;
 mod manifest;
 mod page;
 mod settings;
+mod step_loop;
 mod tree;
 
 use super::progress::Progress;
@@ -19,11 +19,11 @@ use clap::Args;
 use fracas::io::{Fingerprint, read_checkpoint};
 use fracas::nonlinear::Simulation;
 use fracas::scene::Scene;
-use going::Going;
 use lock::Lock;
 use manifest::{Manifest, Outcome};
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use step_loop::StepLoop;
 use tree::Tree;
 
 /// Folder of results where none is given.
@@ -123,7 +123,7 @@ impl Run {
             Some(_) if !tree::is_free(&folder)? => Tree::resume(&folder, fingerprint, &state)?,
             _ => Tree::create(&folder, fingerprint)?,
         };
-        let mut going = Going {
+        let mut step_loop = StepLoop {
             command: self,
             scene: &scene,
             body: &body,
@@ -135,9 +135,9 @@ impl Run {
             undetermined,
             _lock: lock,
         };
-        going.begin(&state, checkpoint.as_deref())?;
-        let outcome = going.steps(state)?;
-        writeln!(out, "{}", going.folder.join("report.html").display())?;
+        step_loop.begin(&state, checkpoint.as_deref())?;
+        let outcome = step_loop.steps(state)?;
+        writeln!(out, "{}", step_loop.folder.join("report.html").display())?;
         Ok(match (outcome, interrupt::asked()) {
             (Outcome::NotConverged | Outcome::Unstable, _) => Status::NotConverged,
             (Outcome::Interrupted, Some(signal)) => Status::Interrupted(signal),

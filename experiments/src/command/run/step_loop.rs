@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// A run on its way.
-pub(super) struct Going<'a> {
+pub(super) struct StepLoop<'a> {
     pub(super) command: &'a Run,
     pub(super) scene: &'a Scene,
     pub(super) body: &'a Body,
@@ -32,7 +32,7 @@ pub(super) struct Going<'a> {
     pub(super) _lock: Lock,
 }
 
-impl Going<'_> {
+impl StepLoop<'_> {
     /// Everything that is there before the first step; the checkpoint is the last of it.
     pub(super) fn begin(&mut self, state: &State, checkpoint: Option<&Path>) -> anyhow::Result<()> {
         // before they are written over
