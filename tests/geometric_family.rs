@@ -234,9 +234,12 @@ impl Sample {
         let system = self.body.stick_system(Some(JumpStabilization::default()));
         let inverse = settings.build(&system, &self.c[1]);
         let inverse = inverse.map_err(|error| error.to_string())?;
-        let h = Csr::new(self.blocks.h.clone().unwrap());
-        let m = RacpInverse::new(self.blocks.b1.clone(), self.c[0].clone(), inverse)
-            .relaxed(Box::new(h), RELAXATION);
+        let m = RacpInverse::new(self.blocks.b1.clone(), self.c[0].clone(), inverse);
+        // faces without a neighbour have no H
+        let m = match &self.blocks.h {
+            Some(h) => m.relaxed(Box::new(Csr::new(h.clone())), RELAXATION),
+            None => m,
+        };
         Ok(self.iterations(&m))
     }
 

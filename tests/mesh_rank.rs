@@ -136,3 +136,44 @@ fn counts_need_no_dense_rank() {
     assert_eq!(counted, [(16, 9); 3]);
     assert_eq!(audit.kernel.stabilized_dimension, 0);
 }
+
+/// Slender along any axis, to 1:1e8: held at an end, at both, by rollers, through joints; and what is free is counted as in a cube.
+#[test]
+fn slender_bodies_are_held_like_cubes() {
+    for axis in 0..3 {
+        for slenderness in [1.0, 1e3, 1e6, 1e8] {
+            let mut size = [1.0; 3];
+            size[axis] = slenderness;
+            let mut grid = BoxGrid::uniform([0.0; 3], size, [4; 3]);
+            let middle = 0.5 * slenderness;
+            grid.fractures = vec![PlaneFracture::through("F", axis, middle)];
+            let mesh = grid.build().unwrap();
+            let [low, high] = [2 * axis, 2 * axis + 1];
+            let others = [(axis + 1) % 3, (axis + 2) % 3];
+            let said = |held: &[(usize, &[usize])]| {
+                let audit = audited(&mesh, held);
+                audit.bodies.iter().map(|b| b.hold).collect::<Vec<_>>()
+            };
+            let at = format!("axis {axis}, 1:{slenderness:e}");
+            // one end fixed, both
+            let one = said(&[(low, ALL)]);
+            assert_eq!(one, [Hold::Boundary, Hold::Fractures], "{at}");
+            let both = said(&[(low, ALL), (high, ALL)]);
+            assert_eq!(both, [Hold::Boundary; 2], "{at}");
+            // rollers along the body, and one at its end
+            let sides = others.map(|d| (2 * d, [d]));
+            let rollers = [
+                (sides[0].0, &sides[0].1[..]),
+                (sides[1].0, &sides[1].1[..]),
+                (low, &[axis][..]),
+            ];
+            assert_eq!(said(&rollers), [Hold::Boundary, Hold::Fractures], "{at}");
+            // without that end both slide, without one side both turn about it, too
+            let slides = [Hold::Nothing { free: 1 }; 2];
+            assert_eq!(said(&rollers[..2]), slides, "{at}");
+            let turns = [Hold::Nothing { free: 3 }; 2];
+            assert_eq!(said(&rollers[..1]), turns, "{at}");
+            assert_eq!(said(&[]), [Hold::Nothing { free: 6 }; 2], "{at}");
+        }
+    }
+}

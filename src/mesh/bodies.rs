@@ -1,9 +1,9 @@
 //! Connected bodies after splitting, and what holds them.
 
-use super::face_geometry::minus;
 use super::jacobian::{center, corners, volume};
 use super::loose::{Block, Cluster, add_product};
 use super::rank::gram_rank;
+use super::rigid::{Frame, RANK_TOLERANCE, Stop, Stopped};
 use super::{FractureMesh, HexMesh};
 
 /// What keeps a body from moving rigidly.
@@ -41,34 +41,8 @@ pub struct BodyPart {
     pub hold: Hold,
 }
 
-/// Pivots below this share of the largest one count as zero: (1e-5)², so a body held over a hundred-thousandth of its
-/// size counts as held.
-const RANK_TOLERANCE: f64 = 1e-10;
-
 /// Rigid motions of a body.
 pub(super) const MODES: usize = 6;
-
-/// Rigid motions of a body: the displacement of a point is Σ_m c_m φ_m, three translations and three rotations about
-/// the centre, divided by the size so that all are of order one.
-#[derive(Clone, Copy)]
-struct Modes {
-    center: [f64; 3],
-    size: f64,
-}
-
-impl Modes {
-    /// Values of the six motions at `x` in component `d`.
-    fn row(&self, x: [f64; 3], d: usize) -> [f64; MODES] {
-        let r = minus(x, self.center).map(|v| v / self.size);
-        let mut row = [0.0; MODES];
-        row[d] = 1.0;
-        // e_m × r
-        let (p, q) = ((d + 1) % 3, (d + 2) % 3);
-        row[3 + p] = r[q];
-        row[3 + q] = -r[p];
-        row
-    }
-}
 
 /// Components of elements that share nodes: a body number per element, numbered by lowest element.
 pub(super) fn body_of_elements(mesh: &HexMesh) -> (Vec<u32>, usize) {
@@ -140,15 +114,8 @@ pub fn bodies(mesh: &HexMesh, fractures: &FractureMesh, prescribed: &[bool]) -> 
     for part in &mut parts {
         part.center = part.center.map(|m| m / part.volume);
     }
-    let modes: Vec<Modes> = parts
-        .iter()
-        .map(|p| Modes {
-            center: p.center,
-            size: p.volume.cbrt(),
-        })
-        .collect();
-
-    let mut grams = vec![[0.0; 36]; count];
+    let mut held: Vec<(u32, Stop)> = Vec::new();
+    let mut boxes = vec![[[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]]; count];
     let mut seen = vec![false; mesh.nodes.len()];
     for (e, element) in mesh.elements.iter().enumerate() {
         let b = body_of[e] as usize;
@@ -156,59 +123,84 @@ pub fn bodies(mesh: &HexMesh, fractures: &FractureMesh, prescribed: &[bool]) -> 
             if std::mem::replace(&mut seen[node], true) {
                 continue;
             }
+            let x = mesh.nodes[node];
             parts[b].nodes += 1;
-            for d in (0..3).filter(|d| prescribed[3 * node + d]) {
-                parts[b].free_axes[d] = false;
-                let row = modes[b].row(mesh.nodes[node], d);
-                add_product(&mut grams[b], 1.0, &row, &row);
+            let [low, high] = &mut boxes[b];
+            for d in 0..3 {
+                (low[d], high[d]) = (low[d].min(x[d]), high[d].max(x[d]));
+                if prescribed[3 * node + d] {
+                    parts[b].free_axes[d] = false;
+                    held.push((b as u32, Stop { x, d }));
+                }
             }
         }
     }
-    for (part, gram) in parts.iter_mut().zip(&grams) {
-        part.boundary_rank = gram_rank(&mut gram.clone(), 6, RANK_TOLERANCE);
-        if part.boundary_rank == 6 {
-            part.hold = Hold::Boundary;
+    let frames: Vec<Frame> = boxes
+        .iter()
+        .map(|[low, high]| Frame::of_box(*low, *high))
+        .collect();
+    let mut grams = vec![[0.0; 36]; count];
+    held.sort_by_key(|(b, _)| *b);
+    for stops in held.chunk_by(|a, b| a.0 == b.0) {
+        let b = stops[0].0 as usize;
+        let stopped = Stopped::by(stops.iter().map(|(_, stop)| *stop));
+        parts[b].boundary_rank = stopped.rank();
+        for row in stopped.rows_in(&frames[b]) {
+            add_product(&mut grams[b], 1.0, &row, &row);
+        }
+        if stopped.rank() == MODES {
+            parts[b].hold = Hold::Boundary;
         }
     }
-
-    let joints: Vec<Joint> = fractures
-        .faces
-        .iter()
-        .map(|f| Joint {
-            bodies: [
-                body_of[f.minus.element as usize],
-                body_of[f.plus.element as usize],
-            ],
-            at: f.center,
-        })
-        .filter(|j| j.bodies[0] != j.bodies[1])
-        .collect();
-    hold_by_fractures(&mut parts, &mut grams, &modes, &joints);
+    let joints = joints(fractures, &body_of);
+    hold_by_fractures(&mut parts, &mut grams, &frames, &joints);
     parts
 }
 
-/// A fracture face between two bodies: stops their relative motion at its centre in the mean.
+/// Two bodies, and what all fracture faces between them stop of their relative motion in the mean.
 struct Joint {
-    bodies: [u32; 2],
-    at: [f64; 3],
+    bodies: [usize; 2],
+    stopped: Stopped,
+}
+
+/// The joints of all pairs of bodies.
+fn joints(fractures: &FractureMesh, body_of: &[u32]) -> Vec<Joint> {
+    let mut faces: Vec<([u32; 2], [f64; 3])> = Vec::new();
+    for face in &fractures.faces {
+        let [a, b] = [&face.minus, &face.plus].map(|side| body_of[side.element as usize]);
+        if a != b {
+            faces.push(([a.min(b), a.max(b)], face.center));
+        }
+    }
+    faces.sort_by_key(|(bodies, _)| *bodies);
+    let joint = |faces: &[([u32; 2], [f64; 3])]| {
+        let stops = faces
+            .iter()
+            .flat_map(|(_, x)| (0..3).map(|d| Stop { x: *x, d }));
+        Joint {
+            bodies: faces[0].0.map(|b| b as usize),
+            stopped: Stopped::by(stops),
+        }
+    };
+    faces.chunk_by(|a, b| a.0 == b.0).map(joint).collect()
 }
 
 /// First absorbs bodies one by one into what is held; then looks at clusters that only hold each other up.
 fn hold_by_fractures(
     parts: &mut [BodyPart],
     grams: &mut [Block],
-    modes: &[Modes],
+    frames: &[Frame],
     joints: &[Joint],
 ) {
     let mut at_body: Vec<Vec<u32>> = vec![Vec::new(); parts.len()];
     for (j, joint) in joints.iter().enumerate() {
         for b in joint.bodies {
-            at_body[b as usize].push(j as u32);
+            at_body[b].push(j as u32);
         }
     }
-    let other = |joint: &Joint, b: usize| match joint.bodies[0] as usize == b {
-        true => joint.bodies[1] as usize,
-        false => joint.bodies[0] as usize,
+    let other = |joint: &Joint, b: usize| match joint.bodies[0] == b {
+        true => joint.bodies[1],
+        false => joint.bodies[0],
     };
     let loose = |part: &BodyPart| matches!(part.hold, Hold::Nothing { .. });
 
@@ -218,8 +210,7 @@ fn hold_by_fractures(
         for joint in at_body[b].iter().map(|j| &joints[*j as usize]) {
             let c = other(joint, b);
             if loose(&parts[c]) {
-                for d in 0..3 {
-                    let row = modes[c].row(joint.at, d);
+                for row in joint.stopped.rows_in(&frames[c]) {
                     add_product(&mut grams[c], 1.0, &row, &row);
                 }
                 touched.push(c);
@@ -257,14 +248,14 @@ fn hold_by_fractures(
         }
         let mut gram = Cluster::new(cluster.iter().map(|b| grams[*b]).collect());
         for (l, b) in cluster.iter().enumerate() {
-            // each joint once, from its − side; joints to held bodies are in `grams` already
+            // each joint once, from its first body; joints to held bodies are in `grams` already
             for joint in at_body[*b].iter().map(|j| &joints[*j as usize]) {
                 let c = other(joint, *b);
-                if joint.bodies[0] as usize != *b || !loose(&parts[c]) {
+                if joint.bodies[0] != *b || !loose(&parts[c]) {
                     continue;
                 }
-                for d in 0..3 {
-                    let (v, w) = (modes[*b].row(joint.at, d), modes[c].row(joint.at, d));
+                let rows = joint.stopped.rows_between([&frames[*b], &frames[c]]);
+                for [v, w] in rows {
                     gram.join([l, local[c]], &v, &w);
                 }
             }

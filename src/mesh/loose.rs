@@ -3,6 +3,7 @@
 use super::bodies::MODES;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
+use std::ops::Range;
 
 /// 6×6 numbers, row by row.
 pub(super) type Block = [f64; MODES * MODES];
@@ -57,7 +58,7 @@ impl Cluster {
             }
             is_done[b] = true;
             let row = std::mem::take(&mut self.beside[b]);
-            let (factor, pivots) = cholesky(&self.diagonal[b], tolerance * largest);
+            let (factor, pivots) = cholesky(&self.diagonal[b], 0, tolerance * largest);
             free += MODES - pivots.len();
             let solved: Vec<(usize, Block)> = row
                 .iter()
@@ -89,14 +90,16 @@ pub(super) fn add_product(gram: &mut Block, s: f64, v: &[f64], w: &[f64]) {
     }
 }
 
-/// L with `P G Pᵀ ≈ L Lᵀ` by diagonal pivoting, column k in row k, and the motions in the order of their pivots; those with pivots up
-/// to `zero` are left out.
-fn cholesky(gram: &Block, zero: f64) -> (Block, Vec<usize>) {
+/// L with `P G Pᵀ ≈ L Lᵀ` by diagonal pivoting, column k in row k, and the motions in the order of their pivots, the `first` ones before
+/// the others; those with pivots up to `zero` are left out.
+pub(super) fn cholesky(gram: &Block, first: usize, zero: f64) -> (Block, Vec<usize>) {
     let (mut rest, mut factor, mut pivots) = (*gram, [0.0; 36], Vec::with_capacity(MODES));
     loop {
-        let left = (0..MODES).filter(|i| !pivots.contains(i));
-        let largest = left.max_by(|i, j| rest[7 * i].total_cmp(&rest[7 * j]));
-        let Some(p) = largest.filter(|p| rest[7 * p] > zero) else {
+        let largest = |range: Range<usize>| {
+            let left = range.filter(|i| !pivots.contains(i) && rest[7 * i] > zero);
+            left.max_by(|i, j| rest[7 * i].total_cmp(&rest[7 * j]))
+        };
+        let Some(p) = largest(0..first).or_else(|| largest(first..MODES)) else {
             return (factor, pivots);
         };
         let column = &mut factor[MODES * pivots.len()..][..MODES];

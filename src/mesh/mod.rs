@@ -22,6 +22,7 @@ mod kernel_report;
 mod loose;
 mod plane_fracture;
 mod rank;
+mod rigid;
 mod size_field;
 mod split;
 mod warp;
