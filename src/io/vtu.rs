@@ -35,39 +35,116 @@ pub struct Grid<'a> {
     pub cell_fields: Vec<Field<'a>>,
 }
 
-/// Arrays collected for the appended section, each behind its length in bytes (UInt64).
-#[derive(Default)]
-struct Appended(Vec<u8>);
+/// An array of the appended section.
+enum Values<'a> {
+    Positions(&'a [[f64; 3]]),
+    Reals(&'a [f64]),
+    Corners(Cells<'a>),
+    /// Where the corners of each cell end.
+    Ends {
+        cells: usize,
+        corners: usize,
+    },
+    Types {
+        cells: usize,
+        kind: u8,
+    },
+}
 
-impl Appended {
+/// The arrays of the appended section, each behind its length in bytes (UInt64): written from where they are, not collected.
+#[derive(Default)]
+struct Appended<'a> {
+    arrays: Vec<Values<'a>>,
+    bytes: usize,
+}
+
+impl Cells<'_> {
+    fn len(self) -> usize {
+        match self {
+            Self::Hexahedra(cells) => cells.len(),
+            Self::Quadrilaterals(cells) => cells.len(),
+        }
+    }
+
+    /// Corners of a cell.
+    fn corners(self) -> usize {
+        match self {
+            Self::Hexahedra(_) => 8,
+            Self::Quadrilaterals(_) => 4,
+        }
+    }
+}
+
+impl Values<'_> {
+    /// Type of an entry, and its size in bytes.
+    fn kind(&self) -> (&'static str, usize) {
+        match self {
+            Self::Positions(_) | Self::Reals(_) => ("Float64", 8),
+            Self::Corners(_) | Self::Ends { .. } => ("Int64", 8),
+            Self::Types { .. } => ("UInt8", 1),
+        }
+    }
+
+    /// Entries.
+    fn len(&self) -> usize {
+        match self {
+            Self::Positions(points) => 3 * points.len(),
+            Self::Reals(values) => values.len(),
+            Self::Corners(cells) => cells.len() * cells.corners(),
+            Self::Ends { cells, .. } | Self::Types { cells, .. } => *cells,
+        }
+    }
+
+    fn write(&self, out: &mut impl Write) -> io::Result<()> {
+        let real = |v: &f64| out.write_all(&v.to_le_bytes());
+        match self {
+            Self::Positions(points) => points.iter().flatten().try_for_each(real),
+            Self::Reals(values) => values.iter().try_for_each(real),
+            Self::Corners(cells) => {
+                let corners = match cells {
+                    Cells::Hexahedra(cells) => cells.as_flattened(),
+                    Cells::Quadrilaterals(cells) => cells.as_flattened(),
+                };
+                let mut index = |a: &u32| out.write_all(&i64::from(*a).to_le_bytes());
+                corners.iter().try_for_each(&mut index)
+            }
+            Self::Ends { cells, corners } => {
+                let mut end = |c: usize| out.write_all(&((c * corners) as i64).to_le_bytes());
+                (1..=*cells).try_for_each(&mut end)
+            }
+            Self::Types { cells, kind } => (0..*cells).try_for_each(|_| out.write_all(&[*kind])),
+        }
+    }
+}
+
+impl<'a> Appended<'a> {
     /// Appends an array and returns the XML tag that points at it.
-    fn tag<const N: usize>(
-        &mut self,
-        kind: &str,
-        name: &str,
-        components: usize,
-        values: impl Iterator<Item = [u8; N]>,
-    ) -> String {
-        let offset = self.0.len();
-        self.0.extend_from_slice(&[0; 8]);
-        values.for_each(|v| self.0.extend_from_slice(&v));
-        let bytes = (self.0.len() - offset - 8) as u64;
-        self.0[offset..offset + 8].copy_from_slice(&bytes.to_le_bytes());
+    fn tag(&mut self, name: &str, components: usize, values: Values<'a>) -> String {
+        let (offset, (kind, size)) = (self.bytes, values.kind());
+        self.bytes += 8 + size * values.len();
+        self.arrays.push(values);
         format!(
             "<DataArray type=\"{kind}\" Name=\"{}\" NumberOfComponents=\"{components}\" format=\"appended\" offset=\"{offset}\"/>\n",
             escape(name)
         )
     }
 
-    fn field(&mut self, field: &Field<'_>, entities: usize) -> String {
+    fn field(&mut self, field: &Field<'a>, entities: usize) -> String {
         assert_eq!(
             field.values.len(),
             field.components * entities,
             "field {} has the wrong length",
             field.name
         );
-        let values = field.values.iter().map(|v| v.to_le_bytes());
-        self.tag("Float64", field.name, field.components, values)
+        self.tag(field.name, field.components, Values::Reals(field.values))
+    }
+
+    fn write(&self, out: &mut impl Write) -> io::Result<()> {
+        self.arrays.iter().try_for_each(|values| {
+            let (_, size) = values.kind();
+            out.write_all(&((size * values.len()) as u64).to_le_bytes())?;
+            values.write(out)
+        })
     }
 }
 
@@ -81,29 +158,32 @@ fn escape(text: &str) -> String {
 impl Grid<'_> {
     /// Writes the file.
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
-        let (connectivity, corners, cell_type): (Box<dyn Iterator<Item = u32> + '_>, usize, u8) =
-            match self.cells {
-                Cells::Hexahedra(cells) => (Box::new(cells.iter().flatten().copied()), 8, 12),
-                Cells::Quadrilaterals(cells) => (Box::new(cells.iter().flatten().copied()), 4, 9),
-            };
-        let n_cells = match self.cells {
-            Cells::Hexahedra(cells) => cells.len(),
-            Cells::Quadrilaterals(cells) => cells.len(),
+        let kind = match self.cells {
+            Cells::Hexahedra(_) => 12,
+            Cells::Quadrilaterals(_) => 9,
         };
+        let (n_cells, corners) = (self.cells.len(), self.cells.corners());
         let mut data = Appended::default();
-        let positions = self.points.iter().flatten().map(|v| v.to_le_bytes());
-        let points = data.tag("Float64", "Points", 3, positions);
-        let indices = connectivity.map(|a| i64::from(a).to_le_bytes());
-        let mut cells = data.tag("Int64", "connectivity", 1, indices);
-        let ends = (1..=n_cells).map(|c| ((c * corners) as i64).to_le_bytes());
-        cells += &data.tag("Int64", "offsets", 1, ends);
-        let types = std::iter::repeat_n([cell_type], n_cells);
-        cells += &data.tag("UInt8", "types", 1, types);
-        let mut section = |fields: &[Field<'_>], entities: usize| -> String {
-            fields.iter().map(|f| data.field(f, entities)).collect()
+        let points = data.tag("Points", 3, Values::Positions(self.points));
+        let mut cells = data.tag("connectivity", 1, Values::Corners(self.cells));
+        let ends = Values::Ends {
+            cells: n_cells,
+            corners,
         };
-        let point_fields = section(&self.point_fields, self.points.len());
-        let cell_fields = section(&self.cell_fields, n_cells);
+        cells += &data.tag("offsets", 1, ends);
+        let types = Values::Types {
+            cells: n_cells,
+            kind,
+        };
+        cells += &data.tag("types", 1, types);
+        let mut point_fields = String::new();
+        for field in &self.point_fields {
+            point_fields += &data.field(field, self.points.len());
+        }
+        let mut cell_fields = String::new();
+        for field in &self.cell_fields {
+            cell_fields += &data.field(field, n_cells);
+        }
         write!(
             out,
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n\
@@ -113,7 +193,7 @@ impl Grid<'_> {
              </Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_",
             self.points.len()
         )?;
-        out.write_all(&data.0)?;
+        data.write(out)?;
         out.write_all(b"\n</AppendedData>\n</VTKFile>\n")
     }
 }

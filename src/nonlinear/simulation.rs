@@ -184,8 +184,6 @@ impl<'a> Simulation<'a> {
                         }
                     }
                     let next = self.times.next(state, target, increment, cuts);
-                    // what is written after a step takes the place of the iteration's vectors
-                    self.resources_mut().work.release();
                     return Ok(self.accept(state, target, settled, &load, log, cuts, next));
                 }
                 Err(reason)

@@ -59,11 +59,6 @@ impl Workspace {
         })
     }
 
-    /// Gives the memory back until the next system.
-    pub(super) fn release(&mut self) {
-        self.numbers = Vec::new();
-    }
-
     /// Scratch for `method`, of arbitrary content.
     pub(super) fn of(
         &mut self,
@@ -74,7 +69,7 @@ impl Workspace {
         let needed = method.work_len(system, criteria);
         if self.numbers.len() < needed {
             // given back before more is taken, and not filled: `resize` would touch all of it
-            self.release();
+            self.numbers = Vec::new();
             self.numbers = vec![0.0; needed];
         }
         &mut self.numbers[..needed]
