@@ -7,6 +7,7 @@ use crate::scene::Body;
 use fracas_operators::LinearOperator;
 use fracas_operators::sparse::SparseMatrix;
 use fracas_operators::vector::axpy;
+use fracas_solvers::SetupError;
 use fracas_solvers::saddle::{DofCoordinate, SaddleBlocks};
 
 /// A meshed body with its materials and supports: all that the blocks depend on.
@@ -175,4 +176,17 @@ impl Body {
             stabilization,
         }
     }
+}
+
+/// The failure of a set-up for bodies that are all held: where S_u is not positive definite in f64 it is rounding, and no support is
+/// missing.
+pub fn of_held_bodies(mut error: SetupError) -> SetupError {
+    if let SetupError::Singular { block, advice, .. }
+    | SetupError::NotPositiveDefinite { block, advice, .. } = &mut error
+        && *block == "S_u"
+    {
+        "every body is held, so that it is rounding: bodies this slender, cells this flat or contrasts this large leave f64 no digits; take less of them"
+            .clone_into(advice);
+    }
+    error
 }

@@ -9,6 +9,7 @@ use crate::elasticity::ElasticityError;
 use crate::matrix_free::MatrixFreeError;
 use crate::mesh::{FractureMesh, Hold, bodies};
 use crate::scene::Body;
+use crate::system::of_held_bodies;
 use fracas_solvers::SetupError;
 use fracas_solvers::krylov::Breakdown;
 
@@ -17,7 +18,7 @@ use fracas_solvers::krylov::Breakdown;
 pub enum LinearFailure {
     /// The preconditioner cannot be built.
     #[error(transparent)]
-    Setup(#[from] SetupError),
+    Setup(SetupError),
     /// The matrix-free preconditioner cannot be built.
     #[error(transparent)]
     MatrixFree(#[from] MatrixFreeError),
@@ -51,6 +52,13 @@ pub enum LinearFailure {
         /// Asked.
         tolerance: f64,
     },
+}
+
+impl From<SetupError> for LinearFailure {
+    /// In a run every body is held by its closed faces.
+    fn from(error: SetupError) -> Self {
+        Self::Setup(of_held_bodies(error))
+    }
 }
 
 /// Why an attempt at a step failed.

@@ -6,6 +6,7 @@
 
 use fracas::mesh::{CouplingKernel, coupling_kernel};
 use fracas::scene::Body;
+use fracas::system::of_held_bodies;
 use fracas_solvers::SetupError;
 
 /// Tractions that nothing determines and contact depends on.
@@ -34,14 +35,18 @@ pub(super) fn undetermined(scene: &str, body: &Body) -> anyhow::Result<Option<St
     }))
 }
 
-/// A set-up that stumbles over tractions that nothing determines names them.
+/// A set-up that stumbles over tractions that nothing determines names them; one that stumbles over S_u of a scene does not blame
+/// its supports.
 ///
-/// Their rows are `0 = 0` in the whole system and in its Schur complement, and none of A or S_u.
+/// Rows of such tractions are `0 = 0` in the whole system and in its Schur complement, and none of A or S_u.
 pub(super) fn blamed(
     mut error: SetupError,
     scene: Option<&str>,
     body: Option<&Body>,
 ) -> SetupError {
+    if body.is_some() {
+        error = of_held_bodies(error);
+    }
     let idle = || undetermined(scene?, body?).ok()?;
     if let SetupError::Singular { block, advice, .. }
     | SetupError::NotPositiveDefinite { block, advice, .. } = &mut error

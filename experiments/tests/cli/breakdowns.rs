@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot read a report fails")]
 
-use crate::run::{Ran, fracas, system_folder, write};
+use crate::run::{Ran, fracas, scratch, system_folder, write};
 use serde_json::Value;
 
 const HEAD: &str = "%%MatrixMarket matrix coordinate real general\n";
@@ -247,4 +247,38 @@ fn coordinates_that_do_not_fit_are_a_finding() {
         "{}",
         check()
     );
+}
+
+/// A bar of 1:1e6 bends with 1e-24 of its stiffness: beyond f64, but it is held.
+#[test]
+fn rounding_is_not_blamed_on_supports() {
+    let folder = scratch("slender");
+    let scene = folder.join("bar.toml");
+    let axis = |name: &str, to: &str, cells: usize| {
+        format!("{name} = {{ from = '0 m', to = '{to}', cells = {cells} }}\n")
+    };
+    let text = [
+        "title = 'bar'\n[mesh]\n",
+        &axis("x", "1000 km", 40),
+        &axis("y", "1 m", 4),
+        &axis("z", "1 m", 4),
+        "[[material]]\nname = 'rock'\nyoung = '10 GPa'\npoisson = 0.25\n",
+        "[[fracture]]\nname = 'f'\nplane = 'x'\nat = '500 km'\nfriction_angle = '30 deg'\n",
+        "[[boundary]]\nside = 'x-'\nhold = 'fixed'\n[[boundary]]\nside = 'x+'\npressure = '1 MPa'\n",
+    ];
+    write(&scene, &text.concat());
+    let path = scene.to_str().unwrap();
+    let checked = fracas(&["check", path]);
+    assert_eq!(checked.status, 0, "{}", checked.stderr);
+    let solved = fracas(&["solve", path, "--inner", "exact"]);
+    assert_eq!(solved.status, 2, "{}", solved.stdout);
+    assert!(
+        solved.stderr.contains("every body is held"),
+        "{}",
+        solved.stderr
+    );
+    let out = folder.join("out");
+    let ran = fracas(&["run", path, "--out", out.to_str().unwrap()]);
+    assert_eq!(ran.status, 3, "{}", ran.stderr);
+    assert!(ran.stderr.contains("every body is held"), "{}", ran.stderr);
 }
