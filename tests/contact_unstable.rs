@@ -90,7 +90,7 @@ fn slip_that_weakens_slowly_is_never_called_unstable() {
         let mut state = simulation.initial_state();
         while state.step == 0 || !simulation.is_finished(&state) {
             let done = simulation.advance(&state, &mut Silent).unwrap();
-            assert_eq!(done.record.cuts, 0, "seed {seed}");
+            assert!(!done.record.arrested, "seed {seed}");
             state = done.state;
         }
         let fields = simulation.face_fields(&state);
@@ -123,8 +123,8 @@ fn slip_that_runs_away_is_recognized_at_the_load_at_which_it_begins() {
             "seed {seed}: {onset} {low} {high}"
         );
         assert!(failure.increment <= 1.0 / 128.0, "seed {seed}: {failure}");
-        // where no state beyond the jump is found there is nothing to name: the run ends at this load all the same
         let Failure::Unstable(patch) = &failure.reason else {
+            println!("seed {seed}, ratio {}: {failure}", case.ratio);
             continue;
         };
         named += 1;
@@ -143,7 +143,7 @@ fn slip_that_runs_away_is_recognized_at_the_load_at_which_it_begins() {
             fields.slip[0]
         );
     }
-    assert!(2 * named > runs(), "{named} of {} are named", runs());
+    assert!(20 * named >= 19 * runs(), "{named} of {} are named", runs());
 }
 
 #[test]
@@ -201,7 +201,7 @@ fn asked_for_a_run_steps_over_to_the_arrested_state_and_says_so() {
         arrested += 1;
     }
     assert!(
-        2 * arrested > runs(),
+        10 * arrested >= 9 * runs(),
         "{arrested} of {} come to rest",
         runs()
     );

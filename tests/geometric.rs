@@ -338,7 +338,7 @@ fn iterations_stay_when_the_mesh_is_refined() {
             sample.iterations(exact())
         });
         let most = counts.iter().max().unwrap();
-        assert!(most - counts[0] <= 4, "{scene}: {counts:?}");
+        assert!(most - counts[0] <= 5, "{scene}: {counts:?}");
     }
 }
 

@@ -1,5 +1,5 @@
-//! Claim: with the lengths of the patch H closes the kernel of thin, long and sheared cells as it does that of cubes, and lets no more
-//! through where cells are thin across a fracture.
+//! Claim: H closes the kernel of thin and sheared cells as it does that of cubes, and lets no more through where cells are thin across
+//! a fracture; where none is, it is the published one to the last bit.
 #![allow(clippy::unwrap_used)]
 
 use fracas::contact::{JumpStabilization, Lengths};
@@ -138,25 +138,33 @@ fn shapes(aspect: f64, lengths: Lengths) -> [(&'static str, Measure); 4] {
 }
 
 #[test]
-fn cells_of_any_shape_close_the_kernel_and_pass_no_more_than_cubes() {
-    let [(_, cube), ..] = shapes(1.0, Lengths::Patch);
+fn cells_thin_across_close_the_kernel_and_pass_no_more_than_cubes() {
+    let [(_, cube), ..] = shapes(1.0, Lengths::Deep);
     for aspect in [4.0, 50.0, 400.0] {
-        for (name, measure) in shapes(aspect, Lengths::Patch) {
-            // 2.41 to 2.76 in cubes and long cells, more in thin ones
-            assert!(measure.closed > 2.0, "1:{aspect} {name}: {measure:?}");
-            assert!(
-                measure.passed < 1.01 * cube.passed,
-                "1:{aspect} {name}: {measure:?}"
+        let [(_, thin), long, flat, both] = shapes(aspect, Lengths::Deep);
+        let [(_, published), as_long, as_flat, published_both] = shapes(aspect, Lengths::Box);
+        assert!(thin.closed > 2.0, "1:{aspect}: {thin:?}");
+        assert!(thin.passed < 1.01 * cube.passed, "1:{aspect}: {thin:?}");
+        assert!(thin.natural > 0.9 * cube.natural, "1:{aspect}: {thin:?}");
+        // the bounding box: a times the shear of cubes, and a normal traction that hardly anything holds
+        assert!(
+            published.passed > 0.98 * aspect * cube.passed,
+            "{published:?}"
+        );
+        assert!(
+            published.natural < 2.5 / aspect * cube.natural,
+            "{published:?}"
+        );
+        // no cell thinner than its face is wide
+        let others = [(long, as_long), (flat, as_flat), (both, published_both)];
+        for ((name, deep), (_, published)) in others {
+            assert_eq!(
+                format!("{deep:?}"),
+                format!("{published:?}"),
+                "1:{aspect} {name}"
             );
-            if name == "thin across" {
-                assert!(measure.natural > 0.9 * cube.natural, "{measure:?}");
-            }
         }
     }
-    // the bounding box: a times the shear of cubes, and a normal traction that hardly anything holds
-    let [(_, published), ..] = shapes(50.0, Lengths::Box);
-    assert!(published.passed > 49.0 * cube.passed, "{published:?}");
-    assert!(published.natural < 0.05 * cube.natural, "{published:?}");
 }
 
 #[test]
@@ -170,11 +178,11 @@ fn sheared_cells_of_rocks_that_differ_close_the_kernel_as_well() {
         let tilt = 50.0 * next(5);
         let body = body(&scene(in_plane, depth, contrast, tilt));
         let longest = in_plane[0].max(in_plane[1]) / tilt.to_radians().cos();
-        let [patch, published] =
-            [Lengths::Patch, Lengths::Box].map(|lengths| measure(&body, longest, lengths));
+        let [deep, published] =
+            [Lengths::Deep, Lengths::Box].map(|lengths| measure(&body, longest, lengths));
         println!(
-            "{seed}: {in_plane:.3?} {depth:.4} {contrast:.2e} {tilt:.0}: {patch:.3?} {published:.3?}"
+            "{seed}: {in_plane:.3?} {depth:.4} {contrast:.2e} {tilt:.0}: {deep:.3?} {published:.3?}"
         );
-        assert!(patch.closed > 1.0, "seed {seed}: {patch:?}");
+        assert!(deep.closed > 1.0, "seed {seed}: {deep:?}");
     }
 }

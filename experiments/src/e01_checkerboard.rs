@@ -128,7 +128,7 @@ struct Row {
 
 /// Kernel of B, and `β_h = λ_min(C_local⁻¹ (S + θH))^{1/2}` for θ = 0 and 1.
 fn measure(built: &BuiltMesh) -> anyhow::Result<Row> {
-    let blocks = blocks(built, Some(JumpStabilization::default()))?;
+    let blocks = blocks(built, Some(JumpStabilization::PUBLISHED))?;
     let n_t = blocks.n_t();
     let b = to_dense(&blocks.b1);
     let gram = b.transpose() * &b;

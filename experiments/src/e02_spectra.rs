@@ -37,7 +37,7 @@ const CONTRAST: &str = "layered";
 fn blocks(scene: &Scene, with_h: bool) -> anyhow::Result<SaddleBlocks> {
     Ok(scene
         .build()?
-        .saddle_blocks(with_h.then(JumpStabilization::default))?)
+        .saddle_blocks(with_h.then_some(JumpStabilization::PUBLISHED))?)
 }
 
 /// A scene of the gallery at the size of this level.

@@ -41,7 +41,7 @@ fn multigrid(precision: Precision, coarsest: usize) -> InnerChoice {
 
 fn blocks(scene: &str, overrides: &[&str], with_h: bool) -> anyhow::Result<SaddleBlocks> {
     let entry = named(scene).ok_or_else(|| anyhow::anyhow!("no scene {scene}"))?;
-    let stabilization = with_h.then(JumpStabilization::default);
+    let stabilization = with_h.then_some(JumpStabilization::PUBLISHED);
     Ok(entry
         .scene()?
         .with_overrides(overrides)?

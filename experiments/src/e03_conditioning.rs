@@ -79,7 +79,7 @@ impl Experiment for Conditioning {
             };
             let blocks = scene
                 .build()?
-                .saddle_blocks(Some(JumpStabilization::default()))?;
+                .saddle_blocks(Some(JumpStabilization::PUBLISHED))?;
             let (n_u, n_t) = (blocks.n_u(), blocks.n_t());
             let percent = |n_t: usize, n_u: usize| 100.0 * n_t as f64 / n_u as f64;
             if level == Level::Paper {

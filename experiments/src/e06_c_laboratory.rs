@@ -70,7 +70,7 @@ impl Case {
             Level::Smoke => entry.small_scene()?,
             Level::Paper => entry.scene()?,
         };
-        let stabilization = self.with_h.then(JumpStabilization::default);
+        let stabilization = self.with_h.then_some(JumpStabilization::PUBLISHED);
         let blocks = scene.build()?.saddle_blocks(stabilization)?;
         Ok(blocks.in_traction_unit(blocks.traction_unit()))
     }

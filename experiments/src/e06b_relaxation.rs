@@ -81,7 +81,7 @@ fn blocks(entry: &GalleryScene, small: bool) -> anyhow::Result<SaddleBlocks> {
     };
     let blocks = scene
         .build()?
-        .saddle_blocks(Some(JumpStabilization::default()))?;
+        .saddle_blocks(Some(JumpStabilization::PUBLISHED))?;
     let unit = blocks.traction_unit();
     Ok(blocks.into_traction_unit(unit))
 }

@@ -7,7 +7,7 @@ use crate::plot::{Axis, Cells, Figure, Mark, Series};
 use crate::report::{Cell, Check, Experiment, Findings, Level, Table};
 use anyhow::Context;
 use field::Solved;
-use fracas::contact::{JumpStabilization, Lengths};
+use fracas::contact::JumpStabilization;
 use fracas::scene::named;
 use fracas_solvers::{Observer, Step};
 use std::ops::ControlFlow;
@@ -25,13 +25,7 @@ const CRACKS: [&str; 3] = ["inclined_crack", "line_crack", "penny_crack"];
 /// With H or without.
 const CHOICES: [(&str, Option<JumpStabilization>); 2] = [
     ("without H", None),
-    (
-        "with H",
-        Some(JumpStabilization {
-            scale: 1.0,
-            lengths: Lengths::Box,
-        }),
-    ),
+    ("with H", Some(JumpStabilization::PUBLISHED)),
 ];
 
 /// Errors of the normal traction on one mesh.

@@ -28,7 +28,7 @@ impl Problem {
     /// As the scene.
     pub fn new(scene: &Scene) -> anyhow::Result<Self> {
         let body = scene.build()?;
-        let blocks = body.saddle_blocks(Some(JumpStabilization::default()))?;
+        let blocks = body.saddle_blocks(Some(JumpStabilization::PUBLISHED))?;
         let unit = blocks.traction_unit();
         let blocks = blocks.into_traction_unit(unit);
         Ok(Self { body, blocks })
@@ -36,7 +36,7 @@ impl Problem {
 
     /// RACP around geometric multigrid; C, B and S̃_u come from the body.
     fn matrix_free(&self, settings: MatrixFreeRacp) -> anyhow::Result<Ready> {
-        let system = self.body.stick_system(Some(JumpStabilization::default()));
+        let system = self.body.stick_system(Some(JumpStabilization::PUBLISHED));
         let unit = system.magnitude()?.unit;
         let saddle = MatrixFreeSaddle::in_traction_unit(&system, unit)?;
         let racp = settings.ready(&saddle, &system, &mut Silent)?;

@@ -8,7 +8,7 @@ use crate::mesh::{FaceSide, FractureEdge, FractureFace, FractureMesh, HexMesh, I
 use fracas_operators::sparse::SparseMatrix;
 use rayon::prelude::*;
 
-pub use lengths::{Lengths, Patch, patch_stiffness, side_stiffness};
+pub use lengths::{Lengths, Side, side_stiffness};
 
 /// `H(μ, t) = Σ_e [[μ]]_e · Y⁽ᵉ⁾ · [[t]]_e` over the inner edges e of every fracture.
 ///
@@ -20,8 +20,8 @@ pub use lengths::{Lengths, Patch, patch_stiffness, side_stiffness};
 /// H           += [ R_K Y R_Kᵀ  −R_K Y R_Lᵀ ; −R_L Y R_Kᵀ  R_L Y R_Lᵀ ]        rows of R_F: the frame of F
 /// ```
 /// On a planar fracture R_K = R_L, which is the published form; across a bend the jump is taken of the traction vector,
-/// so a constant vector is never penalised. These are the weights of [`Lengths::Box`]; with [`Lengths::Patch`] k is
-/// [`patch_stiffness`] and Y diagonal in the directions of the edge, `Σ_j inv_j e_j e_jᵀ`, e = (n, d, m).
+/// so a constant vector is never penalised. Where the element is thin across the fracture it is taken as deep as
+/// the face is wide ([`Lengths::Deep`]); [`Lengths::Box`] gives the published weights.
 ///
 /// # Shape
 /// (3 · faces) × (3 · faces), symmetric positive semi-definite; kernel: constants on each fracture.
@@ -37,6 +37,14 @@ pub struct JumpStabilization {
     pub lengths: Lengths,
 }
 
+impl JumpStabilization {
+    /// The published weights, for what is held against published numbers.
+    pub const PUBLISHED: Self = Self {
+        scale: 1.0,
+        lengths: Lengths::Box,
+    };
+}
+
 impl Default for JumpStabilization {
     fn default() -> Self {
         Self {
@@ -44,15 +52,6 @@ impl Default for JumpStabilization {
             lengths: Lengths::default(),
         }
     }
-}
-
-/// Bounding box and volume of the element beside a face.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Side {
-    /// Extent of the element along x, y, z [m].
-    pub extent: [f64; 3],
-    /// Volume [m³].
-    pub volume: f64,
 }
 
 impl JumpStabilization {
@@ -86,7 +85,10 @@ impl JumpStabilization {
                     let element = side.element as usize;
                     Beside {
                         material: materials[usize::from(mesh.regions[element])],
-                        side: side_of(mesh, element),
+                        side: match self.lengths {
+                            Lengths::Box => Side::new(mesh, element),
+                            Lengths::Deep => Side::deep(mesh, element, face),
+                        },
                     }
                 })
             })
@@ -103,10 +105,10 @@ impl JumpStabilization {
                 let ends = edge.faces.map(|f| f as usize);
                 let shared = ends.map(|f| state(f).constrained());
                 let shared = shared[0].min(shared[1]);
-                let y = self.weight(edge, mesh, fractures, &beside);
+                let y = self.weight(edge, fractures, &beside);
                 for g in ends {
                     let sign = if f == g { 1.0 } else { -1.0 };
-                    let [r_f, r_g] = [f, g].map(|f| y.components(&faces[f].frame));
+                    let [r_f, r_g] = [f, g].map(|f| &faces[f].frame);
                     let place = row.iter().position(|(column, _)| *column == g);
                     let place = place.unwrap_or_else(|| {
                         row.push((g, [[0.0; 3]; 3]));
@@ -114,8 +116,7 @@ impl JumpStabilization {
                     });
                     for k in 0..shared {
                         for l in 0..shared {
-                            let value: f64 =
-                                (0..3).map(|j| r_f[k][j] * y.values[j] * r_g[l][j]).sum();
+                            let value: f64 = (0..3).map(|j| r_f[k][j] * y[j] * r_g[l][j]).sum();
                             row[place].1[k][l] += sign * value;
                         }
                     }
@@ -187,36 +188,14 @@ struct Beside {
     side: Side,
 }
 
-/// `Y⁽ᵉ⁾ = Σ_j y_j e_j e_jᵀ` [m³/Pa].
-struct EdgeWeight {
-    /// e_j; `None` for x, y, z.
-    axes: Option<[[f64; 3]; 3]>,
-    values: [f64; 3],
-}
-
-impl EdgeWeight {
-    /// `R_F e_j`: rows of the frame of a face, columns e_j.
-    fn components(&self, frame: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
-        match &self.axes {
-            None => *frame,
-            Some(axes) => frame.map(|r| axes.map(|e| dot(r, e))),
-        }
-    }
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
 impl JumpStabilization {
-    /// Y⁽ᵉ⁾ from `k_{F,side,j}` of both faces.
+    /// The diagonal of Y⁽ᵉ⁾ [m³/Pa], from `k_{F,side,j}` of both faces.
     fn weight(
         &self,
         edge: &FractureEdge,
-        mesh: &HexMesh,
         fractures: &FractureMesh,
         beside: &[[Beside; 2]],
-    ) -> EdgeWeight {
+    ) -> [f64; 3] {
         let faces = edge.faces.map(|f| &fractures.faces[f as usize]);
         let areas: f64 = (0..2)
             .map(|a| {
@@ -224,55 +203,15 @@ impl JumpStabilization {
                     * faces[1].node_areas[edge.nodes_l[a] as usize]
             })
             .sum();
-        let ends = edge.nodes_k.map(|a| {
-            let node = faces[0].minus.nodes[usize::from(a)];
-            mesh.nodes[node as usize]
-        });
-        let along: [f64; 3] = std::array::from_fn(|i| ends[1][i] - ends[0][i]);
-        let length = dot(along, along).sqrt();
-        let stiffness = [0, 1].map(|end: usize| {
-            let face = faces[end];
-            beside[edge.faces[end] as usize].each_ref().map(|b| {
-                let patch = Patch {
-                    area: face.area,
-                    edge: length,
-                    depth: b.side.volume / face.area,
-                };
-                match self.lengths {
-                    Lengths::Box => side_stiffness(self.scale, b.material, b.side),
-                    Lengths::Patch => patch_stiffness(self.scale, b.material, patch),
-                }
-            })
+        let stiffness = edge.faces.map(|f| {
+            let of = |b: &Beside| side_stiffness(self.scale, b.material, b.side);
+            beside[f as usize].each_ref().map(of)
         });
         let [[k_minus, k_plus], [l_minus, l_plus]] = stiffness;
-        EdgeWeight {
-            axes: match self.lengths {
-                Lengths::Box => None,
-                Lengths::Patch => Some(edge_axes(
-                    [faces[0].frame[0], faces[1].frame[0]],
-                    along.map(|v| v / length),
-                )),
-            },
-            values: std::array::from_fn(|j| {
-                (1.0 / (k_minus[j] + l_minus[j]) + 1.0 / (k_plus[j] + l_plus[j])) * areas
-            }),
-        }
+        std::array::from_fn(|j| {
+            (1.0 / (k_minus[j] + l_minus[j]) + 1.0 / (k_plus[j] + l_plus[j])) * areas
+        })
     }
-}
-
-/// (n, d, m) of an edge: the mean of two normals, across the edge, along it.
-fn edge_axes(normals: [[f64; 3]; 2], m: [f64; 3]) -> [[f64; 3]; 3] {
-    let sum: [f64; 3] = std::array::from_fn(|i| normals[0][i] + normals[1][i]);
-    let off = dot(sum, m);
-    let normal: [f64; 3] = std::array::from_fn(|i| sum[i] - off * m[i]);
-    let size = dot(normal, normal).sqrt();
-    let n = normal.map(|v| v / size);
-    let d = [
-        n[1] * m[2] - n[2] * m[1],
-        n[2] * m[0] - n[0] * m[2],
-        n[0] * m[1] - n[1] * m[0],
-    ];
-    [n, d, m]
 }
 
 /// `ω = Σ_a A_a²/A_f · Σ_side 1/k_n` [m/Pa], `k_n = Σ_j n_j² k_j`: the mean jump of a face under a unit normal traction
@@ -282,28 +221,11 @@ pub fn face_compliance(mesh: &HexMesh, materials: &[Elastic], face: &FractureFac
     let compliance = |side: FaceSide| {
         let element = side.element as usize;
         let material = materials[mesh.regions[element] as usize];
-        let k = side_stiffness(1.0, material, side_of(mesh, element));
+        let k = side_stiffness(1.0, material, Side::new(mesh, element));
         let n = face.frame[0];
         1.0 / (0..3).map(|j| n[j] * n[j] * k[j]).sum::<f64>()
     };
     squares / face.area * (compliance(face.minus) + compliance(face.plus))
-}
-
-/// Bounding box and volume of an element.
-fn side_of(mesh: &HexMesh, element: usize) -> Side {
-    let corners = mesh.elements[element].map(|a| mesh.nodes[a as usize]);
-    let extent = std::array::from_fn(|j| {
-        let (low, high) = corners
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-                (low.min(x[j]), high.max(x[j]))
-            });
-        high - low
-    });
-    Side {
-        extent,
-        volume: mesh.element_volume(element),
-    }
 }
 
 #[cfg(test)]

@@ -1,11 +1,7 @@
 //! How far an iterate is from the solution at its states.
 
-use super::linear::Linear;
 use super::newton::{Attempt, Iterate};
-use super::{Evaluation, Failure};
-use crate::contact::ContactState;
-use fracas_operators::sparse::Csr;
-use fracas_solvers::Observer;
+use super::{Event, Failure, LinearFailure};
 use fracas_solvers::saddle::{EnergyNorms, ErrorJudge, Judged, Measure};
 
 /// Errors of u and t at states that no longer change: `e = J⁻¹r ≈ M⁻¹r` of a Newton iterate, judged as in `solve`, against
@@ -37,16 +33,21 @@ impl<'s> Accuracy<'s> {
         })
     }
 
-    /// Rounds begin: nothing is known of their solution.
-    pub(super) fn begin(&mut self, linear: &mut Linear) {
-        self.judge = ErrorJudge::default();
-        linear.other_states();
+    /// Springs in place of multipliers: what they let move freely is no error.
+    pub(super) fn of_springs(attempt: &'s Attempt<'s>) -> Option<Self> {
+        Self::new(attempt).map(|accuracy| Self {
+            norms: accuracy.norms.without_jumps(),
+            ..accuracy
+        })
     }
 
-    /// The states change after x. The first one, with every closed face in stick, shows what the loads could do, also where the
-    /// solution bears nothing.
-    pub(super) fn other_states(&mut self, x: &Iterate, linear: &mut Linear) {
-        self.begin(linear);
+    /// Nothing is known of the solution from here on.
+    pub(super) fn begin(&mut self) {
+        self.judge = ErrorJudge::default();
+    }
+
+    /// The first iterate, with every closed face in stick, shows what the loads could do, also where the solution bears nothing.
+    pub(super) fn first(&mut self, x: &Iterate) {
         if !self.seen {
             let whole = self.balanced(x);
             self.widen(&whole);
@@ -70,28 +71,46 @@ impl<'s> Accuracy<'s> {
         self.seen = true;
     }
 
-    /// The errors of x, `at` its equations at these states.
+    /// The errors of x, which leaves this `residual` of the equations at its states; `solve` gives M⁻¹ of a residual, and the Ritz value
+    /// of M⁻¹J nearest to zero.
     pub(super) fn of(
         &mut self,
-        (states, h): (&[ContactState], Option<&Csr<f64>>),
-        (x, at): (&Iterate, &Evaluation),
-        linear: &mut Linear,
-        observer: &mut dyn Observer,
+        x: &Iterate,
+        mut residual: Vec<f64>,
+        solve: impl FnOnce(&[f64], &EnergyNorms<'_>) -> Result<(Vec<f64>, Option<f64>), LinearFailure>,
     ) -> Result<Judged, Failure> {
-        let problem = self.attempt.problem;
         let whole = self.balanced(x);
         self.widen(&whole);
-        let mut residual = at.residual.clone();
         self.norms.add_rounding(&whole, &mut residual);
         let (e, ritz) = match residual.iter().all(|r| *r == 0.0) {
             // no load: nothing is prepared for it
-            true => (residual, Some(1.0)),
-            false => {
-                let jacobian = problem.jacobian(states, h, at, false);
-                let parts = (&jacobian, states);
-                linear.error_of(problem, parts, &residual, &self.norms, observer)?
-            }
+            true => (vec![0.0; whole.len()], Some(1.0)),
+            false => solve(&residual, &self.norms)?,
         };
         Ok((self.judge).judge(&self.norms, (&e, &whole), self.size, ritz))
+    }
+
+    /// By how much the residual is still to be lowered for errors below the tolerance; `None` where they are, or where rounding
+    /// leaves no more to gain.
+    pub(super) fn left(&self, judged: Judged) -> Option<f64> {
+        let tolerance = self.attempt.problem.body().solver.tolerance;
+        let enough = judged.worst() <= tolerance || judged.stands;
+        (!enough && judged.estimate.is_finite()).then(|| judged.step(tolerance))
+    }
+
+    /// Errors that rounding leaves are told; beyond what states are judged by they are a failure.
+    pub(super) fn accepts(&self, judged: Judged, residual: f64) -> Result<Option<Event>, Failure> {
+        let settings = self.attempt.problem.body().solver;
+        let (part, error) = (judged.part(), judged.worst());
+        let most = settings.tolerance.max(settings.state_tolerance);
+        match error <= most {
+            true => Ok((error > settings.tolerance).then_some(Event::Rounding { part, error })),
+            false => Err(Failure::Inaccurate {
+                part,
+                error,
+                tolerance: most,
+                residual,
+            }),
+        }
     }
 }

@@ -54,6 +54,8 @@ pub(super) struct Log {
     pub(super) states: Vec<ContactState>,
     /// Faces that changed in the last round in which some did.
     pub(super) changing: Vec<usize>,
+    /// What would run away at the states of an attempt that failed.
+    pub(super) unstable: Option<Box<Instability>>,
 }
 
 impl Log {

@@ -13,7 +13,7 @@ use crate::matrix_free::{MatrixFreeError, MatrixFreeRacp};
 use crate::scene::{FACTORIZED, RunInner};
 use fracas_operators::Preconditioner;
 use fracas_solvers::direct::DirectChoice;
-use fracas_solvers::krylov::{KrylovChoice, Sqmr, System};
+use fracas_solvers::krylov::{KrylovChoice, Sqmr, System, least};
 use fracas_solvers::saddle::{
     AugmentationChoice, AugmentationMatrix, Block, EnergyNorms, InnerChoice, Racp, probe,
 };
@@ -167,8 +167,7 @@ impl Linear {
             Ended::Solved(solved) => Solved { setup, ..solved },
             Ended::Dropped { .. } => unreachable!("no patience is set"),
         };
-        let seen = [self.smallest_ritz, solved.smallest_ritz];
-        self.smallest_ritz = seen.into_iter().flatten().reduce(f64::min);
+        self.smallest_ritz = least([self.smallest_ritz, solved.smallest_ritz]);
         let digits = -solved.relative_residual.max(f64::EPSILON).log10();
         let rate = solved.iterations as f64 / digits.max(1.0);
         let reference = *self.reference.get_or_insert(rate);
@@ -190,7 +189,7 @@ impl Linear {
         let inverse = self.inverse(problem, jacobian, states);
         let mut e = vec![0.0; residual.len()];
         inverse.solve(residual, &mut e, &mut vec![0.0; inverse.work_len()]);
-        if inverse.properties().local && !self.probed {
+        if !self.probed {
             let system = System {
                 operator: jacobian,
                 preconditioner: &inverse,
@@ -198,8 +197,7 @@ impl Linear {
             };
             let krylov = KrylovChoice::default().flexible_for(&inverse);
             let probed = probe(krylov.method(), &system, norms, observer);
-            let seen = [self.smallest_ritz, probed.ritz];
-            self.smallest_ritz = seen.into_iter().flatten().reduce(f64::min);
+            self.smallest_ritz = least([self.smallest_ritz, probed.ritz]);
             self.probed = true;
         }
         Ok((e, self.smallest_ritz))

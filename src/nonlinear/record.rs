@@ -32,7 +32,7 @@ pub struct StepRecord {
     /// the largest traction of the run: what slip against the traction is worth. Unit: 1.
     pub max_slip_viol: f64,
     /// Errors of u and t at its states, each relative to the largest norm so far, as the preconditioner shows them
-    /// ([`EnergyNorms`](fracas_solvers::saddle::EnergyNorms)); NaN with springs. Unit: 1.
+    /// ([`EnergyNorms`](fracas_solvers::saddle::EnergyNorms)); NaN where residuals alone are judged. Unit: 1.
     pub error: [f64; 2],
     /// Largest slip ‖γ‖ of a face [m].
     pub slip_max: f64,

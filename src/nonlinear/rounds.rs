@@ -107,7 +107,8 @@ impl Search<'_, '_> {
         };
         let _ = rounds.enter(&states);
         if let Some(accuracy) = &mut self.accuracy {
-            accuracy.begin(self.linear);
+            accuracy.begin();
+            self.linear.other_states();
         }
         // limits that proximal iterations found are those of the iterate before, too
         let mut until = match fixed.is_some() && weakens {
@@ -166,11 +167,14 @@ impl Search<'_, '_> {
                 if solved {
                     let h = fixed.unwrap_or(h.as_ref());
                     let stands = (&states[..], h);
-                    judged = self.judged(stands, (x, &at))?;
-                    let last = match judged.and_then(|judged| self.left(judged)) {
+                    let errors = self.judged(stands, (x, &at))?;
+                    judged = errors.map(|(judged, _)| judged);
+                    let last = match errors.and_then(|(_, left)| left) {
                         Some(step) if converged => step,
                         Some(_) | None => {
-                            self.accepts(judged, residual, log)?;
+                            if let (Some(accuracy), Some(judged)) = (&self.accuracy, judged) {
+                                log.events.extend(accuracy.accepts(judged, residual)?);
+                            }
                             let found = Found { states, at, judged };
                             return Ok(Ended::Settled(Box::new(found)));
                         }
@@ -194,7 +198,9 @@ impl Search<'_, '_> {
             }
             judged = None;
             if let Some(accuracy) = &mut self.accuracy {
-                accuracy.other_states(x, self.linear);
+                accuracy.first(x);
+                accuracy.begin();
+                self.linear.other_states();
             }
             until = loose;
             // new-slip to slip leaves H as it is
@@ -221,46 +227,22 @@ impl Search<'_, '_> {
         Ok(Ended::Not(states, None))
     }
 
-    /// The errors of an iterate; `None` where only residuals are judged.
+    /// The errors of an iterate, and by how much the residual is still to be lowered; `None` where only residuals are judged.
     fn judged(
         &mut self,
-        stands: (&[ContactState], Option<&Csr<f64>>),
-        at: (&Iterate, &Evaluation),
-    ) -> Result<Option<Judged>, Failure> {
+        (states, h): (&[ContactState], Option<&Csr<f64>>),
+        (x, at): (&Iterate, &Evaluation),
+    ) -> Result<Option<(Judged, Option<f64>)>, Failure> {
         let Some(accuracy) = &mut self.accuracy else {
             return Ok(None);
         };
-        (accuracy.of(stands, at, self.linear, self.observer)).map(Some)
-    }
-
-    /// By how much the residual is still to be lowered for errors below the tolerance; `None` where they are, or where rounding
-    /// leaves no more to gain.
-    fn left(&self, judged: Judged) -> Option<f64> {
-        let tolerance = self.attempt.problem.body().solver.tolerance;
-        let enough = judged.worst() <= tolerance || judged.stands;
-        (!enough && judged.estimate.is_finite()).then(|| judged.step(tolerance))
-    }
-
-    /// Errors that rounding leaves are told; beyond what states are judged by they are a failure.
-    fn accepts(&self, judged: Option<Judged>, residual: f64, log: &mut Log) -> Result<(), Failure> {
-        let settings = self.attempt.problem.body().solver;
-        let Some(judged) = judged else {
-            return Ok(());
-        };
-        let (part, error) = (judged.part(), judged.worst());
-        let most = settings.tolerance.max(settings.state_tolerance);
-        if error <= most {
-            if error > settings.tolerance {
-                log.events.push(Event::Rounding { part, error });
-            }
-            return Ok(());
-        }
-        Err(Failure::Inaccurate {
-            part,
-            error,
-            tolerance: most,
-            residual,
-        })
+        let (problem, linear) = (self.attempt.problem, &mut *self.linear);
+        let observer = &mut *self.observer;
+        let judged = accuracy.of(x, at.residual.clone(), |residual, norms| {
+            let jacobian = problem.jacobian(states, h, at, false);
+            linear.error_of(problem, (&jacobian, states), residual, norms, observer)
+        })?;
+        Ok(Some((judged, accuracy.left(judged))))
     }
 }
 

@@ -138,9 +138,8 @@ impl<'a> Simulation<'a> {
         state: &State,
         observer: &mut dyn Observer,
     ) -> Result<Accepted, Box<StepFailure>> {
-        let shortest = self
-            .times
-            .shortest(state, self.problem.body().solver.max_cuts);
+        let solver = self.problem.body().solver;
+        let shortest = self.times.shortest(state, solver.max_cuts);
         let (mut log, mut attempts, mut cuts) = (Log::default(), 0, 0);
         let mut increment = state.next;
         // increments of attempts in which slip ran away, and its largest slip
@@ -169,7 +168,7 @@ impl<'a> Simulation<'a> {
                             continue;
                         }
                         if is_shown(&runaways) {
-                            match self.problem.body().solver.unstable {
+                            match solver.unstable {
                                 Unstable::Stop => {
                                     let reason = Failure::Unstable(patch);
                                     return Err(StepFailure::new(state, target, cuts, reason, log));
@@ -188,7 +187,7 @@ impl<'a> Simulation<'a> {
                 }
                 Err(reason)
                     if reason.may_be_cut()
-                        && !log.is_spent(self.problem.body().solver.max_krylov)
+                        && !log.is_spent(solver.max_krylov)
                         && 0.5 * length(state, target) >= shortest =>
                 {
                     increment = 0.5 * length(state, target);
@@ -199,7 +198,12 @@ impl<'a> Simulation<'a> {
                     });
                 }
                 Err(reason) => {
-                    let reason = reason.explained(self.problem.body(), &log.states);
+                    let reason = match log.unstable.take() {
+                        Some(patch) if solver.unstable == Unstable::Stop => {
+                            Failure::Unstable(patch)
+                        }
+                        Some(_) | None => reason.explained(self.problem.body(), &log.states),
+                    };
                     return Err(StepFailure::new(state, target, cuts, reason, log));
                 }
             }

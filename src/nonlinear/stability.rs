@@ -70,7 +70,7 @@ impl std::fmt::Display for Instability {
     }
 }
 
-/// States that settle, and whether slip runs away there.
+/// States that settle, and whether slip runs away there; where none do, whether it would at those tried last.
 pub(super) fn stable(
     attempt: &Attempt<'_>,
     states: Vec<ContactState>,
@@ -79,15 +79,32 @@ pub(super) fn stable(
     log: &mut Log,
     observer: &mut dyn Observer,
 ) -> Result<Settled, Failure> {
-    let mut settled = active_set(attempt, states, x, linear, log, observer)?;
-    if attempt.problem.weakens() {
-        let found = (&settled.states[..], &settled.x);
-        settled.unstable = instability(attempt, found, settled.traction, linear, observer)?;
+    if !attempt.problem.weakens() {
+        return active_set(attempt, states, x, linear, log, observer);
     }
-    Ok(settled)
+    let start = x.clone();
+    log.unstable = None;
+    match active_set(attempt, states, x, linear, log, observer) {
+        Ok(mut settled) => {
+            let found = (&settled.states[..], &settled.x);
+            let patch = instability(attempt, found, Some(settled.traction), linear, observer)?;
+            settled.unstable = patch;
+            Ok(settled)
+        }
+        Err(reason) => {
+            if reason.may_be_cut() {
+                let tried = (&log.states[..], &start);
+                // what fails here, too, says nothing
+                let patch = instability(attempt, tried, None, linear, observer);
+                log.unstable = patch.ok().flatten();
+            }
+            Err(reason)
+        }
+    }
 }
 
-/// The patch that runs away at states in equilibrium, if one does.
+/// The patch that runs away at states in equilibrium, if one does; without a `traction`, the largest so far, x is where the step starts
+/// and the faces that slip are to do so from there on.
 ///
 /// With slip frozen in its directions m and every limit given, an increase of all limits by τ holds back the slip
 /// `K⁻¹ A_f τ`; slip z takes `W z` from the limits, so that `z ← K⁻¹ A_f W z` grows without bound where `ρ(K⁻¹ A_f W) > 1`: then
@@ -100,7 +117,7 @@ pub(super) fn stable(
 fn instability(
     attempt: &Attempt<'_>,
     (states, x): (&[ContactState], &Iterate),
-    traction: f64,
+    traction: Option<f64>,
     linear: &mut Linear,
     observer: &mut dyn Observer,
 ) -> Result<Option<Box<Instability>>, Failure> {
@@ -114,10 +131,15 @@ fn instability(
         attempt.load,
     );
     let faces: Vec<Weak> = (0..states.len())
-        .filter_map(|f| Weak::new(attempt, f, states[f], x, &at.effective))
+        .filter(|f| states[*f].constrained() == 1)
+        .filter_map(|f| match traction {
+            Some(_) => Weak::new(attempt, f, x, &at.effective),
+            None => Weak::from_rest(attempt, f, x),
+        })
         .collect();
     let lost = faces.iter().map(|face| face.rate * face.slip);
-    if lost.fold(0.0, f64::max) <= NOTHING * traction {
+    let lost = lost.fold(0.0, f64::max);
+    if lost == 0.0 || traction.is_some_and(|traction| lost <= NOTHING * traction) {
         return Ok(None);
     }
     let jacobian = problem.jacobian(states, h.as_ref(), &at, true);
@@ -163,7 +185,12 @@ fn instability(
             break;
         }
     }
-    Ok((ratio > 1.0 + SOLVED).then(|| Box::new(patch(problem, &faces, &mode, ratio))))
+    Ok((ratio > 1.0 + SOLVED).then(|| {
+        let patch = patch(problem, &faces, &mode, ratio);
+        // none was found where none settled
+        let slip = traction.map_or(0.0, |_| patch.slip);
+        Box::new(Instability { slip, ..patch })
+    }))
 }
 
 /// A face that slips and weakens.
@@ -178,16 +205,7 @@ struct Weak {
 }
 
 impl Weak {
-    fn new(
-        attempt: &Attempt<'_>,
-        f: usize,
-        state: ContactState,
-        x: &Iterate,
-        effective: &[f64],
-    ) -> Option<Self> {
-        if state.constrained() != 1 {
-            return None;
-        }
+    fn new(attempt: &Attempt<'_>, f: usize, x: &Iterate, effective: &[f64]) -> Option<Self> {
         let t = [x.t[3 * f + 1], x.t[3 * f + 2]];
         let shear = t[0].hypot(t[1]);
         let from = [0, 1].map(|k| attempt.start.slip[2 * f + k]);
@@ -207,6 +225,27 @@ impl Weak {
             direction: m,
             rate,
             slip,
+        })
+    }
+
+    /// A face that begins to slip along its shear, as far as any other.
+    fn from_rest(attempt: &Attempt<'_>, f: usize, x: &Iterate) -> Option<Self> {
+        let t = [x.t[3 * f + 1], x.t[3 * f + 2]];
+        let shear = t[0].hypot(t[1]);
+        let m = t.map(|t| t / shear);
+        let from = [0, 1].map(|k| attempt.start.slip[2 * f + k]);
+        let before = from[0].hypot(from[1]);
+        let along = match before > 0.0 {
+            true => (m[0] * from[0] + m[1] * from[1]) / before,
+            false => 1.0,
+        };
+        let friction = attempt.problem.friction_in(f, attempt.start);
+        let rate = -friction.by_slip(x.t[3 * f], before) * along;
+        (shear > 0.0 && rate > 0.0).then_some(Self {
+            face: f,
+            direction: m,
+            rate,
+            slip: 1.0,
         })
     }
 }

@@ -78,7 +78,7 @@ pub struct SolverSection {
     /// the largest so far. Unit: 1.
     pub tolerance: f64,
     /// What is held against the tolerance: `error`, the errors beside the residual, or `residual` alone, as in published
-    /// counts. Springs have the residual alone.
+    /// counts.
     pub measure: solvers::Measure,
     /// What counts as zero when states are judged, relative to the largest traction of the step. Unit: 1.
     pub state_tolerance: f64,
@@ -94,7 +94,8 @@ pub struct SolverSection {
     pub unstable: Unstable,
     /// How contact is enforced: `lagrange`, or `penalty` and `augmented_lagrangian` to compare with.
     pub method: Method,
-    /// Lengths that the jump stabilization H is made of: `box` as published, `patch` for cells that are thin across fractures.
+    /// Lengths that the jump stabilization H is made of: `deep`, or `box` as published, which lets slip through that is none
+    /// where cells are thin across fractures. In cubes they are the same.
     pub stabilization: Lengths,
     /// Inner solver of the preconditioner.
     pub inner: RunInner,

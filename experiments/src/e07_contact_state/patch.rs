@@ -103,7 +103,7 @@ pub(super) struct Laboratory<'a> {
 impl<'a> Laboratory<'a> {
     /// Solves the body with every face in stick.
     pub(super) fn new(body: &'a Body) -> anyhow::Result<Self> {
-        let stick = body.stick_system(Some(JumpStabilization::default()));
+        let stick = body.stick_system(Some(JumpStabilization::PUBLISHED));
         let system = ContactSystem::new(stick, &body.forces()?, &body.friction)?;
         let unit = system.stick().traction_unit();
         let blocks = system.stick().in_traction_unit(unit);

@@ -139,7 +139,7 @@ impl Run {
 fn matrix_free(body: Body, mesh: f64) -> anyhow::Result<Row> {
     let start = Instant::now();
     let force = body.forces()?;
-    let system = body.stick_system(Some(JumpStabilization::default()));
+    let system = body.stick_system(Some(JumpStabilization::PUBLISHED));
     let unit = system.magnitude()?.unit;
     let saddle = MatrixFreeSaddle::in_traction_unit(&system, unit)?;
     let b = saddle.rhs(&system, &force);
@@ -160,7 +160,7 @@ fn matrix_free(body: Body, mesh: f64) -> anyhow::Result<Row> {
 
 fn assembled(body: Body, mesh: f64) -> anyhow::Result<Row> {
     let start = Instant::now();
-    let blocks = body.saddle_blocks(Some(JumpStabilization::default()))?;
+    let blocks = body.saddle_blocks(Some(JumpStabilization::PUBLISHED))?;
     drop(body);
     let unit = blocks.traction_unit();
     let blocks = blocks.into_traction_unit(unit);

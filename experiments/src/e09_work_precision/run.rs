@@ -144,7 +144,7 @@ fn geometric(precision: Precision) -> MatrixFreeRacp {
 
 /// The solution of `body` to this tolerance, or to rounding where that is larger.
 pub(super) fn reference(body: &Body, tolerance: f64) -> anyhow::Result<Reference> {
-    let system = body.stick_system(Some(JumpStabilization::default()));
+    let system = body.stick_system(Some(JumpStabilization::PUBLISHED));
     let unit = system.magnitude()?.unit;
     let saddle = MatrixFreeSaddle::in_traction_unit(&system, unit)?;
     let b = saddle.rhs(&system, &body.forces()?);
@@ -171,7 +171,7 @@ pub(super) fn rows(
     sample: &Sample,
 ) -> anyhow::Result<Vec<Row>> {
     let clock = Clock::start();
-    let system = body.stick_system(Some(JumpStabilization::default()));
+    let system = body.stick_system(Some(JumpStabilization::PUBLISHED));
     let judged =
         |tolerance, x: &[f64], unit: f64, reached: &Reached, cost: &Cost, times: [f64; 2]| {
             let (u, t) = x.split_at(reference.u.len());
@@ -213,7 +213,7 @@ pub(super) fn rows(
         Method::Geometric(_) | Method::AllSingle => None,
     };
     if let Some(inner) = inner {
-        let blocks = body.saddle_blocks(Some(JumpStabilization::default()))?;
+        let blocks = body.saddle_blocks(Some(JumpStabilization::PUBLISHED))?;
         let unit = blocks.traction_unit();
         let blocks = blocks.into_traction_unit(unit);
         let racp = SaddleMethod::Racp(Racp {

@@ -38,6 +38,7 @@ pub use fgmres::Fgmres;
 pub use fitted::Fitted;
 pub use gmres::Gmres;
 pub use minres::Minres;
+pub use ritz::least;
 pub use sqmr::Sqmr;
 pub use system::{Criteria, Outcome, Report, System};
 

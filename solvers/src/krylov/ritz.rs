@@ -10,6 +10,11 @@ const STEPS: usize = 32;
 /// Steps of a short recurrence whose coefficients are kept: beyond that many the extreme Ritz values have settled.
 const KEPT: usize = 400;
 
+/// The Ritz value nearest to zero of several iterations with one M⁻¹𝒜, some of which know none.
+pub fn least(seen: [Option<f64>; 2]) -> Option<f64> {
+    seen.into_iter().flatten().reduce(f64::min)
+}
+
 /// `|θ| = (‖y_m‖/‖y_{2m}‖)^{1/m}` with `y ← T⁻¹ y`, the modulus also of a complex pair; `None` where T is singular.
 pub(super) fn nearest_to_zero<R: Real>(y: &mut [R], mut solve: impl FnMut(&mut [R])) -> Option<R> {
     y.fill(R::one());

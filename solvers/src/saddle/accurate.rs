@@ -1,9 +1,8 @@
 //! An iteration that goes on until the error, not the residual, is small.
 
-use super::probe;
-use super::{EnergyNorms, ErrorJudge, Judged};
+use super::{EnergyNorms, ErrorJudge, Judged, probe};
 use crate::Observer;
-use crate::krylov::{Breakdown, Criteria, KrylovMethod, Outcome, Report, System};
+use crate::krylov::{Breakdown, Criteria, KrylovMethod, Outcome, Report, System, least};
 use fracas_operators::vector::norm2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -159,12 +158,12 @@ impl Totals {
                 self.products += report.products + 2;
                 self.solves += report.preconditioner_solves + 1;
                 self.estimated = report.estimated_residual;
-                self.smallest_ritz = smaller(self.smallest_ritz, report.smallest_ritz);
+                self.smallest_ritz = least([self.smallest_ritz, report.smallest_ritz]);
                 Ok(self.report(report.outcome, report.relative_residual))
             }
             Err(breakdown) => {
                 if let Breakdown::Stagnation { smallest_ritz, .. } = &breakdown {
-                    self.smallest_ritz = smaller(self.smallest_ritz, *smallest_ritz);
+                    self.smallest_ritz = least([self.smallest_ritz, *smallest_ritz]);
                 }
                 let done = breakdown.iteration();
                 let breakdown = breakdown.after(self.iterations);
@@ -182,12 +181,10 @@ impl Totals {
         norms: &EnergyNorms<'_>,
         observer: &mut dyn Observer,
     ) {
-        if system.preconditioner.properties().local {
-            let probed = probe(method, system, norms, observer);
-            self.products += probed.products;
-            self.solves += probed.solves;
-            self.smallest_ritz = smaller(self.smallest_ritz, probed.ritz);
-        }
+        let probed = probe(method, system, norms, observer);
+        self.products += probed.products;
+        self.solves += probed.solves;
+        self.smallest_ritz = least([self.smallest_ritz, probed.ritz]);
     }
 
     fn report(&self, outcome: Outcome, relative_residual: f64) -> Report {
@@ -200,12 +197,5 @@ impl Totals {
             preconditioner_solves: self.solves,
             smallest_ritz: self.smallest_ritz,
         }
-    }
-}
-
-fn smaller(a: Option<f64>, b: Option<f64>) -> Option<f64> {
-    match (a, b) {
-        (Some(a), Some(b)) => Some(a.min(b)),
-        (a, b) => a.or(b),
     }
 }

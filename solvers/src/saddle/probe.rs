@@ -18,8 +18,8 @@ pub struct Probed {
     pub solves: u64,
 }
 
-/// 40 steps of `method` towards 𝒜⁻¹w for a random w, with its share of every eigenvector. It is worth its cost around an M of one
-/// level ([`local`](fracas_operators::Properties)).
+/// 40 steps of `method` towards 𝒜⁻¹w for a random w, with its share of every eigenvector, around an M of one level
+/// ([`local`](fracas_operators::Properties)); nothing around others, which leave few small eigenvalues.
 ///
 /// An iteration sees a small eigenvalue only through the share that b has of its vector. Where b is what holds stiff rock, soft
 /// rock has a share of 1e-8 or less, below any tolerance, and errors there are not seen either: M⁻¹r is the error times that
@@ -30,6 +30,9 @@ pub fn probe(
     norms: &EnergyNorms<'_>,
     observer: &mut dyn Observer,
 ) -> Probed {
+    if !system.preconditioner.properties().local {
+        return Probed::default();
+    }
     let system = System {
         rhs: &norms.random_residual(),
         ..*system

@@ -1,20 +1,84 @@
 //! Which lengths the weights of H are made of.
 
-use super::Side;
 use crate::elasticity::Elastic;
+use crate::mesh::{FractureFace, HexMesh};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Lengths of the elements beside an edge, of which the weights of H are made. Written as `"box"` or `"patch"`.
+/// Lengths of the elements beside an edge, of which the weights of H are made. Written as `"deep"` or `"box"`.
+///
+/// A jump that alternates from face to face dies out over the width h_f of the faces, through however many thin elements: its
+/// compliance is ~h_f/μ per area, and that of one thin element says nothing of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Lengths {
-    /// The bounding box: `k_j = s E/((1+ν)(1−2ν)) (2/9)(2−3ν) V/h_j²`, the published weights. In cells that are 1:a thin across the
-    /// fracture they let a times as much shear through as in cubes.
+    /// The bounding box of the element, stretched along the normal of the fracture where it is thinner than the face is wide
+    /// ([`Side::deep`]); elsewhere it is `box`.
     #[default]
+    Deep,
+    /// The bounding box of the element as it is: the published weights, to compare with published counts and codes. In cells that are
+    /// 1:a thin across the fracture they let a times as much shear through as in cubes.
     Box,
-    /// The depth to which a jump between the two faces reaches: [`patch_stiffness`].
-    Patch,
+}
+
+/// Bounding box and volume of the element beside a face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Side {
+    /// Extent of the element along x, y, z [m].
+    pub extent: [f64; 3],
+    /// Volume [m³].
+    pub volume: f64,
+}
+
+impl Side {
+    /// Of an element as it is.
+    pub fn new(mesh: &HexMesh, element: usize) -> Self {
+        let corners = mesh.elements[element].map(|a| mesh.nodes[a as usize]);
+        Self {
+            extent: extent(corners),
+            volume: mesh.element_volume(element),
+        }
+    }
+
+    /// Of an element beside a face, stretched along its normal n to at least the width `h_f = A_f/(longest edge)` of the face:
+    /// `x ← x + (f − 1) (n·x) n`, `f = max(1, h_f A_f/V)`.
+    pub fn deep(mesh: &HexMesh, element: usize, face: &FractureFace) -> Self {
+        let own = Self::new(mesh, element);
+        let corners = face.minus.nodes.map(|a| mesh.nodes[a as usize]);
+        let length = |k: usize| {
+            let [p, q] = [corners[k], corners[(k + 1) % 4]];
+            (0..3).map(|j| (q[j] - p[j]).powi(2)).sum::<f64>().sqrt()
+        };
+        let longest = (0..4).map(length).fold(0.0, f64::max);
+        let factor = face.area * face.area / (longest * own.volume);
+        if factor <= 1.0 + ROUNDING {
+            return own;
+        }
+        let n = face.frame[0];
+        let stretched = mesh.elements[element].map(|a| {
+            let x = mesh.nodes[a as usize];
+            let along: f64 = (0..3).map(|j| n[j] * x[j]).sum();
+            std::array::from_fn(|j| x[j] + (factor - 1.0) * along * n[j])
+        });
+        Self {
+            extent: extent(stretched),
+            volume: factor * own.volume,
+        }
+    }
+}
+
+/// Share by which cubes may seem thinner than wide. Unit: 1.
+const ROUNDING: f64 = 1e-9;
+
+fn extent(corners: [[f64; 3]; 8]) -> [f64; 3] {
+    std::array::from_fn(|j| {
+        let of = corners.iter().map(|x| x[j]);
+        let [low, high] = [
+            of.clone().fold(f64::INFINITY, f64::min),
+            of.fold(f64::NEG_INFINITY, f64::max),
+        ];
+        high - low
+    })
 }
 
 /// `k_j = s E/((1+ν)(1−2ν)) (2/9)(2−3ν) V/h_j²` [Pa·m]: the stiffness that a split corner node sees from one element.
@@ -23,36 +87,4 @@ pub fn side_stiffness(scale: f64, material: Elastic, side: Side) -> [f64; 3] {
     let modulus = young / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
     side.extent
         .map(|h| scale * modulus * (2.0 / 9.0) * (2.0 - 3.0 * poisson) * side.volume / (h * h))
-}
-
-/// A face beside one of its edges.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Patch {
-    /// A_f [m²].
-    pub area: f64,
-    /// |e| [m].
-    pub edge: f64,
-    /// V/A_f: thickness of the element [m].
-    pub depth: f64,
-}
-
-/// The stiffness [Pa·m] that a corner node on an edge sees from one element, along (n, d, m): the normal, across the edge, along it.
-/// ```text
-/// k_j = s (2/9) A_f h_n Σ_l M_jl/h_l²        M_jj = λ + 2μ, M_jl = μ
-/// h_d = A_f/|e|        h_m = max(|e|, h_d)        h_n = max(V/A_f, h_d)
-/// ```
-/// With the lengths of the element itself this is `2 A_jj` of a brick, so that H would be the patch of `B diag(A)⁻¹Bᵀ` on any
-/// brick. A jump that alternates from face to face dies out over the depth h_d, through however many thin elements:
-/// its compliance is ~h_d/μ per area, and that of one thin element says nothing of it. So no length counts as less than
-/// h_d. In cubes it is [`side_stiffness`].
-pub fn patch_stiffness(scale: f64, material: Elastic, patch: Patch) -> [f64; 3] {
-    let Elastic { young, poisson } = material;
-    let modulus = young / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
-    let [along, across] = [1.0 - poisson, 0.5 - poisson].map(|v| modulus * v);
-    let d = patch.area / patch.edge;
-    let lengths = [patch.depth.max(d), d, patch.edge.max(d)];
-    let squares = lengths.map(|h| 1.0 / (h * h));
-    let all: f64 = squares.iter().sum();
-    let factor = scale * (2.0 / 9.0) * patch.area * lengths[0];
-    squares.map(|own| factor * (across * all + (along - across) * own))
 }

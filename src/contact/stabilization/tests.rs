@@ -3,6 +3,7 @@ use crate::mesh::{BoxGrid, Incline, PlaneFracture};
 
 /// The same sum, edge by edge, into a dense matrix.
 fn oracle(
+    lengths: Lengths,
     mesh: &HexMesh,
     fractures: &FractureMesh,
     rocks: &[Elastic],
@@ -13,9 +14,13 @@ fn oracle(
     for edge in &fractures.edges {
         let ends = edge.faces.map(|f| f as usize);
         let [k, l] = ends.map(|f| &fractures.faces[f]);
-        let of = |side: FaceSide| {
+        let of = |face: &FractureFace, side: FaceSide| {
             let e = side.element as usize;
-            side_stiffness(1.0, rocks[usize::from(mesh.regions[e])], side_of(mesh, e))
+            let side = match lengths {
+                Lengths::Box => Side::new(mesh, e),
+                Lengths::Deep => Side::deep(mesh, e, face),
+            };
+            side_stiffness(1.0, rocks[usize::from(mesh.regions[e])], side)
         };
         let areas: f64 = (0..2)
             .map(|a| {
@@ -30,8 +35,8 @@ fn oracle(
                 for i in 0..shared {
                     for j in 0..shared {
                         for d in 0..3 {
-                            let inverse = 1.0 / (of(k.minus)[d] + of(l.minus)[d])
-                                + 1.0 / (of(k.plus)[d] + of(l.plus)[d]);
+                            let inverse = 1.0 / (of(k, k.minus)[d] + of(l, l.minus)[d])
+                                + 1.0 / (of(k, k.plus)[d] + of(l, l.plus)[d]);
                             h[3 * f + i][3 * g + j] += sign
                                 * fractures.faces[f].frame[i][d]
                                 * (inverse * areas)
@@ -47,7 +52,7 @@ fn oracle(
 
 #[test]
 fn rows_gathered_face_by_face_are_the_sum_over_edges() {
-    let mut grid = BoxGrid::uniform([0.0; 3], [6.0, 5.0, 4.0], [6, 5, 4]);
+    let mut grid = BoxGrid::uniform([0.0; 3], [6.0, 5.0, 4.0], [12, 5, 4]);
     grid.fractures = vec![
         PlaneFracture::through("F", 0, 2.0),
         PlaneFracture::through("G", 2, 2.0),
@@ -67,10 +72,13 @@ fn rows_gathered_face_by_face_are_the_sum_over_edges() {
     let mixed = |f: usize| ContactState::ALL[[0, 0, 0, 2, 0, 3, 1][f % 7]];
     let stick = |_: usize| ContactState::Stick;
     let states: [&(dyn Fn(usize) -> ContactState + Sync); 2] = [&stick, &mixed];
-    for state in states {
-        let h =
-            JumpStabilization::default().assemble_for(&built.mesh, &built.fractures, &rocks, state);
-        let dense = oracle(&built.mesh, &built.fractures, &rocks, state);
+    for (lengths, state) in [Lengths::Deep, Lengths::Box].into_iter().zip(states) {
+        let stabilization = JumpStabilization {
+            lengths,
+            ..JumpStabilization::default()
+        };
+        let h = stabilization.assemble_for(&built.mesh, &built.fractures, &rocks, state);
+        let dense = oracle(lengths, &built.mesh, &built.fractures, &rocks, state);
         let size = dense.iter().flatten().fold(0.0f64, |m, v| m.max(v.abs()));
         assert!(size > 0.0 && h.nnz() > h.rows() / 2);
         for (i, row) in dense.iter().enumerate() {
@@ -83,5 +91,23 @@ fn rows_gathered_face_by_face_are_the_sum_over_edges() {
                 );
             }
         }
+    }
+}
+
+#[test]
+fn an_element_thinner_than_its_face_is_wide_is_stretched_along_the_normal_alone() {
+    for (thickness, deep) in [(2.0, 4.0), (4.0, 4.0), (8.0, 8.0)] {
+        let mut grid = BoxGrid::uniform([0.0; 3], [2.0 * thickness, 8.0, 10.0], [2, 2, 2]);
+        grid.fractures = vec![PlaneFracture::through("F", 0, thickness)];
+        let built = grid.build().unwrap();
+        let face = &built.fractures.faces[0];
+        let side = Side::deep(&built.mesh, face.plus.element as usize, face);
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-12 * b;
+        let expected = [deep, 4.0, 5.0];
+        assert!(
+            (0..3).all(|j| near(side.extent[j], expected[j])),
+            "{side:?}"
+        );
+        assert!(near(side.volume, 20.0 * deep), "{side:?}");
     }
 }

@@ -7,7 +7,7 @@ use crate::nonlinear::kept::{Kept, Ready};
 use crate::nonlinear::krylov::{self, Asked, Ended, Solved};
 use crate::nonlinear::workspace::Resources;
 use crate::nonlinear::{ContactProblem, LinearFailure, Prepared, RunPreconditioner};
-use fracas_operators::Preconditioner;
+use fracas_operators::{LinearOperator, Preconditioner};
 use fracas_solvers::Observer;
 use fracas_solvers::krylov::{Cg, KrylovChoice, System};
 use fracas_solvers::saddle::{AugmentationMatrix, SaddleBlocks};
@@ -23,6 +23,8 @@ pub(in crate::nonlinear) struct SpringLinear {
     max_krylov: usize,
     blocks: Option<SaddleBlocks>,
     kept: Kept,
+    /// Ritz value nearest to zero of the last system, with its preconditioner.
+    smallest_ritz: Option<f64>,
 }
 
 impl SpringLinear {
@@ -32,11 +34,13 @@ impl SpringLinear {
             max_krylov,
             blocks: None,
             kept: Kept::default(),
+            smallest_ritz: None,
         }
     }
 
     /// A step begins, with the preconditioner that was kept for it.
     pub(super) fn begin_step(&mut self, prepared: Option<&Prepared>) {
+        self.smallest_ritz = None;
         self.kept.begin_step(prepared);
     }
 
@@ -86,6 +90,7 @@ impl SpringLinear {
                 Ended::Dropped { iterations } => spent += iterations,
                 Ended::Solved(solved) => {
                     self.kept.ready = Some(ready);
+                    self.smallest_ritz = solved.smallest_ritz;
                     return Ok(Solved {
                         iterations: spent + solved.iterations,
                         setup: made,
@@ -94,6 +99,37 @@ impl SpringLinear {
                 }
             }
         }
+    }
+
+    /// `e_u ← S̃⁻¹ r`, an estimate of the error that leaves the residual r, with `e_t = D Bᵀ e_u`; and the Ritz value nearest to zero
+    /// of the last system.
+    pub(super) fn error_of(
+        &mut self,
+        problem: &ContactProblem<'_>,
+        (springs, stiffness): (&[Spring], &[f64]),
+        residual: &[f64],
+        resources: &mut Resources,
+    ) -> Result<(Vec<f64>, Option<f64>), LinearFailure> {
+        let ready = match self.kept.ready.take() {
+            Some(ready) => ready,
+            None => {
+                let of = wanted(problem, springs, stiffness);
+                let of = self.kept.pending.take().unwrap_or(of);
+                self.prepare(problem, of, resources)?
+            }
+        };
+        let ready = self.kept.ready.insert(ready);
+        let jacobian = jacobian(problem, springs);
+        let mut e = vec![0.0; residual.len() + 3 * springs.len()];
+        let (u, t) = e.split_at_mut(residual.len());
+        let scratch = ready
+            .inverse
+            .work_len()
+            .max(LinearOperator::work_len(&jacobian));
+        let mut work = vec![0.0; scratch];
+        ready.inverse.solve(residual, u, &mut work);
+        jacobian.tractions(u, t, &mut work);
+        Ok((e, self.smallest_ritz))
     }
 
     /// S̃⁻¹ with this C.

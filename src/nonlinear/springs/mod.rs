@@ -13,6 +13,7 @@ pub(super) mod linear;
 mod newton;
 mod operator;
 
+use super::accuracy::Accuracy;
 use super::active_set::{Log, Settled};
 use super::judge::{or_closing, slip_violation};
 use super::newton::{Attempt, Iterate};
@@ -22,7 +23,7 @@ use crate::contact::ContactState;
 use crate::scene::{AugmentedLagrangian, Method};
 use fracas_solvers::{Observer, Step};
 use linear::SpringLinear;
-use newton::{Springs, newton};
+use newton::{Solution, Springs, newton};
 
 /// Steps of a body whose faces are held by springs.
 pub(super) struct SpringMethod {
@@ -85,6 +86,7 @@ impl SpringMethod {
         };
         let mut traction = attempt.traction;
         let compliance = attempt.problem.compliance();
+        let mut accuracy = Accuracy::of_springs(attempt);
         let mut update = 0;
         loop {
             log.rounds += 1;
@@ -93,13 +95,17 @@ impl SpringMethod {
                 multiplier: &multiplier,
             };
             let linear = (&mut self.linear, update);
-            let (at, largest) = newton(
+            let Solution {
+                at,
+                traction: largest,
+                error,
+            } = newton(
                 attempt,
                 &faces,
                 linear,
-                &states,
+                (&states, &mut accuracy),
                 &mut u,
-                &mut log.linear,
+                log,
                 (&mut self.resources, observer),
             )?;
             states = at.states();
@@ -130,8 +136,8 @@ impl SpringMethod {
                     traction,
                     effective: at.jumps,
                     slip_violation,
-                    size: attempt.size,
-                    error: [f64::NAN; 2],
+                    size: accuracy.map_or(attempt.size, |accuracy| accuracy.size),
+                    error,
                     unstable: None,
                 });
             }

@@ -3,16 +3,22 @@
 use super::law::{Spring, SpringLaw};
 use super::linear::SpringLinear;
 use crate::contact::ContactState;
-use crate::nonlinear::newton::{Attempt, BACKTRACKS, DECREASE, relative};
+use crate::nonlinear::accuracy::Accuracy;
+use crate::nonlinear::active_set::Log;
+use crate::nonlinear::newton::{Attempt, BACKTRACKS, DECREASE, Iterate, relative};
 use crate::nonlinear::record::count;
 use crate::nonlinear::workspace::Resources;
 use crate::nonlinear::{Failure, LinearRecord};
 use fracas_operators::LinearOperator;
 use fracas_operators::vector::{axpy, norm2};
+use fracas_solvers::saddle::Judged;
 use fracas_solvers::{Observer, Step};
 
 /// Steps that are taken in full where a face changes its state or reverses its slip.
 const FULL: usize = 12;
+
+/// Steps that errors take at most from one judgement to the next.
+const EXTRA: usize = 4;
 
 /// Largest relative residual of a linear solve, and share of the asked residual for the last one. Unit: 1.
 ///
@@ -33,6 +39,14 @@ impl Evaluation {
         self.springs.iter().flat_map(|s| s.traction).collect()
     }
 
+    /// (u, t) at these displacements.
+    fn iterate(&self, u: &[f64]) -> Iterate {
+        Iterate {
+            u: u.to_vec(),
+            t: self.tractions(),
+        }
+    }
+
     fn largest_traction(&self) -> f64 {
         let t = self.springs.iter().flat_map(|s| s.traction);
         t.fold(0.0, |m: f64, t| m.max(t.abs()))
@@ -42,6 +56,15 @@ impl Evaluation {
     pub(super) fn states(&self) -> Vec<ContactState> {
         self.springs.iter().map(|s| s.state).collect()
     }
+}
+
+/// Where Newton ended.
+pub(super) struct Solution {
+    pub(super) at: Evaluation,
+    /// Largest traction of all iterates [Pa].
+    pub(super) traction: f64,
+    /// Errors of u and t; NaN where only residuals are judged.
+    pub(super) error: [f64; 2],
 }
 
 /// Springs of stiffness κ per face [Pa/m] around multipliers, three per face [Pa].
@@ -89,28 +112,34 @@ fn evaluate(
     at
 }
 
-/// Solves `A u + B t(u) = f` from and to `u`; returns the last evaluation and the largest traction of all.
+/// Solves `A u + B t(u) = f` from and to `u`.
 ///
 /// `(A + B D Bᵀ) δ = r`, D the derivative of the tractions (semi-smooth Newton). The first step holds faces that stick or are
 /// open in `states`. It and the next dozen where a face changes its state are taken in full, and a face that reversed its slip
-/// is held in stick for the next one, as the active set would have it; after that, backtracking lowers ‖r‖.
+/// is held in stick for the next one, as the active set would have it; after that, backtracking lowers ‖r‖. Below the tolerance
+/// the errors of u and t are judged, and steps go on until they are below it, too, or rounding leaves no more to gain.
 ///
 /// # Errors
-/// [`Failure::Newton`] when `max_active` steps do not reach the tolerance, and the failures of linear systems.
+/// [`Failure::Newton`] when `max_active` steps do not reach the tolerance, [`Failure::Inaccurate`], and the failures of linear systems.
 pub(super) fn newton(
     attempt: &Attempt<'_>,
     faces: &Springs<'_>,
     (linear, update): (&mut SpringLinear, usize),
-    states: &[ContactState],
+    (states, accuracy): (&[ContactState], &mut Option<Accuracy<'_>>),
     u: &mut [f64],
-    records: &mut Vec<LinearRecord>,
+    log: &mut Log,
     (resources, observer): (&mut Resources, &mut dyn Observer),
-) -> Result<(Evaluation, f64), Failure> {
+) -> Result<Solution, Failure> {
     let settings = attempt.problem.body().solver;
     let mut correction = vec![0.0; u.len()];
     let (mut at, mut before) = (evaluate(attempt, faces, u, &[]), f64::INFINITY);
     let mut traction = 0.0;
     let mut held: Vec<Option<ContactState>> = states.iter().copied().map(Some).collect();
+    let mut judged: Option<Judged> = None;
+    let (mut asked, mut since) = (settings.tolerance, 0);
+    if let Some(accuracy) = accuracy {
+        accuracy.begin();
+    }
     for iteration in 0.. {
         traction = at.largest_traction().max(traction);
         let size = norm2(&at.residual);
@@ -119,8 +148,22 @@ pub(super) fn newton(
             let what = "the residual";
             return Err(Failure::NotFinite { what });
         }
-        if residual <= settings.tolerance {
-            break;
+        since += 1;
+        if residual <= asked || judged.is_some() && since == EXTRA {
+            let Some(accuracy) = accuracy else { break };
+            let (now, parts) = (at.iterate(u), (&at.springs[..], faces.stiffness));
+            let errors = accuracy.of(&now, at.residual.clone(), |r, _| {
+                linear.error_of(attempt.problem, parts, r, resources)
+            })?;
+            (judged, since) = (Some(errors), 0);
+            match accuracy.left(errors) {
+                // steps that rounding keeps from it are few
+                Some(step) if residual <= asked => asked = step * residual,
+                Some(_) | None => {
+                    log.events.extend(accuracy.accepts(errors, residual)?);
+                    break;
+                }
+            }
         }
         if iteration == settings.max_active {
             return Err(Failure::Newton {
@@ -141,7 +184,7 @@ pub(super) fn newton(
             at = evaluate(attempt, faces, u, &held);
             traction = at.largest_traction().max(traction);
         }
-        let last = FORCING.1 * settings.tolerance / residual;
+        let last = FORCING.1 * asked / residual;
         let forcing = (size / before).powi(2).min(FORCING.0).max(last);
         let solved = linear.solve(
             attempt.problem,
@@ -150,7 +193,15 @@ pub(super) fn newton(
             forcing,
             &mut correction,
             (resources, observer),
-        )?;
+        );
+        let solved = match (solved, accuracy.as_ref().zip(judged)) {
+            // the residual has been small enough: what is left is rounding
+            (Err(_), Some((accuracy, judged))) => {
+                log.events.extend(accuracy.accepts(judged, residual)?);
+                break;
+            }
+            (solved, _) => solved?,
+        };
         if solved.stopped {
             return Err(Failure::Stopped);
         }
@@ -174,9 +225,12 @@ pub(super) fn newton(
         let hold = |(new, old): (&Spring, &Spring)| {
             (iteration < FULL && new.reverses(old)).then_some(ContactState::Stick)
         };
+        if let (0, Some(accuracy)) = (iteration, accuracy.as_mut()) {
+            accuracy.first(&at.iterate(u));
+        }
         held = at.springs.iter().zip(&old_springs).map(hold).collect();
         before = size;
-        records.push(LinearRecord {
+        log.linear.push(LinearRecord {
             step: attempt.step,
             attempt: attempt.attempt,
             active: update,
@@ -191,5 +245,9 @@ pub(super) fn newton(
             setup: solved.setup,
         });
     }
-    Ok((at, traction))
+    Ok(Solution {
+        at,
+        traction,
+        error: judged.map_or([f64::NAN; 2], |judged| judged.error),
+    })
 }

@@ -14,6 +14,20 @@ pub(super) struct SpringJacobian<'a> {
     pub(super) faces: Vec<Block>,
 }
 
+impl SpringJacobian<'_> {
+    /// `t ← D Bᵀ x` in the balanced unit.
+    pub(super) fn tractions(&self, x: &[f64], t: &mut [f64], work: &mut [f64]) {
+        t.fill(0.0);
+        self.b.apply_adjoint_add(1.0, x, t, work);
+        for (t, d) in t.chunks_exact_mut(3).zip(&self.faces) {
+            let jump = [t[0], t[1], t[2]];
+            for (t, d) in t.iter_mut().zip(d) {
+                *t = d[0] * jump[0] + d[1] * jump[1] + d[2] * jump[2];
+            }
+        }
+    }
+}
+
 impl LinearOperator<f64> for SpringJacobian<'_> {
     fn shape(&self) -> Shape {
         Shape::square(self.b.shape().rows)
@@ -23,15 +37,7 @@ impl LinearOperator<f64> for SpringJacobian<'_> {
         assert_product(self.shape(), x, y);
         self.a.apply_add(alpha, x, y, work);
         let (t, work) = work.split_at_mut(3 * self.faces.len());
-        // t = D Bᵀ x
-        t.fill(0.0);
-        self.b.apply_adjoint_add(1.0, x, t, work);
-        for (t, d) in t.chunks_exact_mut(3).zip(&self.faces) {
-            let jump = [t[0], t[1], t[2]];
-            for (t, d) in t.iter_mut().zip(d) {
-                *t = d[0] * jump[0] + d[1] * jump[1] + d[2] * jump[2];
-            }
-        }
+        self.tractions(x, t, work);
         self.b.apply_add(alpha, t, y, work);
     }
 
