@@ -18,16 +18,19 @@ const SPACES: &str = "linear fields on every side of a fracture";
 /// 57 on 48 cells, 1.8 cost 2 beside 67 on 16. Unit: 1.
 const ROUNDING: f64 = 1e-2;
 
-/// Stiffest over softest rock up to which rounding does no harm: bars of one rock, 100 to 400 cubes long and held at one end, are
-/// at 0.2 to 40 of a uniform force and lose no iteration in f32. Unit: 1.
+/// Stiffest over softest rock up to which rounding does less harm. Unit: 1.
 const ALIKE: f64 = 10.0;
 
-/// The rounding from which f64 is taken: none where rocks are alike, unless a number overflows.
+/// What it may leave there: bars of one rock, 100 to 400 cubes long and held at one end, are at 0.2 to 40 of a uniform force, columns 500 m
+/// high and 12 m wide at 89, and lose no iteration in f32; columns of 507 take 212 iterations for 26. Unit: 1.
+const ROUNDING_ALIKE: f64 = 1e2;
+
+/// The rounding from which f64 is taken.
 fn limit(materials: &[Elastic]) -> f64 {
     let young = materials.iter().map(|m| m.young);
     let (soft, stiff) = young.fold((f64::INFINITY, 0.0_f64), |(a, b), e| (a.min(e), b.max(e)));
     if stiff <= ALIKE * soft {
-        f64::MAX
+        ROUNDING_ALIKE
     } else {
         ROUNDING
     }
