@@ -44,7 +44,6 @@ impl<'s> Judge<'s> {
             let thresholds = Thresholds {
                 jump: zero * traction * compliance[f],
                 traction: zero * traction,
-                hysteresis: 0.0,
             };
             let next = match next_state(*state, &measure, &thresholds) {
                 // in stick it would carry again what tore it open
