@@ -108,3 +108,60 @@ fn otherwise(settings: RunPreconditioner) -> Option<(RunPreconditioner, &'static
     };
     Some((RunPreconditioner::Assembled(racp), now))
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::multigrid::GeometricError;
+    use crate::scene::{Body, named};
+
+    fn body(inner: &str) -> Body {
+        let scene = named("patch").unwrap().small_scene().unwrap();
+        let own = format!("solver.inner={inner}");
+        scene.with_overrides(&[&own]).unwrap().build().unwrap()
+    }
+
+    fn failure() -> LinearFailure {
+        MatrixFreeError::from(GeometricError::DenseC).into()
+    }
+
+    #[test]
+    fn what_cannot_be_set_up_gives_way_to_amg_then_to_a_factorization_and_says_so() {
+        let body = body("auto");
+        let problem = ContactProblem::new(&body).unwrap();
+        let mut fallbacks = Fallbacks::default();
+        let mut settings = RunPreconditioner::MatrixFree(MatrixFreeRacp::default());
+        for (k, name) in ["amg", "exact"].into_iter().enumerate() {
+            settings = fallbacks.instead(&problem, settings, failure()).unwrap();
+            let RunPreconditioner::Assembled(racp) = settings else {
+                panic!("{settings:?}");
+            };
+            let is_exact = matches!(racp.inner, InnerChoice::Exact { .. });
+            assert_eq!(is_exact, name == "exact");
+            assert_eq!((fallbacks.inner, fallbacks.events.len()), (k + 1, k + 1));
+            let Some(Event::Inner { reason, now }) = fallbacks.events.last() else {
+                panic!("{:?}", fallbacks.events);
+            };
+            assert_eq!((reason, *now), (&failure().to_string(), name));
+            assert_eq!(fallbacks.effective(settings), settings);
+        }
+        let last = fallbacks.instead(&problem, settings, failure());
+        assert_eq!(last.unwrap_err().to_string(), failure().to_string());
+    }
+
+    #[test]
+    fn what_was_asked_for_by_name_and_a_stop_give_way_to_nothing() {
+        let settings = RunPreconditioner::MatrixFree(MatrixFreeRacp::default());
+        for (inner, failure) in [
+            ("geometric", failure()),
+            ("auto", MatrixFreeError::Stopped.into()),
+        ] {
+            let body = body(inner);
+            let problem = ContactProblem::new(&body).unwrap();
+            let mut fallbacks = Fallbacks::default();
+            assert!(fallbacks.instead(&problem, settings, failure).is_err());
+            assert_eq!((fallbacks.inner, fallbacks.events.len()), (0, 0));
+        }
+    }
+}

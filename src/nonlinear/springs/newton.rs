@@ -8,7 +8,7 @@ use crate::nonlinear::active_set::Log;
 use crate::nonlinear::newton::{Attempt, BACKTRACKS, DECREASE, Iterate, relative};
 use crate::nonlinear::record::count;
 use crate::nonlinear::workspace::Resources;
-use crate::nonlinear::{Failure, LinearRecord};
+use crate::nonlinear::{Failure, LinearFailure, LinearRecord};
 use fracas_operators::LinearOperator;
 use fracas_operators::vector::{axpy, norm2};
 use fracas_solvers::saddle::Judged;
@@ -196,7 +196,13 @@ pub(super) fn newton(
         );
         let solved = match (solved, accuracy.as_ref().zip(judged)) {
             // the residual has been small enough: what is left is rounding
-            (Err(_), Some((accuracy, judged))) => {
+            (
+                Err(LinearFailure::Breakdown(_) | LinearFailure::IterationLimit { .. }),
+                Some((accuracy, judged)),
+            ) => {
+                if holds {
+                    at = evaluate(attempt, faces, u, &[]);
+                }
                 log.events.extend(accuracy.accepts(judged, residual)?);
                 break;
             }
