@@ -198,11 +198,14 @@ impl<'a> Simulation<'a> {
                     });
                 }
                 Err(reason) => {
-                    let reason = match log.unstable.take() {
-                        Some(patch) if solver.unstable == Unstable::Stop => {
-                            Failure::Unstable(patch)
-                        }
-                        Some(_) | None => reason.explained(self.problem.body(), &log.states),
+                    let stops = solver.unstable == Unstable::Stop;
+                    let patch = log.unstable.take().filter(|_| stops);
+                    let reason = reason.explained(self.problem.body(), &log.states);
+                    let reason = match (reason, patch) {
+                        // what open faces let go is free whatever slips
+                        (loose @ Failure::Loose { slipping: 0, .. }, _) => loose,
+                        (_, Some(patch)) => Failure::Unstable(patch),
+                        (reason, None) => reason,
                     };
                     return Err(StepFailure::new(state, target, cuts, reason, log));
                 }

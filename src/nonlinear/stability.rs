@@ -24,6 +24,9 @@ const MOST: usize = 30;
 /// Share of the largest slip of the mode that a face of the patch has at least. Unit: 1.
 const OF_PATCH: f64 = 0.1;
 
+/// Share of its limit that the shear of a face has from which on it may be taken to begin to slip. Unit: 1.
+const NEAR: f64 = 0.9;
+
 /// Halvings over which slip that runs away is compared.
 pub(super) const COMPARED: usize = 3;
 
@@ -228,7 +231,7 @@ impl Weak {
         })
     }
 
-    /// A face that begins to slip along its shear, as far as any other.
+    /// A face near its limit that begins to slip along its shear, as far as any other.
     fn from_rest(attempt: &Attempt<'_>, f: usize, x: &Iterate) -> Option<Self> {
         let t = [x.t[3 * f + 1], x.t[3 * f + 2]];
         let shear = t[0].hypot(t[1]);
@@ -240,8 +243,10 @@ impl Weak {
             false => 1.0,
         };
         let friction = attempt.problem.friction_in(f, attempt.start);
+        let limit = friction.limit(x.t[3 * f], before);
         let rate = -friction.by_slip(x.t[3 * f], before) * along;
-        (shear > 0.0 && rate > 0.0).then_some(Self {
+        let begins = shear > 0.0 && shear >= NEAR * limit && rate > 0.0;
+        begins.then_some(Self {
             face: f,
             direction: m,
             rate,
