@@ -116,6 +116,34 @@ fn a_block_slides_on_springs_without_traction() {
     }
 }
 
+/// Cohesion alone holds a block that nothing presses: t_N is 0 to rounding, and a further step of Newton's may open its faces.
+#[test]
+fn a_block_that_nothing_presses_ends_where_the_residual_says_too() {
+    let scene = |measure: &str| {
+        let own = [
+            "mesh.x.cells=2",
+            "mesh.y.cells=2",
+            "initial_stress.constant={ zz = '0 Pa' }",
+            "boundary.3.history=[['0 s', 0.0], ['4 s', 0.0], ['5 s', 0.2]]",
+            "time.steps=10",
+            "solver.tolerance=1e-8",
+            "solver.method={penalty={factor=1e3}}",
+            measure,
+        ];
+        let (mut slip, mut faces) = (0.0, [0; 4]);
+        run(&body(SLIDING, &own), |_, _, record| {
+            (slip, faces) = (record.slip_max, record.faces);
+        });
+        (slip, faces)
+    };
+    let [error, residual] = ["error", "residual"].map(|m| scene(&format!("solver.measure={m}")));
+    assert_eq!(error.1, residual.1);
+    // 1.2 mm at the top, 1 MPa over G = 10 GPa along 3 m
+    for (slip, _) in [error, residual] {
+        assert!((slip - 0.9e-3).abs() < 1e-8, "{slip}");
+    }
+}
+
 #[test]
 fn a_factor_that_is_not_positive_is_refused() {
     let scene = Scene::from_toml(CYCLE, "scene.toml").unwrap();

@@ -98,17 +98,22 @@ impl<'s> Accuracy<'s> {
         (!enough && judged.estimate.is_finite()).then(|| judged.step(tolerance))
     }
 
+    /// Whether errors that rounding leaves are taken.
+    pub(super) fn is_enough(&self, judged: Judged) -> bool {
+        let settings = self.attempt.problem.body().solver;
+        judged.worst() <= settings.tolerance.max(settings.state_tolerance)
+    }
+
     /// Errors that rounding leaves are told; beyond what states are judged by they are a failure.
     pub(super) fn accepts(&self, judged: Judged, residual: f64) -> Result<Option<Event>, Failure> {
         let settings = self.attempt.problem.body().solver;
         let (part, error) = (judged.part(), judged.worst());
-        let most = settings.tolerance.max(settings.state_tolerance);
-        match error <= most {
+        match self.is_enough(judged) {
             true => Ok((error > settings.tolerance).then_some(Event::Rounding { part, error })),
             false => Err(Failure::Inaccurate {
                 part,
                 error,
-                tolerance: most,
+                tolerance: settings.tolerance.max(settings.state_tolerance),
                 residual,
             }),
         }

@@ -198,7 +198,8 @@ impl<'a> Simulation<'a> {
                     });
                 }
                 Err(reason) => {
-                    let stops = solver.unstable == Unstable::Stop;
+                    // one that no halving has avoided
+                    let stops = solver.unstable == Unstable::Stop && solver.max_cuts >= COMPARED;
                     let patch = log.unstable.take().filter(|_| stops);
                     let reason = reason.explained(self.problem.body(), &log.states);
                     let reason = match (reason, patch) {

@@ -60,6 +60,8 @@ pub struct Instability {
     pub nucleation: f64,
     /// Largest slip of the step [m].
     pub slip: f64,
+    /// The faces slip so in equilibrium; else at states that were tried last, and ρ and the patch are those of these states.
+    pub settled: bool,
 }
 
 impl std::fmt::Display for Instability {
@@ -67,8 +69,18 @@ impl std::fmt::Display for Instability {
         let [x, y, z] = self.center;
         write!(
             f,
-            "on fracture \"{}\" {} faces around ({x:.6}, {y:.6}, {z:.6}) m, {:.6} m wide, lose {:.3e} Pa of strength per metre of slip, {:.3} times what the rock around gives back (nucleation half-length {:.6} m)",
-            self.fracture, self.faces, self.extent, self.slope, self.ratio, self.nucleation
+            "{}on fracture \"{}\" {} faces around ({x:.6}, {y:.6}, {z:.6}) m, {:.6} m wide, lose {:.3e} Pa of strength per metre of slip, {:.3} times what the rock around gives back (nucleation half-length {:.6} m)",
+            if self.settled {
+                ""
+            } else {
+                "at the states tried last "
+            },
+            self.fracture,
+            self.faces,
+            self.extent,
+            self.slope,
+            self.ratio,
+            self.nucleation
         )
     }
 }
@@ -192,7 +204,12 @@ fn instability(
         let patch = patch(problem, &faces, &mode, ratio);
         // none was found where none settled
         let slip = traction.map_or(0.0, |_| patch.slip);
-        Box::new(Instability { slip, ..patch })
+        let settled = traction.is_some();
+        Box::new(Instability {
+            slip,
+            settled,
+            ..patch
+        })
     }))
 }
 
@@ -321,5 +338,6 @@ fn patch(problem: &ContactProblem<'_>, faces: &[Weak], mode: &[f64], ratio: f64)
         ratio,
         nucleation,
         slip,
+        settled: true,
     }
 }

@@ -94,8 +94,8 @@ pub struct SolverSection {
     pub unstable: Unstable,
     /// How contact is enforced: `lagrange`, or `penalty` and `augmented_lagrangian` to compare with.
     pub method: Method,
-    /// Lengths that the jump stabilization H is made of: `deep`, or `box` as published, which lets slip through that is none
-    /// where cells are thin across fractures. In cubes they are the same.
+    /// Lengths that the jump stabilization H is made of: `deep`, or `box` as published, which lets more shear and
+    /// less overlap through where cells are thin across fractures. Where none is thin they are the same.
     pub stabilization: Lengths,
     /// Inner solver of the preconditioner.
     pub inner: RunInner,

@@ -58,6 +58,13 @@ impl Evaluation {
     }
 }
 
+/// The last iterate that was judged.
+struct Judgement {
+    errors: Judged,
+    residual: f64,
+    u: Vec<f64>,
+}
+
 /// Where Newton ended.
 pub(super) struct Solution {
     pub(super) at: Evaluation,
@@ -135,7 +142,7 @@ pub(super) fn newton(
     let (mut at, mut before) = (evaluate(attempt, faces, u, &[]), f64::INFINITY);
     let mut traction = 0.0;
     let mut held: Vec<Option<ContactState>> = states.iter().copied().map(Some).collect();
-    let mut judged: Option<Judged> = None;
+    let mut judged: Option<Judgement> = None;
     let (mut asked, mut since) = (settings.tolerance, 0);
     if let Some(accuracy) = accuracy {
         accuracy.begin();
@@ -149,20 +156,39 @@ pub(super) fn newton(
             return Err(Failure::NotFinite { what });
         }
         since += 1;
-        if residual <= asked || judged.is_some() && since == EXTRA {
+        if residual <= asked {
             let Some(accuracy) = accuracy else { break };
             let (now, parts) = (at.iterate(u), (&at.springs[..], faces.stiffness));
             let errors = accuracy.of(&now, at.residual.clone(), |r, _| {
                 linear.error_of(attempt.problem, parts, r, resources)
             })?;
-            (judged, since) = (Some(errors), 0);
+            let u = now.u;
+            judged = Some(Judgement {
+                errors,
+                residual,
+                u,
+            });
             match accuracy.left(errors) {
-                // steps that rounding keeps from it are few
-                Some(step) if residual <= asked => asked = step * residual,
-                Some(_) | None => {
+                Some(step) => (asked, since) = (step * residual, 0),
+                None => {
                     log.events.extend(accuracy.accepts(errors, residual)?);
                     break;
                 }
+            }
+        } else if since == EXTRA || residual > settings.tolerance {
+            // steps from there that rounding stops, or that lead to other states, are few
+            if let (Some(accuracy), Some(last)) = (accuracy.as_mut(), judged.take()) {
+                let stops = residual <= settings.tolerance;
+                if stops || accuracy.is_enough(last.errors) {
+                    u.copy_from_slice(&last.u);
+                    at = evaluate(attempt, faces, u, &[]);
+                    log.events
+                        .extend(accuracy.accepts(last.errors, last.residual)?);
+                    judged = Some(last);
+                    break;
+                }
+                accuracy.begin();
+                asked = settings.tolerance;
             }
         }
         if iteration == settings.max_active {
@@ -194,16 +220,16 @@ pub(super) fn newton(
             &mut correction,
             (resources, observer),
         );
-        let solved = match (solved, accuracy.as_ref().zip(judged)) {
+        let solved = match (solved, accuracy.as_ref().zip(judged.as_ref())) {
             // the residual has been small enough: what is left is rounding
             (
                 Err(LinearFailure::Breakdown(_) | LinearFailure::IterationLimit { .. }),
-                Some((accuracy, judged)),
+                Some((accuracy, last)),
             ) => {
-                if holds {
-                    at = evaluate(attempt, faces, u, &[]);
-                }
-                log.events.extend(accuracy.accepts(judged, residual)?);
+                u.copy_from_slice(&last.u);
+                at = evaluate(attempt, faces, u, &[]);
+                log.events
+                    .extend(accuracy.accepts(last.errors, last.residual)?);
                 break;
             }
             (solved, _) => solved?,
@@ -254,6 +280,6 @@ pub(super) fn newton(
     Ok(Solution {
         at,
         traction,
-        error: judged.map_or([f64::NAN; 2], |judged| judged.error),
+        error: judged.map_or([f64::NAN; 2], |last| last.errors.error),
     })
 }
