@@ -83,19 +83,26 @@ fn runs() -> u64 {
 
 #[test]
 fn slip_that_weakens_slowly_is_never_called_unstable() {
+    let mut halved = 0;
     for seed in 0..runs() {
         let case = Case::new(seed, [0.05, 0.98]);
         let body = case.body(&[]);
         let mut simulation = Simulation::new(&body).unwrap();
-        let mut state = simulation.initial_state();
+        let (mut state, mut cuts) = (simulation.initial_state(), 0);
         while state.step == 0 || !simulation.is_finished(&state) {
             let done = simulation.advance(&state, &mut Silent).unwrap();
-            assert!(!done.record.arrested, "seed {seed}");
+            let unstable =
+                |e: &Event| matches!(e, Event::Cut { reason, .. } if reason.contains("unstable"));
+            assert!(!done.events.iter().any(unstable), "seed {seed}");
+            cuts += done.record.cuts;
             state = done.state;
         }
         let fields = simulation.face_fields(&state);
         assert!(fields.slip[0] > 0.0, "seed {seed}: nothing slips");
+        halved += u64::from(cuts > 0);
     }
+    // limits of the iterate before converge slowly; of the first twelve none needs it
+    assert!(50 * halved <= runs(), "{halved} of {} are halved", runs());
 }
 
 #[test]
