@@ -212,7 +212,9 @@ fn tried(body: &Body, inner: &str) -> Option<Tried> {
                 (
                     &saddle,
                     Box::new(ready.inverse),
-                    saddle.energy_norms(&magnitude, strain),
+                    saddle
+                        .energy_norms(&magnitude, strain)
+                        .with_entries(&blocks),
                 )
             }
             _ => {
@@ -229,7 +231,7 @@ fn tried(body: &Body, inner: &str) -> Option<Tried> {
                 (
                     &assembled,
                     method.ready(&blocks).ok()?.inverse,
-                    norms.against(strain),
+                    norms.against(strain).with_entries(&blocks),
                 )
             }
         };
@@ -324,6 +326,6 @@ fn converged_means_accurate_and_refused_means_not() {
         wrong.len()
     );
     assert!(converged * 2 > cases, "too few were solved");
-    assert!(modest * 8 <= cases, "{modest} refusals of good solutions");
+    assert!(modest * 25 <= cases, "{modest} refusals of good solutions");
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

@@ -377,14 +377,20 @@ fn random_scenes_are_set_up_and_take_few_iterations() {
     );
 }
 
-/// Plates of 1:50 between cuts on a graded axis took 230 and 50 iterations, high columns in f32 400.
+/// Plates of 1:50 between cuts on a graded axis took 230 and 50 iterations, high columns in f32 400, a stiff sheet of 1:10 over soft rock
+/// 200 (50 with S_u factorized).
 #[test]
 fn seeds_that_took_many_iterations_take_few() {
-    for seed in [921_001_368, 921_001_121, 921_000_160] {
+    for (seed, most) in [
+        (921_001_368, ENOUGH),
+        (921_001_121, ENOUGH),
+        (921_000_160, ENOUGH),
+        (922_000_885, 55),
+    ] {
         let sample = Sample::new(&scene(seed)).unwrap();
         let found = sample.geometric(Geometric::default());
         assert!(
-            found.as_ref().is_ok_and(|n| *n <= ENOUGH),
+            found.as_ref().is_ok_and(|n| *n <= most),
             "{seed}: {found:?}"
         );
     }

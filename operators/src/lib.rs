@@ -25,6 +25,7 @@ pub mod shape;
 pub mod simd;
 pub mod sparse;
 pub mod timed;
+pub mod twofold;
 pub mod vector;
 
 pub use adjoint::Adjoint;
@@ -36,3 +37,4 @@ pub use preconditioner::{Identity, Inverse, Preconditioner, Properties};
 pub use real::Real;
 pub use shape::Shape;
 pub use timed::Timed;
+pub use twofold::Twofold;

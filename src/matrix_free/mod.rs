@@ -94,9 +94,7 @@ impl MatrixFreeSaddle<f64> {
         let square = self.unit * self.unit;
         let c = magnitude.compliance.iter().map(|c| c * square).collect();
         let h = self.h.as_deref().map(Csr::matrix);
-        EnergyNorms::new(self, h, c, Cow::Borrowed(&magnitude.stiffness))
-            .against(strain)
-            .rounded()
+        EnergyNorms::new(self, h, c, Cow::Borrowed(&magnitude.stiffness)).against(strain)
     }
 
     /// `(f_f − A_fc u_c, −s B_cᵀ u_c)` for nodal forces `force` over all displacements [N] and tractions in units of s.

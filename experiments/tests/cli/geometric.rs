@@ -101,6 +101,58 @@ fn f32_that_does_not_serve_gives_way_to_f64_and_the_report_says_so() {
     assert_eq!(flat["inner"], "amg (f64)");
 }
 
+/// A stiff block over soft rock is moved: residuals in f64 are rounding before errors are small, and were refused.
+#[test]
+fn residuals_in_twice_the_digits_finish_what_f64_cannot() {
+    let directory = scratch("twice_the_digits");
+    let scene = directory.join("moved.toml");
+    let text = "title = 'moved'
+[mesh]
+x = { from = '0 m', to = '5 m', cells = 5 }
+y = { from = '0 m', to = '0.05 m', cells = 4 }
+z = { from = '0 m', to = '6 m', cells = 6 }
+[[material]]
+name = 'rock'
+young = '10 GPa'
+poisson = 0.45
+[[material]]
+name = 'layer'
+young = '250000 GPa'
+poisson = 0.3
+layers = [['1 m', '5 m']]
+[[fracture]]
+name = 'a'
+plane = 'x'
+at = '2 m'
+friction_angle = '30 deg'
+z = ['0 m', '5 m']
+[[boundary]]
+side = 'z-'
+hold = 'fixed'
+[[boundary]]
+side = 'z+'
+displacement = { x = '6 mm', z = '-12 mm' }
+";
+    write(&scene, text);
+    let solution = |inner: &str| {
+        let file = directory.join(format!("{inner}.mtx"));
+        let scene = scene.to_str().unwrap();
+        let options = ["--inner", inner, "--max-iterations", "800"];
+        let (report, x) = solved(&[&["solve", scene], &options[..]].concat(), &file);
+        let findings = report["findings"].to_string();
+        (findings.contains("twice the digits"), report, x)
+    };
+    let (refined, report, x) = solution("geometric");
+    assert!(refined, "{report}");
+    let (_, exact, y) = solution("exact");
+    assert_eq!(exact["outcome"], "converged");
+    let n_u = report["n_u"].as_u64().unwrap() as usize;
+    for part in [0..n_u, n_u..x.len()] {
+        let deviation = deviation(&x[part.clone()], &y[part]);
+        assert!(deviation < 1e-8, "{deviation:e}");
+    }
+}
+
 #[test]
 fn a_run_says_that_f32_gave_way_to_f64() {
     let cases = [

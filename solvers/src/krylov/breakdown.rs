@@ -120,6 +120,25 @@ impl Breakdown {
         self
     }
 
+    /// The same where b itself was a residual, of `size` relative to the b that is reported on.
+    #[must_use]
+    pub fn relative_to(mut self, size: f64) -> Self {
+        match &mut self {
+            Self::Stagnation {
+                relative_residual, ..
+            }
+            | Self::Inaccurate {
+                relative_residual, ..
+            } => *relative_residual *= size,
+            Self::NotFinite { .. }
+            | Self::NotPositiveDefinite { .. }
+            | Self::Lanczos { .. }
+            | Self::OutOfRange { .. }
+            | Self::NonlinearPreconditioner { .. } => {}
+        }
+        self
+    }
+
     /// Iterations done when it happened.
     pub fn iteration(&self) -> usize {
         match self {

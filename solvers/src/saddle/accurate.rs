@@ -1,8 +1,9 @@
 //! An iteration that goes on until the error, not the residual, is small.
 
 use super::{EnergyNorms, ErrorJudge, Judged, probe};
-use crate::Observer;
 use crate::krylov::{Breakdown, Criteria, KrylovMethod, Outcome, Report, System, least};
+use crate::{Observer, Step};
+use fracas_operators::twofold::add_twofold;
 use fracas_operators::vector::norm2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -21,6 +22,12 @@ pub enum Measure {
 /// ‖r‖/‖b‖ above which nothing is solved: where 𝒜 is singular and b outside its range, x grows until any error is small beside it. Unit: 1.
 const NEAR: f64 = 1e-1;
 
+/// Share by which a pass has to lower a residual in twice the digits: else M has no digits of the error left. Unit: 1.
+const GAIN: f64 = 0.5;
+
+/// ‖r‖ over the rounding that r may have, above which an error below the tolerance is believed. Unit: 1.
+const FIRM: f64 = 100.0;
+
 /// A solve, and how accurate it is.
 #[derive(Clone, Debug)]
 pub struct Accurate {
@@ -30,6 +37,8 @@ pub struct Accurate {
     pub error: [f64; 2],
     /// Times the iteration was started.
     pub passes: usize,
+    /// Those of them for a residual in twice the digits.
+    pub refinements: usize,
 }
 
 /// Solves to `criteria.relative_tolerance` in the error ([`Measure::Residual`]: in the residual, and estimates the error).
@@ -38,11 +47,14 @@ pub struct Accurate {
 /// ‖r‖ ≤ tolerance · ‖b‖. [`ErrorJudge`] says what the error is. A residual that rounding keeps from falling is no failure
 /// where the error is small.
 ///
+/// Where f64 has no more to say, or what it says may be rounding, and the norms know the entries of 𝒜, residuals are had in twice the digits from there on, and passes
+/// solve `𝒜z = r`, x ← x + z, with x in twice the digits until it is returned: iterative refinement (Demmel et al., ACM TOMS 32, 2006).
+///
 /// Eigenvalues of M⁻¹𝒜 close to zero, of which b has little, are not seen by the iteration. Where M is of one level
 /// a [`probe`] looks for them.
 ///
 /// # Cost
-/// Beyond the iterations, per pass two products with 𝒜 and one solve with M; of a probe 40 of each.
+/// Beyond the iterations, per pass two products with 𝒜 and one solve with M (a refinement: some five products more); of a probe 40 of each.
 pub fn solve_accurately(
     method: &dyn KrylovMethod<f64>,
     system: &System<'_, f64>,
@@ -55,87 +67,188 @@ pub fn solve_accurately(
     let mut pass = *criteria;
     let mut totals = Totals::default();
     let mut judge = ErrorJudge::default();
-    let mut passes = 0;
+    let mut left = Remainder::new(system, norms);
+    let (mut passes, mut refinements) = (0, 0);
     loop {
         passes += 1;
-        let result = method.solve(system, &pass, x, observer);
+        refinements += usize::from(left.is_sharp);
+        let result = match left.is_sharp {
+            false => method.solve(system, &pass, x, observer),
+            true => left.refine(method, &pass, x, observer),
+        };
         let iterations = match &result {
             Ok(report) => report.iterations,
             Err(breakdown) => breakdown.iteration(),
         };
         let result = totals.added(result);
+        let before = left.relative;
         let finite = x.iter().all(|x| x.is_finite());
-        let (relative_residual, judged) = match finite {
-            true => {
-                if passes == 1 && measure == Measure::Error {
-                    totals.probe(method, system, norms, observer);
-                }
-                let (relative, e) = estimate(system, norms, x);
-                let size = norms.solution(x);
-                (
-                    relative,
-                    judge.judge(norms, (&e, x), size, totals.smallest_ritz),
-                )
-            }
-            false => (f64::NAN, Judged::UNKNOWN),
+        if finite && passes == 1 && measure == Measure::Error {
+            totals.probe(method, system, norms, observer);
+        }
+        let mut judged = match finite {
+            true => left.judged(x, &mut judge, totals.smallest_ritz),
+            false => Judged::UNKNOWN,
         };
-        let left = criteria.max_iterations.saturating_sub(totals.iterations);
+        let remaining = criteria.max_iterations.saturating_sub(totals.iterations);
         // far from b it is no rounding that keeps the residual from falling
-        let near = relative_residual <= NEAR;
+        let near = left.relative <= NEAR;
         let rounding = near && matches!(result, Err(Breakdown::Stagnation { .. }));
         let ended = matches!(&result, Ok(report) if report.outcome == Outcome::Stopped)
             || (result.is_err() && !rounding)
             || !judged.estimate.is_finite()
             || measure == Measure::Residual;
-        let error = judged.error;
-        if judged.worst() <= tolerance && near && !ended {
-            return Accurate {
-                result: Ok(totals.report(Outcome::Converged, relative_residual)),
-                error,
-                passes,
+        // of a sharp residual it is M⁻¹ that rounds, less with every pass
+        let stands = iterations == 0
+            || match left.is_sharp {
+                false => judged.stands,
+                true => left.relative > GAIN * before,
             };
+        let mut is_last = ended || stands || remaining == 0;
+        let is_enough = |judged: &Judged| judged.worst() <= tolerance && near && !ended;
+        let is_doubtful = match is_enough(&judged) {
+            true => left.is_rounding,
+            false => (rounding || stands) && remaining > 0,
+        };
+        if is_doubtful && near && !ended && left.sharpen() {
+            // errors before were those of other residuals
+            judge = ErrorJudge::default();
+            judged = left.judged(x, &mut judge, totals.smallest_ritz);
+            is_last = remaining == 0;
         }
-        if ended || judged.stands || left == 0 || iterations == 0 {
+        if is_enough(&judged) || is_last {
             let result = match result {
+                _ if is_enough(&judged) => Ok(totals.report(Outcome::Converged, left.relative)),
                 Ok(report) if report.outcome == Outcome::Converged && measure == Measure::Error => {
                     Err(Breakdown::Inaccurate {
                         method: method.name(),
                         iteration: report.iterations,
                         part: judged.part(),
                         error: judged.worst(),
-                        relative_residual,
+                        relative_residual: left.relative,
                     })
                 }
                 other => other,
             };
             return Accurate {
                 result,
-                error,
+                error: judged.error,
                 passes,
+                refinements,
             };
         }
         pass = Criteria {
-            relative_tolerance: judged.step(tolerance) * relative_residual,
-            max_iterations: left,
+            relative_tolerance: judged.step(tolerance) * left.scale(),
+            max_iterations: remaining,
         };
     }
 }
 
-/// The residual of x relative to ‖b‖, and M⁻¹ of it with what rounding may add to it.
-fn estimate(system: &System<'_, f64>, norms: &EnergyNorms<'_>, x: &[f64]) -> (f64, Vec<f64>) {
-    let mut r = system.rhs.to_vec();
-    let scratch = system
-        .operator
-        .work_len()
-        .max(system.preconditioner.work_len());
-    let mut work = vec![0.0; scratch];
-    system.operator.apply_add(-1.0, x, &mut r, &mut work);
-    let (size, b) = (norm2(&r), norm2(system.rhs));
-    norms.add_rounding(x, &mut r);
-    let mut e = vec![0.0; r.len()];
-    system.preconditioner.solve(&r, &mut e, &mut work);
-    let relative = if size == 0.0 { 0.0 } else { size / b };
-    (relative, e)
+/// What is left of the equations at an iterate.
+struct Remainder<'a> {
+    system: &'a System<'a, f64>,
+    norms: &'a EnergyNorms<'a>,
+    /// Digits of x that f64 has no room for, where residuals are sharp.
+    low: Vec<f64>,
+    /// b − 𝒜x.
+    r: Vec<f64>,
+    /// ‖r‖ / ‖b‖.
+    relative: f64,
+    /// Residuals are had in twice the digits.
+    is_sharp: bool,
+    /// The residual may be mostly rounding.
+    is_rounding: bool,
+}
+
+impl<'a> Remainder<'a> {
+    fn new(system: &'a System<'a, f64>, norms: &'a EnergyNorms<'a>) -> Self {
+        Self {
+            system,
+            norms,
+            low: Vec::new(),
+            r: Vec::new(),
+            relative: f64::NAN,
+            is_sharp: false,
+            is_rounding: false,
+        }
+    }
+
+    /// From here on residuals in twice the digits; false where there are none, or where they are had already.
+    fn sharpen(&mut self) -> bool {
+        let may = !self.is_sharp && self.norms.entries().is_some();
+        if may {
+            self.is_sharp = true;
+            self.low.resize(self.system.rhs.len(), 0.0);
+        }
+        may
+    }
+
+    /// The residual that tolerances of a pass are relative to, itself relative to ‖b‖.
+    fn scale(&self) -> f64 {
+        if self.is_sharp { 1.0 } else { self.relative }
+    }
+
+    /// The errors of x by M⁻¹ of its residual, with what rounding may add to that.
+    fn judged(&mut self, x: &[f64], judge: &mut ErrorJudge, ritz: Option<f64>) -> Judged {
+        let System {
+            operator,
+            preconditioner,
+            rhs,
+        } = *self.system;
+        let mut work = vec![0.0; operator.work_len().max(preconditioner.work_len())];
+        self.r.clear();
+        self.r.extend_from_slice(rhs);
+        match self.norms.entries().filter(|_| self.is_sharp) {
+            Some(blocks) => blocks.residual(rhs, &[x, &self.low], &mut self.r),
+            None => operator.apply_add(-1.0, x, &mut self.r, &mut work),
+        }
+        let (size, b) = (norm2(&self.r), norm2(rhs));
+        self.relative = if size == 0.0 { 0.0 } else { size / b };
+        self.is_rounding = !self.is_sharp && {
+            let rounding = self.norms.add_rounding(x, &mut self.r);
+            size < FIRM * rounding
+        };
+        let mut e = vec![0.0; self.r.len()];
+        preconditioner.solve(&self.r, &mut e, &mut work);
+        judge.judge(self.norms, (&e, x), self.norms.solution(x), ritz)
+    }
+
+    /// A pass for `𝒜z = r`, x ← x + z; the result is told relative to ‖b‖.
+    fn refine(
+        &mut self,
+        method: &dyn KrylovMethod<f64>,
+        pass: &Criteria,
+        x: &mut [f64],
+        observer: &mut dyn Observer,
+    ) -> Result<Report, Breakdown> {
+        let system = System {
+            rhs: &self.r,
+            ..*self.system
+        };
+        let mut of_b = |step: &Step| match *step {
+            Step::Krylov {
+                iteration,
+                relative_residual,
+            } => observer.observe(&Step::Krylov {
+                iteration,
+                relative_residual: relative_residual * self.relative,
+            }),
+            _ => observer.observe(step),
+        };
+        let mut z = vec![0.0; x.len()];
+        let result = method.solve(&system, pass, &mut z, &mut of_b);
+        if matches!(result, Ok(_) | Err(Breakdown::Stagnation { .. })) {
+            add_twofold(&z, x, &mut self.low);
+        }
+        match result {
+            Ok(report) => Ok(Report {
+                relative_residual: report.relative_residual * self.relative,
+                estimated_residual: report.estimated_residual * self.relative,
+                ..report
+            }),
+            Err(breakdown) => Err(breakdown.relative_to(self.relative)),
+        }
+    }
 }
 
 /// What all passes did.

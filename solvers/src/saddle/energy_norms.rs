@@ -30,8 +30,8 @@ pub struct EnergyNorms<'a> {
     diagonal: Vec<f64>,
     strain: Option<StrainNorm<'a>>,
     stiffness: Cow<'a, Stiffness>,
-    /// Products with A are known to rounding of its diagonal.
-    rounded: bool,
+    /// The blocks, where residuals may be had in twice the digits.
+    entries: Option<&'a SaddleBlocks>,
     /// Jumps count in the norm of e_u.
     jumps: bool,
     n_u: usize,
@@ -64,9 +64,21 @@ impl<'a> EnergyNorms<'a> {
             diagonal,
             strain: None,
             stiffness,
-            rounded: false,
+            entries: None,
             jumps: true,
         }
+    }
+
+    /// Takes residuals from these blocks, in twice the digits, where f64 has no more to say ([`SaddleBlocks::residual`]).
+    #[must_use]
+    pub fn with_entries(mut self, blocks: &'a SaddleBlocks) -> Self {
+        self.entries = Some(blocks);
+        self
+    }
+
+    /// The blocks of 𝒜, where residuals may be had in twice the digits.
+    pub fn entries(&self) -> Option<&SaddleBlocks> {
+        self.entries
     }
 
     /// Judges e_u against `norm` of the solution: where displacements are prescribed, `‖u‖_A` of the free ones alone is mostly
@@ -77,14 +89,6 @@ impl<'a> EnergyNorms<'a> {
         self
     }
 
-    /// Counts `ε diag(A) u` as a residual: a product that is computed anew from the elements is that of another matrix to rounding, and
-    /// iterations solve that one to any residual. It matters where stiff rock moves far and soft rock bears the load.
-    #[must_use]
-    pub fn rounded(mut self) -> Self {
-        self.rounded = true;
-        self
-    }
-
     /// Takes `e_uᵀA e_u` alone: of faces that are held by springs, which some jumps do not strain at all, tractions tell the others.
     #[must_use]
     pub fn without_jumps(mut self) -> Self {
@@ -92,13 +96,16 @@ impl<'a> EnergyNorms<'a> {
         self
     }
 
-    /// Adds `ε diag(A) u` to the residual: rounding has the same sign in like elements.
-    pub fn add_rounding(&self, x: &[f64], r: &mut [f64]) {
-        if self.rounded {
-            for ((r, x), a) in r.iter_mut().zip(x).zip(self.stiffness.entries()) {
-                *r += f64::EPSILON * a * x;
-            }
+    /// Adds `ε diag(A) u` to a residual in f64, which is known to that, and gives its norm: rounding has the same sign in like elements.
+    /// It matters where stiff rock moves far and soft rock bears the load.
+    pub fn add_rounding(&self, x: &[f64], r: &mut [f64]) -> f64 {
+        let mut square = 0.0;
+        for ((r, x), a) in r.iter_mut().zip(x).zip(self.stiffness.entries()) {
+            let rounding = f64::EPSILON * a * x;
+            *r += rounding;
+            square += rounding * rounding;
         }
+        square.sqrt()
     }
 
     /// A residual with its share of every eigenvector: independent entries, as large as `√diag(A)` and `√diag(C_0 + H)`.

@@ -21,6 +21,7 @@ pub(crate) mod oracle;
 mod probe;
 pub mod racp;
 pub mod relaxation;
+mod residual;
 #[cfg(test)]
 pub(crate) mod samples;
 pub(crate) mod scaling;

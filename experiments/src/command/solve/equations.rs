@@ -88,6 +88,7 @@ impl Equations for Assembled<'_> {
         let stiffness = Cow::Owned(self.blocks.stiffness());
         EnergyNorms::new(&self.operator, self.blocks.h.as_ref(), c, stiffness)
             .against(displaced.map(strain))
+            .with_entries(self.blocks)
     }
 }
 

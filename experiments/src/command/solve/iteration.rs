@@ -1,16 +1,17 @@
 //! One iteration around what is set up, and its report.
 
 use super::equations::Equations;
-use super::precision::{self, Double, InDouble, Watch, iterations_of};
+use super::precision::{self, Double, InDouble, Watch};
 use super::report::SolveReport;
 use super::residual::Residual;
+use super::stages::Stages;
 use super::{RightHandSide, Solve, Status, memory, output};
 use crate::command::progress::Progress;
 use fracas_operators::Preconditioner;
 use fracas_operators::matrix_market::write_vector;
 use fracas_solvers::amg::Summary;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, System};
-use fracas_solvers::saddle::{Accurate, Cost, Measure, RelaxationSummary, solve_accurately};
+use fracas_solvers::saddle::{Accurate, Cost, Measure, RelaxationSummary, SaddleBlocks};
 use fracas_solvers::spectrum::Explanation;
 use std::io::Write;
 use std::time::Instant;
@@ -45,7 +46,12 @@ pub(super) struct Built<'a> {
     pub(super) inner_fallbacks: usize,
     /// The preconditioner in f64, where f32 is inside.
     pub(super) in_double: Option<InDouble<'a>>,
+    /// The blocks, where the iteration is one without them.
+    pub(super) in_entries: Option<InEntries<'a>>,
 }
+
+/// Assembles the blocks in the unit of the tractions.
+pub(super) type InEntries<'a> = Box<dyn Fn(&mut Progress) -> anyhow::Result<SaddleBlocks> + 'a>;
 
 /// A number, or nothing.
 fn number(value: f64) -> Option<f64> {
@@ -95,7 +101,6 @@ impl Solve {
             progress.say(&format!("krylov: {reason}"));
             findings.push(format!("krylov: {reason}"));
         }
-        let start = Instant::now();
         progress.say("iterating");
         let operator = built.equations.operator();
         let system = System {
@@ -118,23 +123,12 @@ impl Solve {
         };
         let may_stop = built.in_double.is_some() && built.preconditioner.properties().single;
         let mut watch = Watch::new(&mut progress, may_stop);
-        let Accurate {
-            mut result,
-            mut error,
-            ..
-        } = solve_accurately(
-            method,
-            &system,
-            &criteria,
-            (measure, &norms),
-            &mut x,
-            &mut watch,
-        );
+        let judged = (measure, &norms);
+        let mut stages = Stages::begin(method, criteria, judged, &system, &mut x, &mut watch);
         let flat = watch.flat;
-        let mut solve_s = start.elapsed().as_secs_f64();
-        let (mut setup_s, mut before, mut double) = (built.setup_s, (0, Some(0)), None);
+        let (mut setup_s, mut double) = (built.setup_s, None);
         let start = Instant::now();
-        let again = precision::again(built, (&result, flat), &mut x, &mut progress);
+        let again = precision::again(built, (&stages.last.result, flat), &mut x, &mut progress);
         setup_s += start.elapsed().as_secs_f64();
         if let Some(again) = again {
             progress.say(&again.finding);
@@ -142,28 +136,53 @@ impl Solve {
             double = again.double;
             // what only stood still goes on, be it with f32
             if double.is_some() || flat.is_some() {
-                let products = result.as_ref().ok().map(|report| report.products);
-                before = (iterations_of(&result), products);
                 let system = System {
                     preconditioner: inverse(built, &double),
                     ..system
                 };
-                let rest = Criteria {
-                    max_iterations: self.max_iterations.saturating_sub(before.0),
-                    ..criteria
-                };
-                let start = Instant::now();
-                let rest = solve_accurately(
-                    method,
-                    &system,
-                    &rest,
-                    (measure, &norms),
-                    &mut x,
-                    &mut progress,
-                );
-                (result, error) = (rest.result, rest.error);
-                solve_s += start.elapsed().as_secs_f64();
+                stages.go_on(&norms, &system, &mut x, &mut progress);
             }
+        }
+        let start = Instant::now();
+        let entries = (built.in_entries.as_ref()).filter(|_| stages.is_rounding());
+        let entries = entries.and_then(|in_entries| {
+            in_entries(&mut progress)
+                .map_err(|error| {
+                    findings.push(format!(
+                        "refinement: f64 holds no more digits of the residual, and entries for twice the digits could not be had: {error:#}"
+                    ));
+                })
+                .ok()
+        });
+        setup_s += start.elapsed().as_secs_f64();
+        let of_entries = entries.as_ref().filter(|_| own).map(SaddleBlocks::rhs);
+        let b = of_entries.as_deref().unwrap_or(built.b);
+        let norms = match &entries {
+            None => norms,
+            Some(blocks) => {
+                let norms = norms.with_entries(blocks);
+                let system = System {
+                    preconditioner: inverse(built, &double),
+                    rhs: b,
+                    ..system
+                };
+                stages.go_on(&norms, &system, &mut x, &mut progress);
+                norms
+            }
+        };
+        let Stages {
+            last: Accurate { result, error, .. },
+            before,
+            refinements,
+            solve_s,
+            ..
+        } = stages;
+        if refinements > 0 {
+            let finding = format!(
+                "refinement: f64 holds no more digits of the residual; passes with residuals in twice the digits: {refinements}"
+            );
+            progress.say(&finding);
+            findings.push(finding);
         }
         let preconditioner = inverse(built, &double);
         let fallbacks = built.fallbacks + usize::from(double.is_some());
@@ -177,7 +196,8 @@ impl Solve {
         drop(progress);
 
         let cost = Cost::new(operator, preconditioner);
-        let residual = Residual::new(built.equations, &x, built.b);
+        let sharp = norms.entries().filter(|_| refinements > 0);
+        let residual = Residual::new(built.equations, &x, b, sharp);
         let [n_u, n_t, n_p] = built.equations.lengths();
         let mut report = SolveReport {
             outcome: "breakdown",

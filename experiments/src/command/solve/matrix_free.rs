@@ -7,6 +7,7 @@ use super::{Inner, Solve, Status, memory};
 use crate::command::progress::Progress;
 use anyhow::Context;
 use fracas::matrix_free::{MatrixFreeError, MatrixFreeRacp, MatrixFreeSaddle, RacpParts};
+use fracas_solvers::saddle::SaddleBlocks;
 use std::io::Write;
 use std::time::Instant;
 
@@ -72,6 +73,10 @@ impl Solve {
                 inner: racp.inner.to_string(),
             })
         };
+        let in_entries = |progress: &mut Progress| -> anyhow::Result<SaddleBlocks> {
+            let system = assembly.assemble(scene, progress)?;
+            Ok(system.blocks.into_traction_unit(unit))
+        };
         let setup_s = start.elapsed().as_secs_f64();
         self.iterate(
             &Built {
@@ -96,6 +101,7 @@ impl Solve {
                 fallbacks,
                 inner_fallbacks: inner.fallbacks,
                 in_double: Some(Box::new(in_double)),
+                in_entries: Some(Box::new(in_entries)),
             },
             progress,
             out,

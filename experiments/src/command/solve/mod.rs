@@ -6,6 +6,7 @@ mod matrix_free;
 mod precision;
 mod report;
 mod residual;
+mod stages;
 
 use super::method::{Asked, Method, Route};
 use super::progress::Progress;
@@ -269,6 +270,7 @@ impl Solve {
                         })
                     })
                 }),
+                in_entries: None,
             },
             progress,
             out,

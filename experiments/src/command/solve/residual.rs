@@ -2,6 +2,7 @@
 
 use super::equations::Equations;
 use fracas_operators::vector;
+use fracas_solvers::saddle::SaddleBlocks;
 
 /// Measures of `b − 𝒜x`; `None` where one is not a number.
 pub(super) struct Residual {
@@ -14,10 +15,19 @@ pub(super) struct Residual {
 }
 
 impl Residual {
-    pub(super) fn new(equations: &dyn Equations, x: &[f64], b: &[f64]) -> Self {
+    /// Of x; in twice the digits from the entries of 𝒜, where they are given.
+    pub(super) fn new(
+        equations: &dyn Equations,
+        x: &[f64],
+        b: &[f64],
+        entries: Option<&SaddleBlocks>,
+    ) -> Self {
         let operator = equations.operator();
         let mut r = b.to_vec();
-        operator.apply_add(-1.0, x, &mut r, &mut vec![0.0; operator.work_len()]);
+        match entries {
+            Some(blocks) => blocks.residual(b, &[x], &mut r),
+            None => operator.apply_add(-1.0, x, &mut r, &mut vec![0.0; operator.work_len()]),
+        }
         let over = |r: f64, scale: f64| if r == 0.0 { 0.0 } else { r / scale };
         let number = |v: f64| v.is_finite().then_some(v);
         let [n_u, n_t, _] = equations.lengths();

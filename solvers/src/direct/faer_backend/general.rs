@@ -1,6 +1,6 @@
 //! LU with partial pivoting, columns ordered by nested dissection or minimum degree, whichever bounds the factors lower.
 
-use super::{as_stack, out_of_memory, symbolic_failure, work_entries};
+use super::{Scratch, out_of_memory, symbolic_failure, work_entries};
 use crate::SetupError;
 use crate::direct::equilibration::Equilibrated;
 use crate::direct::nested_dissection::nested_dissection;
@@ -293,7 +293,7 @@ impl Preconditioner<f64> for GeneralFactors {
 
     fn solve(&self, r: &[f64], z: &mut [f64], work: &mut [f64]) {
         z.copy_from_slice(r);
-        self.solve_block(1, z, as_stack(work));
+        self.solve_block(1, z, Scratch::new(work).stack());
     }
 
     fn work_len(&self) -> usize {
@@ -313,9 +313,10 @@ impl Factorization for GeneralFactors {
     fn solve_adjoint(&self, r: &[f64], z: &mut [f64], work: &mut [f64]) {
         z.copy_from_slice(r);
         let (rows, order) = (self.rows(), self.structure.columns());
+        let mut scratch = Scratch::new(work);
         let (z, stack) = (
             MatMut::from_column_major_slice_mut(z, self.size(), 1),
-            as_stack(work),
+            scratch.stack(),
         );
         match &self.factors {
             Factors::Simplicial(lu) => {
@@ -331,7 +332,7 @@ impl Factorization for GeneralFactors {
         assert_eq!(b.len(), columns * self.size(), "{columns} right-hand sides");
         for_column_blocks(self.size(), b, |columns, part| {
             let mut work = vec![0.0; work_entries(self.scratch(columns))];
-            self.solve_block(columns, part, as_stack(&mut work));
+            self.solve_block(columns, part, Scratch::new(&mut work).stack());
         });
     }
 

@@ -9,6 +9,7 @@ use crate::SetupError;
 use faer::sparse::FaerError;
 use fracas_operators::sparse::SparseMatrix;
 use serde::{Deserialize, Serialize};
+use std::mem::MaybeUninit;
 
 /// faer's sparse factorizations with nested dissection.
 ///
@@ -79,13 +80,26 @@ fn work_entries(scratch: faer::dyn_stack::StackReq) -> usize {
         .div_ceil(size_of::<f64>())
 }
 
-/// A work array as faer's stack.
+/// A work array that is faer's scratch space for a while, and zero afterwards.
 ///
-/// faer takes uninitialized bytes; every bit pattern it may leave is a valid f64.
-fn as_stack(work: &mut [f64]) -> &mut faer::dyn_stack::MemStack {
-    // Safety: MaybeUninit<f64> has the layout of f64, and the entries are not read as f64 before they are written.
-    let bytes = unsafe { &mut *(std::ptr::from_mut(work) as *mut [std::mem::MaybeUninit<f64>]) };
-    faer::dyn_stack::MemStack::new_any(bytes)
+/// faer takes uninitialized bytes, and may leave such bytes: the entries are numbers again before safe code has them back.
+struct Scratch<'a>(&'a mut [MaybeUninit<f64>]);
+
+impl<'a> Scratch<'a> {
+    fn new(work: &'a mut [f64]) -> Self {
+        // SAFETY: MaybeUninit<f64> has the layout of f64; the borrow is exclusive, and drop writes every entry before it ends.
+        Self(unsafe { &mut *(std::ptr::from_mut(work) as *mut [MaybeUninit<f64>]) })
+    }
+
+    fn stack(&mut self) -> &mut faer::dyn_stack::MemStack {
+        faer::dyn_stack::MemStack::new_any(self.0)
+    }
+}
+
+impl Drop for Scratch<'_> {
+    fn drop(&mut self) {
+        self.0.fill(MaybeUninit::new(0.0));
+    }
 }
 
 /// The order of elimination with its inverse.

@@ -1,6 +1,6 @@
 //! LLᵀ and LDLᵀ.
 
-use super::{as_stack, out_of_memory, symbolic_failure, work_entries};
+use super::{Scratch, out_of_memory, symbolic_failure, work_entries};
 use crate::SetupError;
 use crate::direct::nested_dissection::nested_dissection;
 use crate::direct::pattern::{BLOCK, Pattern};
@@ -233,7 +233,7 @@ impl Preconditioner<f64> for SymmetricFactors {
 
     fn solve(&self, r: &[f64], z: &mut [f64], work: &mut [f64]) {
         z.copy_from_slice(r);
-        self.solve_block(1, z, as_stack(work));
+        self.solve_block(1, z, Scratch::new(work).stack());
     }
 
     fn work_len(&self) -> usize {
@@ -258,7 +258,7 @@ impl Factorization for SymmetricFactors {
         assert_eq!(b.len(), columns * self.size(), "{columns} right-hand sides");
         for_column_blocks(self.size(), b, |columns, part| {
             let mut work = vec![0.0; work_entries(self.scratch(columns))];
-            self.solve_block(columns, part, as_stack(&mut work));
+            self.solve_block(columns, part, Scratch::new(&mut work).stack());
         });
     }
 
