@@ -18,6 +18,13 @@ const RUNS: u64 = 12;
 /// Share by which loads may differ: states are judged to 1e-6 of the largest traction. Unit: 1.
 const SAME: f64 = 1e-5;
 
+/// What holds faces, and the share of the elastic range by which springs give. Unit: 1.
+const METHODS: [(&str, f64); 3] = [
+    ("lagrange", 0.0),
+    ("{augmented_lagrangian={factor=1e2}}", 0.0),
+    ("{penalty={factor=1e4}}", 1e-3),
+];
+
 /// Blocks that a seed decides.
 struct Case {
     blocks: BlockSliding,
@@ -70,11 +77,20 @@ impl Case {
         }
     }
 
-    fn body(&self, more: &[&str]) -> Body {
+    fn body(&self, method: &str, more: &[&str]) -> Body {
+        let method = format!("solver.method={method}");
         let own = self.overrides.iter().map(String::as_str);
-        let all: Vec<&str> = own.chain(more.iter().copied()).collect();
+        // stiff springs round at 1e-13
+        let settings = [&*method, "solver.tolerance=1e-10"];
+        let all: Vec<&str> = own.chain(more.iter().copied()).chain(settings).collect();
         body(SLIDING, &all)
     }
+}
+
+/// Every seed with every method.
+fn all() -> impl Iterator<Item = (u64, &'static str, f64)> {
+    let with = |seed| METHODS.map(|(method, gives)| (seed, method, gives));
+    (0..runs()).flat_map(with)
 }
 
 fn runs() -> u64 {
@@ -84,60 +100,68 @@ fn runs() -> u64 {
 #[test]
 fn slip_that_weakens_slowly_is_never_called_unstable() {
     let mut halved = 0;
-    for seed in 0..runs() {
+    for (seed, method, _) in all() {
         let case = Case::new(seed, [0.05, 0.98]);
-        let body = case.body(&[]);
+        let body = case.body(method, &[]);
         let mut simulation = Simulation::new(&body).unwrap();
         let (mut state, mut cuts) = (simulation.initial_state(), 0);
         while state.step == 0 || !simulation.is_finished(&state) {
             let done = simulation.advance(&state, &mut Silent).unwrap();
             let unstable =
                 |e: &Event| matches!(e, Event::Cut { reason, .. } if reason.contains("unstable"));
-            assert!(!done.events.iter().any(unstable), "seed {seed}");
+            assert!(!done.events.iter().any(unstable), "seed {seed} {method}");
             cuts += done.record.cuts;
             state = done.state;
         }
         let fields = simulation.face_fields(&state);
-        assert!(fields.slip[0] > 0.0, "seed {seed}: nothing slips");
-        halved += u64::from(cuts > 0);
+        assert!(fields.slip[0] > 0.0, "seed {seed} {method}: nothing slips");
+        halved += usize::from(cuts > 0);
     }
     // limits of the iterate before converge slowly; of the first twelve none needs it
-    assert!(50 * halved <= runs(), "{halved} of {} are halved", runs());
+    let runs = all().count();
+    assert!(50 * halved <= runs, "{halved} of {runs} are halved");
 }
 
 #[test]
 fn slip_that_runs_away_is_recognized_at_the_load_at_which_it_begins() {
     let mut named = 0;
-    for seed in 0..runs() {
+    for (seed, method, gives) in all() {
         let case = Case::new(seed, [1.05, 6.0]);
-        let body = case.body(&[]);
+        let body = case.body(method, &[]);
         let mut simulation = Simulation::new(&body).unwrap();
         let mut state = simulation.initial_state();
-        let failure = loop {
-            assert!(
-                !simulation.is_finished(&state) || state.step == 0,
-                "seed {seed}: to the end"
-            );
+        let failed = loop {
+            if state.step > 0 && simulation.is_finished(&state) {
+                break None;
+            }
             match simulation.advance(&state, &mut Silent) {
                 Ok(done) => state = done.state,
-                Err(failure) => break failure,
+                Err(failure) => break Some(failure),
             }
+        };
+        // a jump that is small beside the slip of the shortest step is not told from a steep path
+        let Some(failure) = failed else {
+            println!("seed {seed} {method}, ratio {}: to the end", case.ratio);
+            continue;
         };
         let onset = case.blocks.elastic_range() / case.end;
         let [low, high] = [failure.time, failure.time + failure.increment];
         assert!(
-            low <= onset * (1.0 + SAME) && onset <= high * (1.0 + SAME),
-            "seed {seed}: {onset} {low} {high}"
+            low <= onset * (1.0 + SAME + gives) && onset <= high * (1.0 + SAME),
+            "seed {seed} {method}: {onset} {low} {high}"
         );
-        assert!(failure.increment <= 1.0 / 128.0, "seed {seed}: {failure}");
+        assert!(
+            failure.increment <= 1.0 / 128.0,
+            "seed {seed} {method}: {failure}"
+        );
         let Failure::Unstable(patch) = &failure.reason else {
-            println!("seed {seed}, ratio {}: {failure}", case.ratio);
+            println!("seed {seed} {method}, ratio {}: {failure}", case.ratio);
             continue;
         };
         named += 1;
         assert!(
             (patch.ratio - case.ratio).abs() < 2e-3 * case.ratio,
-            "seed {seed}: {} {}",
+            "seed {seed} {method}: {} {}",
             patch.ratio,
             case.ratio
         );
@@ -146,19 +170,20 @@ fn slip_that_runs_away_is_recognized_at_the_load_at_which_it_begins() {
         let fields = simulation.face_fields(&state);
         assert!(
             fields.slip[0] <= 1e-9 * case.end,
-            "seed {seed}: {}",
+            "seed {seed} {method}: {}",
             fields.slip[0]
         );
     }
-    assert!(20 * named >= 19 * runs(), "{named} of {} are named", runs());
+    let runs = all().count();
+    assert!(20 * named >= 19 * runs, "{named} of {runs} are named");
 }
 
 #[test]
 fn asked_for_a_run_steps_over_to_the_arrested_state_and_says_so() {
     let mut arrested = 0;
-    'seeds: for seed in 0..runs() {
+    'runs: for (seed, method, gives) in all() {
         let case = Case::new(seed, [1.05, 6.0]);
-        let body = case.body(&["solver.unstable=arrest"]);
+        let body = case.body(method, &["solver.unstable=arrest"]);
         let mut simulation = Simulation::new(&body).unwrap();
         let mut state = simulation.initial_state();
         let mut passed = Vec::new();
@@ -170,46 +195,51 @@ fn asked_for_a_run_steps_over_to_the_arrested_state_and_says_so() {
                 Err(failure) => {
                     let onset = case.blocks.elastic_range() / case.end;
                     let reached = failure.time + failure.increment;
-                    assert!(onset <= reached * (1.0 + SAME), "seed {seed}: {failure}");
-                    continue 'seeds;
+                    let reaches = onset <= reached * (1.0 + SAME);
+                    assert!(reaches, "seed {seed} {method}: {failure}");
+                    continue 'runs;
                 }
             };
             let told = done
                 .events
                 .iter()
                 .any(|e| matches!(e, Event::Arrested { .. }));
-            assert_eq!(told, done.record.arrested, "seed {seed}");
+            assert_eq!(told, done.record.arrested, "seed {seed} {method}");
             state = done.state;
             if told {
                 passed.push([before, state.time]);
             }
         }
         let onset = case.blocks.elastic_range() / case.end;
-        assert_eq!(passed.len(), 1, "seed {seed}: {passed:?}");
+        if passed.is_empty() {
+            println!("seed {seed} {method}, ratio {}: no jump", case.ratio);
+            continue;
+        }
+        assert_eq!(passed.len(), 1, "seed {seed} {method}: {passed:?}");
         let [low, high] = passed[0];
         assert!(
-            low <= onset * (1.0 + SAME) && onset <= high * (1.0 + SAME),
-            "seed {seed}"
+            low <= onset * (1.0 + SAME + gives) && onset <= high * (1.0 + SAME),
+            "seed {seed} {method}"
         );
         // equilibrium of the column and the limit at this slip
         let fields = simulation.face_fields(&state);
         let shear = fields.traction[1].hypot(fields.traction[2]);
         assert!(
-            (shear - fields.tau_limit[0]).abs() < 1e-5 * shear,
-            "seed {seed}: {shear} {}",
+            (shear - fields.tau_limit[0]).abs() < (1e-5 + gives) * shear,
+            "seed {seed} {method}: {shear} {}",
             fields.tau_limit[0]
         );
         let height: f64 = case.blocks.heights.iter().sum();
         let driven = case.blocks.shear * (case.end - fields.slip[0]) / height;
         assert!(
-            (shear - driven).abs() < 1e-5 * shear,
-            "seed {seed}: {shear} {driven}"
+            (shear - driven).abs() < (1e-5 + gives) * shear,
+            "seed {seed} {method}: {shear} {driven}"
         );
         arrested += 1;
     }
+    let runs = all().count();
     assert!(
-        4 * arrested >= 3 * runs(),
-        "{arrested} of {} come to rest",
-        runs()
+        4 * arrested >= 3 * runs,
+        "{arrested} of {runs} come to rest"
     );
 }

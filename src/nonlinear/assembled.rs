@@ -1,5 +1,6 @@
 //! S̃_u⁻¹ of assembled blocks.
 
+use super::fallback::Fallbacks;
 use fracas_operators::Preconditioner;
 use fracas_solvers::SetupError;
 use fracas_solvers::amg::{Amg, AmgPlan};
@@ -12,30 +13,25 @@ pub(super) struct Assembled {
     plan: Option<AmgPlan>,
 }
 
-/// `S̃_u⁻¹`, and why it is in f64 where f32 was asked for and failed just now.
-pub(super) struct Built {
-    pub(super) inverse: Box<dyn Preconditioner<f64>>,
-    pub(super) lost: Option<SetupError>,
-}
-
 impl Assembled {
-    /// For this C.
+    /// True where the next build plans.
+    pub(super) fn plans(&self, inner: InnerChoice) -> bool {
+        self.plan.is_none() && matches!(inner, InnerChoice::Amg(_))
+    }
+
+    /// S̃_u⁻¹ for this C; where f32 was asked for and fails it is in f64, and that is told.
     pub(super) fn build(
         &mut self,
         inner: InnerChoice,
         blocks: &SaddleBlocks,
         c: &AugmentationMatrix,
-    ) -> Result<Built, SetupError> {
+        fallbacks: &mut Fallbacks,
+    ) -> Result<Box<dyn Preconditioner<f64>>, SetupError> {
         let InnerChoice::Amg(asked) = inner else {
-            let inverse = inner.prepare(blocks, c)?.inverse;
-            return Ok(Built {
-                inverse,
-                lost: None,
-            });
+            return Ok(inner.prepare(blocks, c)?.inverse);
         };
         let f = &blocks.b1 * &c.inverse_root()?;
         let coordinates = blocks.coordinates.as_deref();
-        let mut lost = None;
         let inverse = match &self.plan {
             // aggregates of the stuck body may leave nothing to hold an open one; the plan stays that of the stuck body,
             // so that a restart finds the same
@@ -48,7 +44,7 @@ impl Assembled {
                 let first = plan(asked).or_else(|error| {
                     let double = asked.in_double().ok_or(error.clone())?;
                     let planned = plan(double).map_err(|_| error.clone())?;
-                    lost = Some(error.in_block("S_u"));
+                    fallbacks.note(format!("with f32 {}", error.in_block("S_u")));
                     Ok(planned)
                 });
                 first.map(|(inverse, plan)| {
@@ -58,9 +54,6 @@ impl Assembled {
             }
         };
         let inverse = inverse.map_err(|error: SetupError| error.in_block("S_u"))?;
-        Ok(Built {
-            inverse: Box::new(inverse),
-            lost,
-        })
+        Ok(Box::new(inverse))
     }
 }

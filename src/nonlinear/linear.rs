@@ -1,13 +1,18 @@
 //! The linear systems of Newton: one preconditioner for as long as it serves.
 
-use super::assembled::{Assembled, Built};
+use super::active_set::{Log, Settled, active_set};
+use super::assembled::Assembled;
 use super::face_rules::FaceRule;
 use super::jacobian::FaceTangent;
 use super::kept::{Kept, Ready};
 use super::krylov::{self, Asked, Ended, Solved};
+use super::newton::{Attempt, Iterate};
+use super::stability::{AtLimits, Holding, SOLVED};
 use super::state_inverse::StateInverse;
 use super::workspace::Resources;
-use super::{ContactJacobian, ContactProblem, LinearFailure, NewtonSystem, Prepared, State};
+use super::{
+    ContactJacobian, ContactProblem, Failure, LinearFailure, NewtonSystem, Prepared, State,
+};
 use crate::contact::ContactState;
 use crate::matrix_free::{MatrixFreeError, MatrixFreeRacp};
 use crate::scene::{FACTORIZED, RunInner};
@@ -310,8 +315,8 @@ impl Linear {
         c: &impl Fn(&[[Block; 2]]) -> Vec<Block>,
     ) -> Result<(Vec<Block>, Box<dyn Preconditioner<f64>>, &'static str), LinearFailure> {
         let unit = problem.saddle().unit();
-        let mut stage = "preconditioner";
-        match settings {
+        let before = self.resources.fallbacks.count;
+        let (c, inverse): (_, Box<dyn Preconditioner<f64>>) = match settings {
             RunPreconditioner::Assembled(racp) => {
                 let direct = match racp.inner {
                     InnerChoice::Exact { backend } => backend,
@@ -326,12 +331,11 @@ impl Linear {
                 }
                 let c = c(&self.c);
                 let matrix = AugmentationMatrix::from_face_blocks(c.clone())?;
-                let Built { inverse, lost } = self.assembled.build(racp.inner, &blocks, &matrix)?;
-                if let Some(error) = lost {
-                    stage = IN_DOUBLE;
-                    self.resources.fallbacks.note(format!("with f32 {error}"));
-                }
-                Ok((c, inverse, stage))
+                let fallbacks = &mut self.resources.fallbacks;
+                let inverse = self
+                    .assembled
+                    .build(racp.inner, &blocks, &matrix, fallbacks)?;
+                (c, inverse)
             }
             RunPreconditioner::MatrixFree(racp) => {
                 let system = problem.stick_system();
@@ -343,12 +347,56 @@ impl Linear {
                 let matrix = AugmentationMatrix::from_face_blocks(c.clone())?;
                 let in_pascal = matrix.scaled(1.0 / (unit * unit));
                 let s_u = self.resources.fallbacks.build(problem, racp, &in_pascal)?;
-                if s_u.lost().is_some() {
-                    stage = IN_DOUBLE;
-                }
-                Ok((c, Box::new(s_u), stage))
+                (c, Box::new(s_u))
             }
-        }
+        };
+        let stage = match self.resources.fallbacks.count > before {
+            true => IN_DOUBLE,
+            false => "preconditioner",
+        };
+        Ok((c, inverse, stage))
+    }
+}
+
+impl Holding for Linear {
+    fn settle(
+        &mut self,
+        attempt: &Attempt<'_>,
+        states: Vec<ContactState>,
+        x: Iterate,
+        log: &mut Log,
+        observer: &mut dyn Observer,
+    ) -> Result<Settled, Failure> {
+        active_set(attempt, states, x, self, log, observer)
+    }
+
+    fn at_limits<'a>(
+        &'a mut self,
+        attempt: &'a Attempt<'_>,
+        (states, x): (&'a [ContactState], &Iterate),
+    ) -> AtLimits<'a> {
+        let problem = attempt.problem;
+        let h = problem.stabilization(states);
+        let point = [&x.u[..], &x.t];
+        let at = problem.evaluate(states, h.as_ref(), point, attempt.start, attempt.load);
+        let (n_u, s) = (x.u.len(), problem.saddle().unit());
+        let mut rhs = vec![0.0; n_u + x.t.len()];
+        let mut solved = vec![0.0; rhs.len()];
+        Box::new(move |faces, drop, observer| {
+            let jacobian = problem.jacobian(states, h.as_ref(), &at, true);
+            rhs.fill(0.0);
+            for (face, drop) in faces.iter().zip(drop) {
+                let scale = s * problem.compliance()[face.face] * problem.faces()[face.face].area;
+                let row = n_u + 3 * face.face + 1;
+                (0..2).for_each(|k| rhs[row + k] = scale * drop * face.direction[k]);
+            }
+            let at = (&jacobian, states);
+            let done = self.solve(problem, at, &rhs, SOLVED, &mut solved, observer)?;
+            match done.stopped {
+                true => Err(Failure::Stopped),
+                false => Ok(solved[..n_u].to_vec()),
+            }
+        })
     }
 }
 

@@ -205,6 +205,19 @@ impl<'a> ContactProblem<'a> {
         jump
     }
 
+    /// `f ← f − A u` in N.
+    pub(super) fn subtract_stiffness(&self, u: &[f64], f: &mut [f64]) {
+        let a = self.saddle.stiffness();
+        a.apply_add(-1.0, u, f, &mut vec![0.0; a.work_len()]);
+    }
+
+    /// `f ← f + α B t`, t in Pa, f in N.
+    pub(super) fn add_forces(&self, alpha: f64, t: &[f64], f: &mut [f64]) {
+        let b = self.saddle.coupling();
+        let mut work = vec![0.0; b.work_len()];
+        b.apply_add(alpha / self.saddle.unit(), t, f, &mut work);
+    }
+
     /// The equations at (u, t) for fixed states; `h` is [`stabilization`](Self::stabilization) of these states, or of some that
     /// constrain more.
     pub fn evaluate(
@@ -220,11 +233,9 @@ impl<'a> ContactProblem<'a> {
         let mut residual = load.force.clone();
         residual.resize(n_u + t.len(), 0.0);
         let (r_u, r_t) = residual.split_at_mut(n_u);
-        let (a, b) = (self.saddle.stiffness(), self.saddle.coupling());
-        let mut work = vec![0.0; a.work_len().max(b.work_len())];
         // r_u = f − A u − B t
-        a.apply_add(-1.0, u, r_u, &mut work);
-        b.apply_add(-1.0 / s, t, r_u, &mut work);
+        self.subtract_stiffness(u, r_u);
+        self.add_forces(-1.0, t, r_u);
         let jumps = self.jumps(u, load);
         // g − H t*/A_f
         let mut effective = jumps.clone();

@@ -16,7 +16,6 @@ use super::{
 };
 use crate::contact::ContactState;
 use crate::scene::{Body, Unstable};
-use fracas_operators::LinearOperator;
 use fracas_operators::vector::{axpy, norm2};
 use fracas_solvers::Observer;
 
@@ -288,19 +287,16 @@ impl<'a> Simulation<'a> {
                 u: state.u.clone(),
                 t: t.clone(),
             };
+            let from = states.clone();
             let settled = match &mut self.springs {
-                Some(springs) => {
-                    let settled = springs.attempt(&attempt, states.clone(), x, log, observer);
-                    log.events.append(&mut springs.resources.fallbacks.events);
-                    settled
-                }
-                None => {
-                    let linear = &mut self.linear;
-                    let settled = stable(&attempt, states.clone(), x, linear, log, observer);
-                    log.events.append(&mut linear.resources.fallbacks.events);
-                    settled
-                }
+                Some(springs) => stable(&attempt, from, x, springs, log, observer),
+                None => stable(&attempt, from, x, &mut self.linear, log, observer),
             };
+            let told = match &mut self.springs {
+                Some(springs) => &mut springs.resources.fallbacks.events,
+                None => &mut self.linear.resources.fallbacks.events,
+            };
+            log.events.append(told);
             match settled {
                 Err(Failure::Torn { faces }) => {
                     start.torn.resize(states.len(), false);
@@ -314,18 +310,12 @@ impl<'a> Simulation<'a> {
 
     /// The largest of the loads before and after and of the forces of the tractions before [N]: residuals are relative to it.
     fn scale(&self, t: &[f64], loads: [&Load; 2]) -> f64 {
-        let saddle = self.problem.saddle();
-        let b = saddle.coupling();
+        let unit = self.problem.saddle().unit();
         let mut pushed = vec![0.0; self.problem.body().constraints.free_len()];
-        b.apply_add(
-            1.0 / saddle.unit(),
-            t,
-            &mut pushed,
-            &mut vec![0.0; b.work_len()],
-        );
+        self.problem.add_forces(1.0, t, &mut pushed);
         loads
             .into_iter()
-            .flat_map(|load| [norm2(&load.force), saddle.unit() * norm2(&load.jump)])
+            .flat_map(|load| [norm2(&load.force), unit * norm2(&load.jump)])
             .fold(norm2(&pushed), f64::max)
     }
 

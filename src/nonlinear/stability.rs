@@ -1,19 +1,17 @@
 //! Slip that runs away under weakening: the tangent of the patch that slips is not positive definite.
 
-use super::active_set::{Log, Settled, active_set};
-use super::linear::Linear;
+use super::active_set::{Log, Settled};
 use super::newton::{Attempt, Iterate};
 use super::{ContactProblem, Failure, Load};
 use crate::analytic::{Rock, nucleation_half_length};
 use crate::contact::ContactState;
-use fracas_operators::vector::dot;
 use fracas_solvers::Observer;
 
 /// Loss of strength in a step, relative to the largest traction, below which nothing has weakened. Unit: 1.
 const NOTHING: f64 = 1e-5;
 
-/// Relative residual of a linear solve. Unit: 1.
-const SOLVED: f64 = 1e-6;
+/// Relative residual of its linear solves. Unit: 1.
+pub(super) const SOLVED: f64 = 1e-6;
 
 /// Change of the largest ratio at which it stands. Unit: 1.
 const STANDS: f64 = 1e-3;
@@ -85,32 +83,70 @@ impl std::fmt::Display for Instability {
     }
 }
 
+/// What holds faces: multipliers, or springs.
+pub(super) trait Holding {
+    /// States that settle.
+    fn settle(
+        &mut self,
+        attempt: &Attempt<'_>,
+        states: Vec<ContactState>,
+        x: Iterate,
+        log: &mut Log,
+        observer: &mut dyn Observer,
+    ) -> Result<Settled, Failure>;
+
+    /// K⁻¹, linear around x, where the faces that slip in these states do so in the direction of their shear and hold limits that
+    /// nothing moves.
+    fn at_limits<'a>(
+        &'a mut self,
+        attempt: &'a Attempt<'_>,
+        at: (&'a [ContactState], &Iterate),
+    ) -> AtLimits<'a>;
+}
+
+/// Displacements that follow where the limits of these faces fall by so much [Pa].
+pub(super) type AtLimits<'a> =
+    Box<dyn FnMut(&[Weak], &[f64], &mut dyn Observer) -> Result<Vec<f64>, Failure> + 'a>;
+
+/// Where slip that runs away is looked for.
+#[derive(Clone, Copy)]
+enum Slipping<'a> {
+    /// In equilibrium: the largest traction so far [Pa], and the jumps that the laws of the faces see [m].
+    Settled { traction: f64, effective: &'a [f64] },
+    /// At the start of a step, whose faces are to slip from there on.
+    FromRest,
+}
+
 /// States that settle, and whether slip runs away there; where none do, whether it would at those tried last.
 pub(super) fn stable(
     attempt: &Attempt<'_>,
     states: Vec<ContactState>,
     x: Iterate,
-    linear: &mut Linear,
+    holding: &mut impl Holding,
     log: &mut Log,
     observer: &mut dyn Observer,
 ) -> Result<Settled, Failure> {
     if !attempt.problem.weakens() {
-        return active_set(attempt, states, x, linear, log, observer);
+        return holding.settle(attempt, states, x, log, observer);
     }
     let start = x.clone();
     log.unstable = None;
-    match active_set(attempt, states, x, linear, log, observer) {
+    match holding.settle(attempt, states, x, log, observer) {
         Ok(mut settled) => {
-            let found = (&settled.states[..], &settled.x);
-            let patch = instability(attempt, found, Some(settled.traction), linear, observer)?;
+            let found = Slipping::Settled {
+                traction: settled.traction,
+                effective: &settled.effective,
+            };
+            let at = (&settled.states[..], &settled.x);
+            let patch = instability(attempt, at, found, holding, observer)?;
             settled.unstable = patch;
             Ok(settled)
         }
         Err(reason) => {
-            if reason.may_be_cut() {
+            if reason.may_be_cut() && !log.states.is_empty() {
                 let tried = (&log.states[..], &start);
                 // what fails here, too, says nothing
-                let patch = instability(attempt, tried, None, linear, observer);
+                let patch = instability(attempt, tried, Slipping::FromRest, holding, observer);
                 log.unstable = patch.ok().flatten();
             }
             Err(reason)
@@ -118,8 +154,7 @@ pub(super) fn stable(
     }
 }
 
-/// The patch that runs away at states in equilibrium, if one does; without a `traction`, the largest so far, x is where the step starts
-/// and the faces that slip are to do so from there on.
+/// The patch that runs away at these states, if one does.
 ///
 /// With slip frozen in its directions m and every limit given, an increase of all limits by τ holds back the slip
 /// `K⁻¹ A_f τ`; slip z takes `W z` from the limits, so that `z ← K⁻¹ A_f W z` grows without bound where `ρ(K⁻¹ A_f W) > 1`: then
@@ -132,65 +167,44 @@ pub(super) fn stable(
 fn instability(
     attempt: &Attempt<'_>,
     (states, x): (&[ContactState], &Iterate),
-    traction: Option<f64>,
-    linear: &mut Linear,
+    slipping: Slipping<'_>,
+    holding: &mut impl Holding,
     observer: &mut dyn Observer,
 ) -> Result<Option<Box<Instability>>, Failure> {
     let problem = attempt.problem;
-    let h = problem.stabilization(states);
-    let at = problem.evaluate(
-        states,
-        h.as_ref(),
-        [&x.u, &x.t],
-        attempt.start,
-        attempt.load,
-    );
     let faces: Vec<Weak> = (0..states.len())
         .filter(|f| states[*f].constrained() == 1)
-        .filter_map(|f| match traction {
-            Some(_) => Weak::new(attempt, f, x, &at.effective),
-            None => Weak::from_rest(attempt, f, x),
-        })
+        .filter_map(|f| Weak::new(attempt, f, x, slipping))
         .collect();
     let lost = faces.iter().map(|face| face.rate * face.slip);
     let lost = lost.fold(0.0, f64::max);
-    if lost == 0.0 || traction.is_some_and(|traction| lost <= NOTHING * traction) {
+    let nothing = match slipping {
+        Slipping::Settled { traction, .. } => NOTHING * traction,
+        Slipping::FromRest => 0.0,
+    };
+    if lost <= nothing {
         return Ok(None);
     }
-    let jacobian = problem.jacobian(states, h.as_ref(), &at, true);
-    let (n_u, s) = (x.u.len(), problem.saddle().unit());
-    let mut rhs = vec![0.0; n_u + x.t.len()];
-    let mut solved = vec![0.0; rhs.len()];
+    let mut at_limits = holding.at_limits(attempt, (states, x));
     let mut mode: Vec<f64> = faces.iter().map(|face| face.slip).collect();
     let mut ratio = 0.0f64;
+    let area = |face: &Weak| problem.faces()[face.face].area;
+    // zᵀ A_f v
+    let product = |z: &[f64], v: &[f64]| -> f64 {
+        let pairs = faces.iter().zip(z).zip(v);
+        pairs.map(|((face, z), v)| area(face) * z * v).sum()
+    };
+    let losses = |z: &[f64]| -> Vec<f64> {
+        let pairs = faces.iter().zip(z);
+        pairs.map(|(face, z)| face.rate * z).collect()
+    };
     for _ in 0..MOST {
-        let weights = |v: &[f64]| -> Vec<f64> {
-            let of = |(face, v): (&Weak, &f64)| problem.faces()[face.face].area * face.rate * v;
-            faces.iter().zip(v).map(of).collect()
-        };
-        let driven = weights(&mode);
-        rhs.fill(0.0);
-        for (face, w) in faces.iter().zip(&driven) {
-            for k in 0..2 {
-                let row = n_u + 3 * face.face + 1 + k;
-                rhs[row] = s * problem.compliance()[face.face] * w * face.direction[k];
-            }
-        }
-        let done = linear.solve(
-            problem,
-            (&jacobian, states),
-            &rhs,
-            SOLVED,
-            &mut solved,
-            observer,
-        )?;
-        if done.stopped {
-            return Err(Failure::Stopped);
-        }
-        let next = slip_of(problem, &solved[..n_u], &faces);
+        let drop = losses(&mode);
+        let u = at_limits(&faces, &drop, observer)?;
+        let next = slip_of(problem, &u, &faces);
         let before = ratio;
         // zᵀ A_f W z over zᵀ K z = zᵀ A_f W z_before
-        ratio = dot(&next, &weights(&next)) / dot(&next, &driven);
+        ratio = product(&next, &losses(&next)) / product(&next, &drop);
         let size = next.iter().fold(0.0, |m: f64, z| m.max(z.abs()));
         if !(ratio.is_finite() && size > 0.0) {
             return Ok(None);
@@ -202,72 +216,62 @@ fn instability(
     }
     Ok((ratio > 1.0 + SOLVED).then(|| {
         let patch = patch(problem, &faces, &mode, ratio);
-        // none was found where none settled
-        let slip = traction.map_or(0.0, |_| patch.slip);
-        let settled = traction.is_some();
-        Box::new(Instability {
-            slip,
-            settled,
-            ..patch
+        Box::new(match slipping {
+            Slipping::Settled { .. } => patch,
+            // none was found where none settled
+            Slipping::FromRest => Instability {
+                slip: 0.0,
+                settled: false,
+                ..patch
+            },
         })
     }))
 }
 
 /// A face that slips and weakens.
-struct Weak {
-    face: usize,
-    /// m.
-    direction: [f64; 2],
+pub(super) struct Weak {
+    pub(super) face: usize,
+    /// That of its shear.
+    pub(super) direction: [f64; 2],
     /// −∂τ_L/∂s along m at the start of the step [Pa/m].
     rate: f64,
-    /// Slip of the step along m [m].
+    /// Slip of the step along m; from rest as far as any other [m].
     slip: f64,
 }
 
 impl Weak {
-    fn new(attempt: &Attempt<'_>, f: usize, x: &Iterate, effective: &[f64]) -> Option<Self> {
+    /// `None` for a face that does not weaken, or at rest is not near its limit.
+    fn new(attempt: &Attempt<'_>, f: usize, x: &Iterate, slipping: Slipping<'_>) -> Option<Self> {
         let t = [x.t[3 * f + 1], x.t[3 * f + 2]];
         let shear = t[0].hypot(t[1]);
-        let from = [0, 1].map(|k| attempt.start.slip[2 * f + k]);
-        let moved = [1, 2].map(|k| effective[3 * f + k] - attempt.start.jump[3 * f + k]);
-        let before = from[0].hypot(from[1]);
         let m = t.map(|t| t / shear);
-        let slip = m[0] * moved[0] + m[1] * moved[1];
+        let from = [0, 1].map(|k| attempt.start.slip[2 * f + k]);
+        let before = from[0].hypot(from[1]);
+        let friction = attempt.problem.friction_in(f, attempt.start);
+        let (moved, slip, begins) = match slipping {
+            Slipping::Settled { effective, .. } => {
+                let moved = [1, 2].map(|k| effective[3 * f + k] - attempt.start.jump[3 * f + k]);
+                (moved, m[0] * moved[0] + m[1] * moved[1], true)
+            }
+            Slipping::FromRest => {
+                let limit = friction.limit(x.t[3 * f], before);
+                ([0.0; 2], 1.0, shear >= NEAR * limit)
+            }
+        };
         // ds/dΔg along m; slip that turns back heals
         let after = [from[0] + moved[0], from[1] + moved[1]];
         let size = after[0].hypot(after[1]);
-        let along = (m[0] * after[0] + m[1] * after[1]) / size;
-        let friction = attempt.problem.friction_in(f, attempt.start);
+        let along = match size > 0.0 {
+            true => (m[0] * after[0] + m[1] * after[1]) / size,
+            false => 1.0,
+        };
         let rate = -friction.by_slip(x.t[3 * f], before) * along;
-        let weakens = shear > 0.0 && slip > 0.0 && rate > 0.0;
+        let weakens = begins && shear > 0.0 && slip > 0.0 && rate > 0.0;
         weakens.then_some(Self {
             face: f,
             direction: m,
             rate,
             slip,
-        })
-    }
-
-    /// A face near its limit that begins to slip along its shear, as far as any other.
-    fn from_rest(attempt: &Attempt<'_>, f: usize, x: &Iterate) -> Option<Self> {
-        let t = [x.t[3 * f + 1], x.t[3 * f + 2]];
-        let shear = t[0].hypot(t[1]);
-        let m = t.map(|t| t / shear);
-        let from = [0, 1].map(|k| attempt.start.slip[2 * f + k]);
-        let before = from[0].hypot(from[1]);
-        let along = match before > 0.0 {
-            true => (m[0] * from[0] + m[1] * from[1]) / before,
-            false => 1.0,
-        };
-        let friction = attempt.problem.friction_in(f, attempt.start);
-        let limit = friction.limit(x.t[3 * f], before);
-        let rate = -friction.by_slip(x.t[3 * f], before) * along;
-        let begins = shear > 0.0 && shear >= NEAR * limit && rate > 0.0;
-        begins.then_some(Self {
-            face: f,
-            direction: m,
-            rate,
-            slip: 1.0,
         })
     }
 }

@@ -23,6 +23,8 @@ pub(super) struct SpringLaw {
     pub(super) multiplier: [f64; 3],
     /// Coulomb friction.
     pub(super) friction: Friction,
+    /// K leaves out the derivative of weakening.
+    pub(super) lagged: bool,
 }
 
 /// What the springs of a face do.
@@ -62,7 +64,9 @@ impl SpringLaw {
             return spring;
         }
         spring.state = ContactState::Slip;
-        let law = self.friction.slip_traction(normal, [w1, w2], g, false);
+        let law = self
+            .friction
+            .slip_traction(normal, [w1, w2], g, self.lagged);
         spring.direction = law.direction;
         spring.across = kappa * law.turning;
         for i in 0..2 {
@@ -110,6 +114,28 @@ impl Spring {
                 spring.traction[0] = w[0];
                 spring.tangent[0][0] = kappa;
             }
+        }
+        spring
+    }
+
+    /// A face that bears t [Pa]; in slip it does so in the direction of its shear, at a limit that only its normal traction
+    /// moves, by `by_normal`.
+    pub(super) fn at_limit(state: ContactState, kappa: f64, t: [f64; 3], by_normal: f64) -> Self {
+        let mut spring = Self::held(state);
+        if state == ContactState::Open {
+            return spring;
+        }
+        spring.traction = t;
+        (0..3).for_each(|k| spring.tangent[k][k] = kappa);
+        if state == ContactState::Stick {
+            return spring;
+        }
+        let shear = t[1].hypot(t[2]);
+        let m = [t[1], t[2]].map(|t| if shear > 0.0 { t / shear } else { 0.0 });
+        (spring.direction, spring.across) = (m, kappa);
+        for i in 0..2 {
+            spring.tangent[1 + i][0] = kappa * by_normal * m[i];
+            (0..2).for_each(|j| spring.tangent[1 + i][1 + j] -= kappa * m[i] * m[j]);
         }
         spring
     }
@@ -178,6 +204,7 @@ mod tests {
                 distance: 4e-3,
             }),
         },
+        lagged: false,
     };
     const START: [f64; 2] = [3e-4, 2e-4];
 
@@ -202,6 +229,37 @@ mod tests {
                     let difference = (plus[i] - minus[i]) / (2.0 * h);
                     let error = (difference - spring.tangent[i][j]).abs() / LAW.stiffness;
                     assert!(error < 1e-6, "{state:?} {i} {j}: {error:e}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn at_limits_that_nothing_moves_only_slip_along_the_shear_is_free() {
+        let friction = Friction {
+            weakening: None,
+            ..LAW.friction
+        };
+        let law = SpringLaw { friction, ..LAW };
+        for (jump, state) in [
+            ([-1e-5, 1e-6, 2e-6], ContactState::Stick),
+            ([-1e-5, 3e-4, -1e-4], ContactState::Slip),
+            ([1e-4, 3e-4, -1e-4], ContactState::Open),
+        ] {
+            let spring = law.at(jump, START, None);
+            let t = spring.traction;
+            let by_normal = friction.by_normal(t[0], 0.0);
+            let frozen = Spring::at_limit(state, law.stiffness, t, by_normal);
+            assert_eq!(frozen.state, spring.state);
+            let m = [0.0, spring.direction[0], spring.direction[1]];
+            // slip turns the more freely the further it has gone: across m the law is softer
+            let turned = (law.stiffness - spring.across) * f64::from(u8::from(m != [0.0; 3]));
+            for i in 0..3 {
+                for j in 0..3 {
+                    let across = if i == j { 1.0 } else { 0.0 } - m[i] * m[j];
+                    let across = if i * j == 0 { 0.0 } else { turned * across };
+                    let error = frozen.tangent[i][j] - across - spring.tangent[i][j];
+                    assert!(error.abs() < 1e-9 * law.stiffness, "{state:?} {i} {j}");
                 }
             }
         }

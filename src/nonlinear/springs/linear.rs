@@ -2,7 +2,9 @@
 
 use super::law::Spring;
 use super::operator::SpringJacobian;
+use crate::contact::ContactState;
 use crate::mesh::FractureFace;
+use crate::nonlinear::assembled::Assembled;
 use crate::nonlinear::kept::{Kept, Ready};
 use crate::nonlinear::krylov::{self, Asked, Ended, Solved};
 use crate::nonlinear::workspace::Resources;
@@ -10,7 +12,7 @@ use crate::nonlinear::{ContactProblem, LinearFailure, Prepared, RunPreconditione
 use fracas_operators::{LinearOperator, Preconditioner};
 use fracas_solvers::Observer;
 use fracas_solvers::krylov::{Cg, KrylovChoice, System};
-use fracas_solvers::saddle::{AugmentationMatrix, SaddleBlocks};
+use fracas_solvers::saddle::{AugmentationMatrix, Block, SaddleBlocks};
 
 /// Iterations after which a preconditioner that was made for other springs is made anew. Unit: 1.
 const PATIENCE: usize = 40;
@@ -22,6 +24,7 @@ pub(in crate::nonlinear) struct SpringLinear {
     settings: RunPreconditioner,
     max_krylov: usize,
     blocks: Option<SaddleBlocks>,
+    assembled: Assembled,
     kept: Kept,
     /// Ritz value nearest to zero of the last system, with its preconditioner.
     smallest_ritz: Option<f64>,
@@ -33,6 +36,7 @@ impl SpringLinear {
             settings,
             max_krylov,
             blocks: None,
+            assembled: Assembled::default(),
             kept: Kept::default(),
             smallest_ritz: None,
         }
@@ -62,7 +66,7 @@ impl SpringLinear {
         let jacobian = jacobian(problem, springs);
         let symmetric = springs.iter().all(Spring::is_symmetric);
         if let Some(pending) = self.kept.pending.take() {
-            self.kept.ready = Some(self.prepare(problem, pending, resources)?);
+            self.kept.ready = Some(self.prepare(problem, pending, stiffness, resources)?);
         }
         let short = symmetric.then_some(KrylovChoice::Cg(Cg {}));
         let mut spent = 0;
@@ -71,7 +75,7 @@ impl SpringLinear {
                 Some(ready) => (ready, false),
                 None => {
                     let of = wanted(problem, springs, stiffness);
-                    (self.prepare(problem, of, resources)?, true)
+                    (self.prepare(problem, of, stiffness, resources)?, true)
                 }
             };
             let system = System {
@@ -115,7 +119,7 @@ impl SpringLinear {
             None => {
                 let of = wanted(problem, springs, stiffness);
                 let of = self.kept.pending.take().unwrap_or(of);
-                self.prepare(problem, of, resources)?
+                self.prepare(problem, of, stiffness, resources)?
             }
         };
         let ready = self.kept.ready.insert(ready);
@@ -137,12 +141,12 @@ impl SpringLinear {
         &mut self,
         problem: &ContactProblem<'_>,
         of: Prepared,
+        stiffness: &[f64],
         resources: &mut Resources,
     ) -> Result<Ready, LinearFailure> {
-        let c = AugmentationMatrix::from_face_blocks(of.c.clone())?;
         let mut settings = self.settings;
         let inverse = loop {
-            match self.inverse(problem, settings, &c, resources) {
+            match self.inverse(problem, settings, &of.c, stiffness, resources) {
                 Ok(inverse) => break inverse,
                 Err(failure) => {
                     settings = resources.fallbacks.instead(problem, settings, failure)?
@@ -157,19 +161,35 @@ impl SpringLinear {
         &mut self,
         problem: &ContactProblem<'_>,
         settings: RunPreconditioner,
-        c: &AugmentationMatrix,
+        c: &[Block],
+        stiffness: &[f64],
         resources: &mut Resources,
     ) -> Result<Box<dyn Preconditioner<f64>>, LinearFailure> {
+        let matrix = AugmentationMatrix::from_face_blocks(c.to_vec())?;
         Ok(match settings {
             RunPreconditioner::Assembled(racp) => {
                 let blocks = match &mut self.blocks {
                     Some(blocks) => blocks,
                     none => none.insert(problem.stick_blocks()?),
                 };
-                racp.inner.prepare(blocks, c)?.inverse
+                let fallbacks = &mut resources.fallbacks;
+                if self.assembled.plans(racp.inner) {
+                    // a restart, which begins with other springs, finds the same plan
+                    let spring =
+                        |kappa| Spring::at_limit(ContactState::Stick, kappa, [0.0; 3], 0.0);
+                    let stuck: Vec<Spring> = stiffness.iter().map(|k| spring(*k)).collect();
+                    let stick = wanted(problem, &stuck, stiffness).c;
+                    if stick != c {
+                        let stick = AugmentationMatrix::from_face_blocks(stick)?;
+                        self.assembled
+                            .build(racp.inner, blocks, &stick, fallbacks)?;
+                    }
+                }
+                self.assembled
+                    .build(racp.inner, blocks, &matrix, fallbacks)?
             }
             RunPreconditioner::MatrixFree(racp) => {
-                Box::new(resources.fallbacks.build(problem, racp, c)?)
+                Box::new(resources.fallbacks.build(problem, racp, &matrix)?)
             }
         })
     }

@@ -17,11 +17,13 @@ use super::accuracy::Accuracy;
 use super::active_set::{Log, Settled};
 use super::judge::{or_closing, slip_violation};
 use super::newton::{Attempt, Iterate};
+use super::stability::{AtLimits, Holding, SOLVED};
 use super::workspace::Resources;
 use super::{ContactProblem, Failure, Prepared, RunPreconditioner};
 use crate::contact::ContactState;
 use crate::scene::{AugmentedLagrangian, Method};
 use fracas_solvers::{Observer, Step};
+use law::Spring;
 use linear::SpringLinear;
 use newton::{Solution, Springs, newton};
 
@@ -70,8 +72,28 @@ impl SpringMethod {
         self.linear.carried()
     }
 
-    /// One attempt at a step from these states, displacements and tractions.
-    pub(super) fn attempt(
+    /// Faces whose overlap or slip error `‖t − λ‖/κ` is more than a face in stick may have.
+    fn wrong(
+        &self,
+        attempt: &Attempt<'_>,
+        multiplier: &[f64],
+        t: &[f64],
+        traction: f64,
+    ) -> Vec<usize> {
+        let problem = attempt.problem;
+        let zero = problem.body().solver.state_tolerance * traction;
+        let error = |f: usize| {
+            let d = |k: usize| t[3 * f + k] - multiplier[3 * f + k];
+            d(0).abs().max(d(1).hypot(d(2))) / self.stiffness[f]
+        };
+        (0..problem.faces().len())
+            .filter(|f| error(*f) > zero * problem.compliance()[*f])
+            .collect()
+    }
+}
+
+impl Holding for SpringMethod {
+    fn settle(
         &mut self,
         attempt: &Attempt<'_>,
         mut states: Vec<ContactState>,
@@ -93,15 +115,12 @@ impl SpringMethod {
             let faces = Springs {
                 stiffness: &self.stiffness,
                 multiplier: &multiplier,
+                lagged: false,
             };
             let linear = (&mut self.linear, update);
-            let Solution {
-                at,
-                traction: largest,
-                error,
-            } = newton(
+            let Solution { at, error } = newton(
                 attempt,
-                &faces,
+                faces,
                 linear,
                 (&states, &mut accuracy),
                 &mut u,
@@ -110,7 +129,8 @@ impl SpringMethod {
             )?;
             states = at.states();
             let t = at.tractions();
-            traction = traction.max(largest);
+            // iterates of stiff springs bear tractions of no scale
+            traction = traction.max(at.largest_traction());
             let wrong = match self.max_updates {
                 None => Vec::new(),
                 Some(_) => self.wrong(
@@ -152,22 +172,39 @@ impl SpringMethod {
         }
     }
 
-    /// Faces whose overlap or slip error `‖t − λ‖/κ` is more than a face in stick may have.
-    fn wrong(
-        &self,
-        attempt: &Attempt<'_>,
-        multiplier: &[f64],
-        t: &[f64],
-        traction: f64,
-    ) -> Vec<usize> {
+    fn at_limits<'a>(
+        &'a mut self,
+        attempt: &'a Attempt<'_>,
+        (states, x): (&'a [ContactState], &Iterate),
+    ) -> AtLimits<'a> {
         let problem = attempt.problem;
-        let zero = problem.body().solver.state_tolerance * traction;
-        let error = |f: usize| {
-            let d = |k: usize| t[3 * f + k] - multiplier[3 * f + k];
-            d(0).abs().max(d(1).hypot(d(2))) / self.stiffness[f]
+        let spring = |(f, state): (usize, &ContactState)| {
+            let t = [0, 1, 2].map(|k| x.t[3 * f + k]);
+            let start = [0, 1].map(|k| attempt.start.slip[2 * f + k]);
+            let friction = problem.friction_in(f, attempt.start);
+            let by_normal = friction.by_normal(t[0], start[0].hypot(start[1]));
+            Spring::at_limit(*state, self.stiffness[f], t, by_normal)
         };
-        (0..problem.faces().len())
-            .filter(|f| error(*f) > zero * problem.compliance()[*f])
-            .collect()
+        let springs: Vec<Spring> = states.iter().enumerate().map(spring).collect();
+        let mut solved = vec![0.0; x.u.len()];
+        Box::new(move |faces, drop, observer| {
+            let (mut t, mut rhs) = (vec![0.0; 3 * springs.len()], vec![0.0; solved.len()]);
+            for (face, drop) in faces.iter().zip(drop) {
+                (0..2).for_each(|k| t[3 * face.face + 1 + k] = drop * face.direction[k]);
+            }
+            problem.add_forces(1.0, &t, &mut rhs);
+            let done = self.linear.solve(
+                problem,
+                (&springs, &self.stiffness),
+                &rhs,
+                SOLVED,
+                &mut solved,
+                (&mut self.resources, &mut *observer),
+            )?;
+            match done.stopped {
+                true => Err(Failure::Stopped),
+                false => Ok(solved.clone()),
+            }
+        })
     }
 }

@@ -9,7 +9,6 @@ use crate::nonlinear::newton::{Attempt, BACKTRACKS, DECREASE, Iterate, relative}
 use crate::nonlinear::record::count;
 use crate::nonlinear::workspace::Resources;
 use crate::nonlinear::{Failure, LinearFailure, LinearRecord};
-use fracas_operators::LinearOperator;
 use fracas_operators::vector::{axpy, norm2};
 use fracas_solvers::saddle::Judged;
 use fracas_solvers::{Observer, Step};
@@ -47,7 +46,8 @@ impl Evaluation {
         }
     }
 
-    fn largest_traction(&self) -> f64 {
+    /// Pa.
+    pub(super) fn largest_traction(&self) -> f64 {
         let t = self.springs.iter().flat_map(|s| s.traction);
         t.fold(0.0, |m: f64, t| m.max(t.abs()))
     }
@@ -68,22 +68,37 @@ struct Judgement {
 /// Where Newton ended.
 pub(super) struct Solution {
     pub(super) at: Evaluation,
-    /// Largest traction of all iterates [Pa].
-    pub(super) traction: f64,
     /// Errors of u and t; NaN where only residuals are judged.
     pub(super) error: [f64; 2],
 }
 
 /// Springs of stiffness κ per face [Pa/m] around multipliers, three per face [Pa].
+#[derive(Clone, Copy)]
 pub(super) struct Springs<'s> {
     pub(super) stiffness: &'s [f64],
     pub(super) multiplier: &'s [f64],
+    /// Their tangents leave out the derivative of weakening.
+    pub(super) lagged: bool,
+}
+
+/// Back to the iterate that was judged last, with what is told of its errors.
+fn back_to(
+    judged: &Judgement,
+    (attempt, faces): (&Attempt<'_>, Springs<'_>),
+    accuracy: &Accuracy<'_>,
+    u: &mut [f64],
+    log: &mut Log,
+) -> Result<Evaluation, Failure> {
+    u.copy_from_slice(&judged.u);
+    let told = accuracy.accepts(judged.errors, judged.residual)?;
+    log.events.extend(told);
+    Ok(evaluate(attempt, faces, u, &[]))
 }
 
 /// Forces and springs at displacements u, faces that stick or are open held so where `held` says it.
 fn evaluate(
     attempt: &Attempt<'_>,
-    faces: &Springs<'_>,
+    faces: Springs<'_>,
     u: &[f64],
     held: &[Option<ContactState>],
 ) -> Evaluation {
@@ -95,6 +110,7 @@ fn evaluate(
             stiffness: faces.stiffness[f],
             multiplier: std::array::from_fn(|k| faces.multiplier[3 * f + k]),
             friction: problem.friction_in(f, attempt.start),
+            lagged: faces.lagged,
         };
         let held = held.get(f).copied().flatten();
         let slip = [0, 1].map(|k| attempt.start.slip[2 * f + k]);
@@ -106,16 +122,8 @@ fn evaluate(
         jumps,
         springs,
     };
-    let saddle = problem.saddle();
-    let (a, b) = (saddle.stiffness(), saddle.coupling());
-    let mut work = vec![0.0; a.work_len().max(b.work_len())];
-    a.apply_add(-1.0, u, &mut at.residual, &mut work);
-    b.apply_add(
-        -1.0 / saddle.unit(),
-        &at.tractions(),
-        &mut at.residual,
-        &mut work,
-    );
+    problem.subtract_stiffness(u, &mut at.residual);
+    problem.add_forces(-1.0, &at.tractions(), &mut at.residual);
     at
 }
 
@@ -123,14 +131,14 @@ fn evaluate(
 ///
 /// `(A + B D Bᵀ) δ = r`, D the derivative of the tractions (semi-smooth Newton). The first step holds faces that stick or are
 /// open in `states`. It and the next dozen where a face changes its state are taken in full, and a face that reversed its slip
-/// is held in stick for the next one, as the active set would have it; after that, backtracking lowers ‖r‖. Below the tolerance
-/// the errors of u and t are judged, and steps go on until they are below it, too, or rounding leaves no more to gain.
+/// is held in stick for the next one, as the active set would have it; after that, backtracking lowers ‖r‖. Where that fails
+/// under weakening, steps are taken in full with tangents that leave its derivative out. Below the tolerance the errors of u and t are judged, and steps go on until they are below it, too, or rounding leaves no more to gain.
 ///
 /// # Errors
 /// [`Failure::Newton`] when `max_active` steps do not reach the tolerance, [`Failure::Inaccurate`], and the failures of linear systems.
 pub(super) fn newton(
     attempt: &Attempt<'_>,
-    faces: &Springs<'_>,
+    mut faces: Springs<'_>,
     (linear, update): (&mut SpringLinear, usize),
     (states, accuracy): (&[ContactState], &mut Option<Accuracy<'_>>),
     u: &mut [f64],
@@ -140,15 +148,15 @@ pub(super) fn newton(
     let settings = attempt.problem.body().solver;
     let mut correction = vec![0.0; u.len()];
     let (mut at, mut before) = (evaluate(attempt, faces, u, &[]), f64::INFINITY);
-    let mut traction = 0.0;
     let mut held: Vec<Option<ContactState>> = states.iter().copied().map(Some).collect();
     let mut judged: Option<Judgement> = None;
     let (mut asked, mut since) = (settings.tolerance, 0);
     if let Some(accuracy) = accuracy {
         accuracy.begin();
     }
+    let weakens = attempt.problem.weakens();
     for iteration in 0.. {
-        traction = at.largest_traction().max(traction);
+        log.states = at.states();
         let size = norm2(&at.residual);
         let residual = relative(size, attempt.scale);
         if !residual.is_finite() {
@@ -180,10 +188,7 @@ pub(super) fn newton(
             if let (Some(accuracy), Some(last)) = (accuracy.as_mut(), judged.take()) {
                 let stops = residual <= settings.tolerance;
                 if stops || accuracy.is_enough(last.errors) {
-                    u.copy_from_slice(&last.u);
-                    at = evaluate(attempt, faces, u, &[]);
-                    log.events
-                        .extend(accuracy.accepts(last.errors, last.residual)?);
+                    at = back_to(&last, (attempt, faces), accuracy, u, log)?;
                     judged = Some(last);
                     break;
                 }
@@ -208,7 +213,6 @@ pub(super) fn newton(
         let holds = held.iter().any(Option::is_some);
         if holds {
             at = evaluate(attempt, faces, u, &held);
-            traction = at.largest_traction().max(traction);
         }
         let last = FORCING.1 * asked / residual;
         let forcing = (size / before).powi(2).min(FORCING.0).max(last);
@@ -226,11 +230,13 @@ pub(super) fn newton(
                 Err(LinearFailure::Breakdown(_) | LinearFailure::IterationLimit { .. }),
                 Some((accuracy, last)),
             ) => {
-                u.copy_from_slice(&last.u);
-                at = evaluate(attempt, faces, u, &[]);
-                log.events
-                    .extend(accuracy.accepts(last.errors, last.residual)?);
+                at = back_to(last, (attempt, faces), accuracy, u, log)?;
                 break;
+            }
+            (Err(LinearFailure::Breakdown(_)), _) if weakens && !faces.lagged => {
+                faces.lagged = true;
+                at = evaluate(attempt, faces, u, &[]);
+                continue;
             }
             (solved, _) => solved?,
         };
@@ -248,8 +254,13 @@ pub(super) fn newton(
             axpy(length, &correction, u);
             at = evaluate(attempt, faces, u, &[]);
             let lowered = norm2(&at.residual) <= (1.0 - DECREASE * length) * size;
-            let full = holds || iteration < FULL && changed(&at);
-            if lowered || full || backtrack == BACKTRACKS {
+            let full = holds || faces.lagged || iteration < FULL && changed(&at);
+            if lowered || full {
+                break;
+            }
+            if backtrack == BACKTRACKS {
+                faces.lagged = weakens;
+                at = evaluate(attempt, faces, u, &[]);
                 break;
             }
             length *= 0.5;
@@ -279,7 +290,6 @@ pub(super) fn newton(
     }
     Ok(Solution {
         at,
-        traction,
         error: judged.map_or([f64::NAN; 2], |last| last.errors.error),
     })
 }
