@@ -15,6 +15,7 @@ pub mod adjoint;
 pub mod block;
 pub mod count;
 pub mod dense;
+pub mod free_entries;
 pub mod laws;
 pub mod matrix_market;
 pub mod operator;

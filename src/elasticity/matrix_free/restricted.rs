@@ -1,9 +1,11 @@
 //! An operator in full numbering, seen by the free unknowns.
 
 use crate::elasticity::Constraints;
+use fracas_operators::free_entries::{gather, spread};
 use fracas_operators::operator::assert_product;
 use fracas_operators::vector::dot;
 use fracas_operators::{AdjointOperator, LinearOperator, Real, Shape};
+use std::sync::Arc;
 
 /// `√(wᵀA w)`, A and w in full numbering: √2 times the root of the strain energy.
 ///
@@ -21,6 +23,8 @@ pub fn strain_norm(full: &impl LinearOperator<f64>, w: &[f64]) -> f64 {
 pub struct Restricted<A> {
     full: A,
     constraints: Constraints,
+    /// Places of the prescribed unknowns, ascending.
+    fixed: Arc<[u32]>,
 }
 
 impl<A> Restricted<A> {
@@ -35,7 +39,12 @@ impl<A> Restricted<A> {
             Shape::square(n),
             "constraints of another mesh"
         );
-        Self { full, constraints }
+        let fixed = constraints.prescribed().iter().map(|(dof, _)| *dof);
+        Self {
+            fixed: fixed.collect(),
+            full,
+            constraints,
+        }
     }
 
     /// The operator in full numbering.
@@ -68,15 +77,10 @@ impl<A> Restricted<A> {
         let n = self.constraints.full_len();
         let (x_full, rest) = work.split_at_mut(n);
         let (y_full, rest) = rest.split_at_mut(n);
-        x_full.fill(R::zero());
+        spread(x, 1.0, &self.fixed, x_full);
         y_full.fill(R::zero());
-        for (dof, x) in self.constraints.free().iter().zip(x) {
-            x_full[*dof as usize] = *x;
-        }
         product(x_full, y_full, rest);
-        for (dof, y) in self.constraints.free().iter().zip(y) {
-            *y += alpha * y_full[*dof as usize];
-        }
+        gather(y_full, &self.fixed, y, &|full, y| *y += alpha * full);
     }
 }
 

@@ -147,18 +147,12 @@ impl<R: Real> Product<'_, R> {
             let behind = [at[0] + row, at[1] + row];
             let high = self.read::<L, PART>(first, behind);
             faces[next] = high;
+            // every line of elements is padded to whole registers
             let elements = materials..materials + L::WIDTH;
-            // SAFETY: every line of elements is padded to whole registers.
-            let (lambda, shear) = unsafe {
-                (
-                    bricks.lambda.get_unchecked(elements.clone()),
-                    bricks.shear.get_unchecked(elements),
-                )
-            };
             let brick = Brick {
                 inverse: [r, L::splat(*s), t],
-                lambda: once::<R, L, PART>(L::load(lambda), counts),
-                shear: once::<R, L, PART>(L::load(shear), counts),
+                lambda: once::<R, L, PART>(L::load(&bricks.lambda[elements.clone()]), counts),
+                shear: once::<R, L, PART>(L::load(&bricks.shear[elements]), counts),
             };
             if PART != PADDED {
                 self.ask(ahead, materials_ahead);
@@ -196,14 +190,7 @@ impl<R: Real> Product<'_, R> {
     fn read<L: Lanes<R>, const PART: u8>(&self, first: usize, [low, high]: [usize; 2]) -> Face<L> {
         if PART != PADDED {
             let len = 3 * L::WIDTH + 3;
-            // SAFETY: both are nodes of the grid, and x has all of them.
-            let (low, high) = unsafe {
-                (
-                    self.x.get_unchecked(low..low + len),
-                    self.x.get_unchecked(high..high + len),
-                )
-            };
-            return line::read(low, high);
+            return line::read(&self.x[low..low + len], &self.x[high..high + len]);
         }
         let len = 3 * (self.bricks.cells[0] + 1 - first);
         let mut padded = [[R::zero(); 3 * MAX_WIDTH + 3]; 2];
