@@ -23,6 +23,7 @@ pub mod preconditioner;
 pub mod random;
 pub mod real;
 pub mod shape;
+pub mod shared;
 pub mod simd;
 pub mod sparse;
 pub mod timed;

@@ -18,6 +18,5 @@ pub use constraints::Constraints;
 pub use diagonal::diagonal;
 pub use error::ElasticityError;
 pub use material::Elastic;
-pub(crate) use matrix_free::Colours;
 pub use matrix_free::{Bricks, Hexes, Restricted, matrix_free, strain_norm};
 pub use stress::element_stress;

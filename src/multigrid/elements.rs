@@ -2,8 +2,9 @@
 
 use super::grid::Grid;
 use crate::elasticity::element::Geometry;
-use crate::elasticity::{Colours, Elastic, ElasticityError};
+use crate::elasticity::{Elastic, ElasticityError};
 use crate::mesh::HexMesh;
+use fracas_operators::shared::Colours;
 use fracas_solvers::multigrid::Symmetric;
 use std::borrow::Cow;
 

@@ -2,8 +2,8 @@
 
 use super::coarsening::{Coarsening, for_each_fine};
 use super::grid::{Grid, STEPS};
-use crate::elasticity::Colours;
 use fracas_operators::Real;
+use fracas_operators::shared::Colours;
 use fracas_solvers::multigrid::Transfer;
 use std::ops::Range;
 

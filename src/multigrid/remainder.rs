@@ -5,7 +5,8 @@ use super::elements::{BrickCache, ElementBlocks, Elements};
 use super::grid::{Grid, STEPS};
 use super::interpolation::{Owners, weights};
 use super::pattern::Pattern;
-use crate::elasticity::{Colours, ElasticityError};
+use crate::elasticity::ElasticityError;
+use fracas_operators::shared::Colours;
 use fracas_operators::sparse::Block3;
 
 /// A level and the way to the next one.

@@ -14,9 +14,17 @@ pub(super) struct Assembled {
 }
 
 impl Assembled {
-    /// True where the next build plans.
-    pub(super) fn plans(&self, inner: InnerChoice) -> bool {
-        self.plan.is_none() && matches!(inner, InnerChoice::Amg(_))
+    /// Plans for this C, where nothing is planned yet; where that fails the first build plans.
+    pub(super) fn plan(
+        &mut self,
+        inner: InnerChoice,
+        blocks: &SaddleBlocks,
+        c: &AugmentationMatrix,
+        fallbacks: &mut Fallbacks,
+    ) {
+        if self.plan.is_none() && matches!(inner, InnerChoice::Amg(_)) {
+            let _ = self.build(inner, blocks, c, fallbacks);
+        }
     }
 
     /// S̃_u⁻¹ for this C; where f32 was asked for and fails it is in f64, and that is told.

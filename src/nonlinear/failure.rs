@@ -82,6 +82,18 @@ pub enum Failure {
         /// Asked.
         tolerance: f64,
     },
+    /// Newton for rock and springs.
+    #[error(
+        "Newton: residual {residual:.1e} after {iterations} steps of rock and springs (max_active), asked {tolerance:.1e}; softer springs, shorter steps or method = \"lagrange\" may help"
+    )]
+    Springs {
+        /// Reached, relative to loads and internal forces.
+        residual: f64,
+        /// Steps made.
+        iterations: usize,
+        /// Asked.
+        tolerance: f64,
+    },
     /// The residual is small and the error is not.
     #[error(
         "accuracy: the {part} are wrong by {error:.1e}, asked {tolerance:.1e}, and rounding keeps the residual at {residual:.1e} of the largest force; less contrast of stiffness, flatness of cells or stiffness of springs helps, or a larger tolerance and state_tolerance in [solver]"

@@ -38,6 +38,7 @@ mod stability;
 mod state;
 mod state_inverse;
 mod times;
+mod turns;
 mod workspace;
 
 pub use energy::EnergyRecord;

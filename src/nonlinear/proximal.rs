@@ -5,6 +5,7 @@ use super::newton::{Attempt, BACKTRACKS, DECREASE, Iterate, relative};
 use super::record::count;
 use super::springs::law::Spring;
 use super::springs::linear::SpringLinear;
+use super::turns::Turns;
 use super::workspace::Resources;
 use super::{Failure, LinearRecord};
 use crate::contact::ContactState;
@@ -32,9 +33,6 @@ const FORCING: f64 = 1e-3;
 /// Iterations from which limits take half of a change.
 const DAMPED: usize = 20;
 
-/// Times that a face opens or closes in these iterations before its cohesion is taken to be lost.
-const TURNS: usize = 4;
-
 /// Proximal iterations towards a traction in Coulomb's cones:
 /// ```text
 /// t' = arg min Φ(t) + ½ ‖t − t_k‖²_{C−H}  over  t_N ≤ 0, ‖t_T‖ ≤ τ        Φ(t) = ½ tᵀ(S + H) t − bᵀt,  S = BᵀA⁻¹B
@@ -56,9 +54,7 @@ pub(super) struct Proximal<'s> {
     stiffness: Vec<f64>,
     /// τ per face [Pa].
     limit: Vec<f64>,
-    /// Times that a face went from open to closed or back.
-    turns: Vec<usize>,
-    is_open: Vec<bool>,
+    turns: Turns,
     iterations: usize,
 }
 
@@ -82,8 +78,7 @@ impl<'s> Proximal<'s> {
             linear: SpringLinear::new(linear.settings(), problem.body().solver.max_krylov),
             stiffness: vec![0.0; faces],
             limit,
-            turns: vec![0; faces],
-            is_open: vec![false; faces],
+            turns: Turns::new(faces),
             iterations: 0,
         }
     }
@@ -125,27 +120,13 @@ impl<'s> Proximal<'s> {
             self.limit[f] += share * (limit - self.limit[f]);
         }
         self.iterations += 1;
-        for ((turns, was_open), spring) in
-            self.turns.iter_mut().zip(&mut self.is_open).zip(&springs)
-        {
-            let is_open = spring.state == ContactState::Open;
-            *turns += usize::from(is_open != *was_open);
-            *was_open = is_open;
-        }
+        self.turns.see(springs.iter().map(|spring| spring.state));
         Ok(springs.iter().map(|s| s.state).collect())
     }
 
-    /// Faces that open and close over and over because their limit has a jump there: the cohesion, which an open face has not. No
-    /// limit at all settles them; what opens has let go of its shear, so that it closes without cohesion.
+    /// [`Turns::torn`].
     pub(super) fn torn(&self) -> Vec<usize> {
-        if self.iterations < DAMPED {
-            return Vec::new();
-        }
-        let slip =
-            |f: usize| self.attempt.start.slip[2 * f].hypot(self.attempt.start.slip[2 * f + 1]);
-        let jumps =
-            |f: &usize| self.turns[*f] >= TURNS && limit_of(self.attempt, *f, 0.0, slip(*f)) > 0.0;
-        (0..self.turns.len()).filter(jumps).collect()
+        self.turns.torn(self.attempt)
     }
 
     /// `1/κ = max(¼ ω, Σ_j |H_ij|/A_f)` over the rows of a face.

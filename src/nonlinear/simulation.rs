@@ -139,6 +139,8 @@ impl<'a> Simulation<'a> {
     ) -> Result<Accepted, Box<StepFailure>> {
         let solver = self.problem.body().solver;
         let shortest = self.times.shortest(state, solver.max_cuts);
+        let is_shortest = |target| 0.5 * length(state, target) < shortest;
+        let cuts_are_many = solver.max_cuts >= COMPARED;
         let (mut log, mut attempts, mut cuts) = (Log::default(), 0, 0);
         let mut increment = state.next;
         // increments of attempts in which slip ran away, and its largest slip
@@ -187,7 +189,7 @@ impl<'a> Simulation<'a> {
                 Err(reason)
                     if reason.may_be_cut()
                         && !log.is_spent(solver.max_krylov)
-                        && 0.5 * length(state, target) >= shortest =>
+                        && !is_shortest(target) =>
                 {
                     increment = 0.5 * length(state, target);
                     cuts += 1;
@@ -198,8 +200,8 @@ impl<'a> Simulation<'a> {
                 }
                 Err(reason) => {
                     // one that no halving has avoided
-                    let stops = solver.unstable == Unstable::Stop && solver.max_cuts >= COMPARED;
-                    let patch = log.unstable.take().filter(|_| stops);
+                    let stops = solver.unstable == Unstable::Stop && cuts_are_many;
+                    let patch = log.unstable.take().filter(|_| stops && is_shortest(target));
                     let reason = reason.explained(self.problem.body(), &log.states);
                     let reason = match (reason, patch) {
                         // what open faces let go is free whatever slips

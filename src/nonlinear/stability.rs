@@ -111,8 +111,13 @@ pub(super) type AtLimits<'a> =
 /// Where slip that runs away is looked for.
 #[derive(Clone, Copy)]
 enum Slipping<'a> {
-    /// In equilibrium: the largest traction so far [Pa], and the jumps that the laws of the faces see [m].
-    Settled { traction: f64, effective: &'a [f64] },
+    /// In equilibrium: the largest traction so far and the tractions at the start of the step [Pa], and the jumps that the laws of the
+    /// faces see [m].
+    Settled {
+        traction: f64,
+        before: &'a [f64],
+        effective: &'a [f64],
+    },
     /// At the start of a step, whose faces are to slip from there on.
     FromRest,
 }
@@ -135,6 +140,7 @@ pub(super) fn stable(
         Ok(mut settled) => {
             let found = Slipping::Settled {
                 traction: settled.traction,
+                before: &start.t,
                 effective: &settled.effective,
             };
             let at = (&settled.states[..], &settled.x);
@@ -158,8 +164,8 @@ pub(super) fn stable(
 ///
 /// With slip frozen in its directions m and every limit given, an increase of all limits by τ holds back the slip
 /// `K⁻¹ A_f τ`; slip z takes `W z` from the limits, so that `z ← K⁻¹ A_f W z` grows without bound where `ρ(K⁻¹ A_f W) > 1`: then
-/// `zᵀ(K − A_f W) z < 0` for its mode. W is the rate at the start of the step, the largest along it: where it shows nothing,
-/// the patch has been stable all the way. The Rayleigh quotient `zᵀA_f W z/zᵀK z` of any z is a lower bound, so that one above 1 is a
+/// `zᵀ(K − A_f W) z < 0` for its mode. W is the rate at the slip of the start of the step and the larger pressure of start and end, which
+/// no rate along it exceeds where the pressure between them does not: where it shows nothing, the patch has been stable all the way. The Rayleigh quotient `zᵀA_f W z/zᵀK z` of any z is a lower bound, so that one above 1 is a
 /// proof where K is symmetric (the normal tractions stay).
 ///
 /// # Cost
@@ -233,7 +239,7 @@ pub(super) struct Weak {
     pub(super) face: usize,
     /// That of its shear.
     pub(super) direction: [f64; 2],
-    /// −∂τ_L/∂s along m at the start of the step [Pa/m].
+    /// −∂τ_L/∂s along m at the slip of the start of the step and its larger pressure [Pa/m].
     rate: f64,
     /// Slip of the step along m; from rest as far as any other [m].
     slip: f64,
@@ -248,14 +254,20 @@ impl Weak {
         let from = [0, 1].map(|k| attempt.start.slip[2 * f + k]);
         let before = from[0].hypot(from[1]);
         let friction = attempt.problem.friction_in(f, attempt.start);
-        let (moved, slip, begins) = match slipping {
-            Slipping::Settled { effective, .. } => {
+        let end = x.t[3 * f];
+        let (moved, slip, begins, normal) = match slipping {
+            Slipping::Settled {
+                effective,
+                before: start,
+                ..
+            } => {
                 let moved = [1, 2].map(|k| effective[3 * f + k] - attempt.start.jump[3 * f + k]);
-                (moved, m[0] * moved[0] + m[1] * moved[1], true)
+                let slip = m[0] * moved[0] + m[1] * moved[1];
+                (moved, slip, true, end.min(start[3 * f]))
             }
             Slipping::FromRest => {
-                let limit = friction.limit(x.t[3 * f], before);
-                ([0.0; 2], 1.0, shear >= NEAR * limit)
+                let limit = friction.limit(end, before);
+                ([0.0; 2], 1.0, shear >= NEAR * limit, end)
             }
         };
         // ds/dΔg along m; slip that turns back heals
@@ -265,7 +277,7 @@ impl Weak {
             true => (m[0] * after[0] + m[1] * after[1]) / size,
             false => 1.0,
         };
-        let rate = -friction.by_slip(x.t[3 * f], before) * along;
+        let rate = -friction.by_slip(normal, before) * along;
         let weakens = begins && shear > 0.0 && slip > 0.0 && rate > 0.0;
         weakens.then_some(Self {
             face: f,

@@ -308,9 +308,14 @@ fn solver(sections: &SceneSections) -> Result<SolverSection, Located> {
             "method",
             factor,
             factor > 0.0 && factor.is_finite(),
-            "a factor more than 0",
+            "with a `factor` of more than 0",
         ),
-        ("method", updates as f64, updates > 0, "at least 1 update"),
+        (
+            "method",
+            updates as f64,
+            updates > 0,
+            "with `max_updates` of at least 1",
+        ),
     ] {
         if !admitted {
             let problem = Problem::SolverValue {

@@ -93,6 +93,8 @@ pub(super) struct Chosen {
     pub(super) reason: Option<String>,
     /// What takes its place, in turn, where it cannot be set up.
     pub(super) otherwise: Vec<SaddleMethod>,
+    /// What comes before these where the route is an assembled one.
+    pub(super) geometric: Option<MatrixFreeRacp>,
 }
 
 /// Geometric multigrid where it cannot be.
@@ -162,7 +164,7 @@ struct Parts {
 impl Parts {
     fn route(&self, asked: Asked) -> anyhow::Result<Chosen> {
         match self.inner {
-            None => self.assembled(None, None),
+            None => self.default(asked),
             Some(Inner::Assembled(inner)) => self.assembled(Some(inner), None),
             Some(Inner::Geometric(geometric)) => {
                 let Some(racp) = self.racp() else {
@@ -180,12 +182,30 @@ impl Parts {
                             route: Route::MatrixFree(matrix_free(racp, geometric)),
                             reason: None,
                             otherwise: Vec::new(),
+                            geometric: None,
                         })
                     }
                 }
             }
             Some(Inner::Auto) => self.auto(asked),
         }
+    }
+
+    /// The inner solver of the method; where f64 or memory do not do for that one what `auto` takes for a scene, whose bodies are held.
+    fn default(&self, asked: Asked) -> anyhow::Result<Chosen> {
+        let chosen = self.assembled(None, None)?;
+        if matches!(asked, Asked::Folder) || self.method.inner().is_none() {
+            return Ok(chosen);
+        }
+        let amg = InnerChoice::Amg(Amg::default());
+        let amg = self.method.with_parts(self.augmentation, Some(amg))?;
+        let racp = self.racp().filter(|racp| racp.augmentation.is_local());
+        let racp = racp.filter(|_| matches!(asked, Asked::Scene));
+        Ok(Chosen {
+            geometric: racp.map(|racp| matrix_free(racp, Geometric::default())),
+            otherwise: vec![amg],
+            ..chosen
+        })
     }
 
     /// Geometric where everything it needs is there, else amg where the method has an inner solver; then amg, then a factorization.
@@ -208,6 +228,7 @@ impl Parts {
                         route: Route::MatrixFree(matrix_free(racp, Geometric::default())),
                         reason: Some("geometric, because the mesh of the scene is a grid".into()),
                         otherwise: vec![with(amg)?, exact],
+                        geometric: None,
                     });
                 }
                 format!("C = {c} needs all of A")
@@ -229,6 +250,7 @@ impl Parts {
             route: Route::Assembled(method),
             reason,
             otherwise: Vec::new(),
+            geometric: None,
         })
     }
 

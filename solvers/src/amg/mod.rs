@@ -42,7 +42,6 @@ mod rows;
 mod schedule;
 pub(crate) mod scratch;
 mod settings;
-pub(crate) mod shared;
 mod smoothed;
 pub(crate) mod step_length;
 mod summary;

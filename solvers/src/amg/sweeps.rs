@@ -1,8 +1,8 @@
 //! Gauss–Seidel sweeps and products with one matrix of 3×3 blocks.
 
 use super::schedule::Schedule;
-use super::shared::Shared;
 use fracas_operators::Real;
+use fracas_operators::shared::Shared;
 use fracas_operators::simd::{Kernel, Lanes, Level, MAX_WIDTH, prefetch};
 use fracas_operators::vector::{for_each_task, for_row_ranges};
 use rayon::prelude::*;

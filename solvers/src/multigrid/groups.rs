@@ -5,8 +5,8 @@
 //! in 3×3 blocks then smooths nothing; one in blocks of all corners of the piece does not see the basis.
 
 use super::block_jacobi::Symmetric;
-use crate::amg::shared::Shared;
 use fracas_operators::Real;
+use fracas_operators::shared::Shared;
 use fracas_operators::sparse::Block3;
 use rayon::prelude::*;
 
@@ -106,29 +106,19 @@ impl<R: Real> Groups<R> {
                                 .zip(&own)
                                 .fold(R::zero(), |s, (m, r)| s + *m * *r);
                         }
-                        // SAFETY: a node belongs to one group, a group to one task.
-                        unsafe {
-                            plus(&d, *node as usize, c, z);
-                            if has_x {
-                                plus(&x, *node as usize, c, z);
-                            }
+                        let plus = |v: &Shared<'_, R>| {
+                            // SAFETY: a node belongs to one group, a group to one task.
+                            let v = unsafe { v.part(3 * *node as usize, 3) };
+                            (0..3).for_each(|i| v[i] += c * z[i]);
+                        };
+                        plus(&d);
+                        if has_x {
+                            plus(&x);
                         }
                     }
                 }
             });
     }
-}
-
-/// `v_node ← v_node + c z`.
-///
-/// # Safety
-/// Nobody else reads or writes the node meanwhile.
-unsafe fn plus<R: Real>(v: &Shared<'_, R>, node: usize, c: R, z: [R; 3]) {
-    // SAFETY: by contract exclusive.
-    let old = unsafe { v.triple(node) };
-    let sum = [old[0] + c * z[0], old[1] + c * z[1], old[2] + c * z[2]];
-    // SAFETY: by contract exclusive.
-    unsafe { v.set(node, sum) };
 }
 
 /// The blocks beside the diagonal of row i.

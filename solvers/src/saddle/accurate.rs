@@ -50,8 +50,8 @@ pub struct Accurate {
 /// Where f64 has no more to say, or what it says may be rounding, and the norms know the entries of 𝒜, residuals are had in twice the digits from there on, and passes
 /// solve `𝒜z = r`, x ← x + z, with x in twice the digits until it is returned: iterative refinement (Demmel et al., ACM TOMS 32, 2006).
 ///
-/// Eigenvalues of M⁻¹𝒜 close to zero, of which b has little, are not seen by the iteration. Where M is of one level
-/// a [`probe`] looks for them.
+/// Eigenvalues of M⁻¹𝒜 close to zero, of which b has little, are not seen by the iteration. Where M is of one level, or in f32
+/// around entries that spread over its digits, a [`probe`] looks for them.
 ///
 /// # Cost
 /// Beyond the iterations, per pass two products with 𝒜 and one solve with M (a refinement: some five products more); of a probe 40 of each.

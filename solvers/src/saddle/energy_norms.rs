@@ -108,6 +108,11 @@ impl<'a> EnergyNorms<'a> {
         square.sqrt()
     }
 
+    /// Largest over smallest diagonal entry of A, to a factor of 2.
+    pub fn spread(&self) -> f64 {
+        self.stiffness.spread()
+    }
+
     /// A residual with its share of every eigenvector: independent entries, as large as `√diag(A)` and `√diag(C_0 + H)`.
     pub fn random_residual(&self) -> Vec<f64> {
         let of_t = self.diagonal.iter().copied();
@@ -181,6 +186,11 @@ impl Stiffness {
             largest,
             halvings: halvings.collect(),
         }
+    }
+
+    /// Largest over smallest entry, to a factor of √2.
+    pub fn spread(&self) -> f64 {
+        f64::from(self.halvings.iter().copied().max().unwrap_or(0)).exp2()
     }
 
     /// Diagonal entries, each to a factor of √2.

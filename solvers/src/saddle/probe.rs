@@ -7,6 +7,10 @@ use crate::{Observer, Step};
 /// Steps: well separated eigenvalues are found to a few per cent. Unit: 1.
 const STEPS: usize = 40;
 
+/// Largest over smallest diagonal entry of A from which f32 may hold no digit of the softest rock beside the stiffest: 2²⁰ of its 2²⁴.
+/// Unit: 1.
+const SPREAD: f64 = 1_048_576.0;
+
 /// What was found, and its cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Probed {
@@ -19,7 +23,8 @@ pub struct Probed {
 }
 
 /// 40 steps of `method` towards 𝒜⁻¹w for a random w, with its share of every eigenvector, around an M of one level
-/// ([`local`](fracas_operators::Properties)); nothing around others, which leave few small eigenvalues.
+/// ([`local`](fracas_operators::Properties)), or in f32 where A spreads over most of its digits; nothing around others, which leave few
+/// small eigenvalues.
 ///
 /// An iteration sees a small eigenvalue only through the share that b has of its vector. Where b is what holds stiff rock, soft
 /// rock has a share of 1e-8 or less, below any tolerance, and errors there are not seen either: M⁻¹r is the error times that
@@ -30,7 +35,8 @@ pub fn probe(
     norms: &EnergyNorms<'_>,
     observer: &mut dyn Observer,
 ) -> Probed {
-    if !system.preconditioner.properties().local {
+    let m = system.preconditioner.properties();
+    if !(m.local || m.single && norms.spread() >= SPREAD) {
         return Probed::default();
     }
     let system = System {

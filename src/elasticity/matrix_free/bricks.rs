@@ -1,12 +1,12 @@
 //! Stiffness products on rectilinear grids without a matrix: line by line through the grid, in modes of bricks.
 
 use super::brick::Brick;
-use super::colours::Colours;
 use super::modes::LEXICOGRAPHIC;
 use super::sweep::{Product, Rest, TASK};
 use crate::elasticity::{Elastic, ElasticityError, check};
 use crate::mesh::HexMesh;
 use fracas_operators::operator::assert_product;
+use fracas_operators::shared::Colours;
 use fracas_operators::simd::{Level, MAX_WIDTH};
 use fracas_operators::{AdjointOperator, LinearOperator, Real, Shape};
 

@@ -1,6 +1,6 @@
 //! Elements of a mesh in groups that fill a register, in tasks that may run in parallel.
 
-use super::colours::Colours;
+use fracas_operators::shared::Colours;
 use std::ops::Range;
 
 /// Elements of one task, at least and at most. A task reads the nodes that it shares with its neighbours again, so that large tasks

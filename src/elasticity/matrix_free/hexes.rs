@@ -1,6 +1,5 @@
 //! Stiffness products on any mesh of hexahedra without a matrix.
 
-use super::colours::Colours;
 use super::gauss::{VARYING, weight};
 use super::groups::{Nodes, coloured, groups};
 use super::modes::LEXICOGRAPHIC;
@@ -8,6 +7,7 @@ use super::pipeline::Product;
 use crate::elasticity::{Elastic, ElasticityError, check};
 use crate::mesh::HexMesh;
 use fracas_operators::operator::assert_product;
+use fracas_operators::shared::Colours;
 use fracas_operators::simd::Level;
 use fracas_operators::{AdjointOperator, LinearOperator, Real, Shape};
 

@@ -2,7 +2,6 @@
 
 mod brick;
 mod bricks;
-mod colours;
 mod gauss;
 mod groups;
 mod hexes;
@@ -15,7 +14,6 @@ mod sweep;
 mod tests;
 
 pub use bricks::Bricks;
-pub(crate) use colours::Colours;
 pub use hexes::Hexes;
 pub use restricted::{Restricted, strain_norm};
 

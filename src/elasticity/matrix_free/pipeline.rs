@@ -5,13 +5,13 @@
 //! their nodes. All that a group leaves for later lies in memory, in one of two stages chosen by its parity.
 
 use super::brick::{Face, to_corners, to_face};
-use super::colours::Shared;
 use super::gauss::{Derivatives, VARYING, derivatives, modes_of_derivatives, point, weight};
 use super::groups::Nodes;
 use super::hexes::{Hexes, NUMBERS};
 use super::line;
 use super::modes::{across, to_both};
 use fracas_operators::Real;
+use fracas_operators::shared::Shared;
 use fracas_operators::simd::{CACHE_LINE, Kernel, Lanes, MAX_WIDTH, prefetch};
 
 /// Groups for which memory is asked ahead of the group that is read.

@@ -2,9 +2,9 @@
 
 use super::brick::{Brick, Face, all_forces, forces, put, taken, to_corners, to_face};
 use super::bricks::{Bricks, SplitElement, Task};
-use super::colours::Shared;
 use super::line;
 use fracas_operators::Real;
+use fracas_operators::shared::Shared;
 use fracas_operators::simd::{CACHE_LINE, Kernel, Lanes, MAX_WIDTH, prefetch};
 
 /// Element lines of one task along y and z. Two neighbouring tasks share node lines, so they have different colours;

@@ -118,6 +118,11 @@ impl Spring {
         spring
     }
 
+    /// A face in stick without a traction.
+    pub(super) fn stuck(kappa: f64) -> Self {
+        Self::at_limit(ContactState::Stick, kappa, [0.0; 3], 0.0)
+    }
+
     /// A face that bears t [Pa]; in slip it does so in the direction of its shear, at a limit that only its normal traction
     /// moves, by `by_normal`.
     pub(super) fn at_limit(state: ContactState, kappa: f64, t: [f64; 3], by_normal: f64) -> Self {

@@ -2,7 +2,6 @@
 
 use super::law::Spring;
 use super::operator::SpringJacobian;
-use crate::contact::ContactState;
 use crate::mesh::FractureFace;
 use crate::nonlinear::assembled::Assembled;
 use crate::nonlinear::kept::{Kept, Ready};
@@ -173,17 +172,13 @@ impl SpringLinear {
                     none => none.insert(problem.stick_blocks()?),
                 };
                 let fallbacks = &mut resources.fallbacks;
-                if self.assembled.plans(racp.inner) {
+                let stuck: Vec<Spring> = stiffness.iter().map(|k| Spring::stuck(*k)).collect();
+                let stick = wanted(problem, &stuck, stiffness).c;
+                if stick != c {
                     // a restart, which begins with other springs, finds the same plan
-                    let spring =
-                        |kappa| Spring::at_limit(ContactState::Stick, kappa, [0.0; 3], 0.0);
-                    let stuck: Vec<Spring> = stiffness.iter().map(|k| spring(*k)).collect();
-                    let stick = wanted(problem, &stuck, stiffness).c;
-                    if stick != c {
-                        let stick = AugmentationMatrix::from_face_blocks(stick)?;
-                        self.assembled
-                            .build(racp.inner, blocks, &stick, fallbacks)?;
-                    }
+                    let stick = AugmentationMatrix::from_face_blocks(stick)?;
+                    let inner = racp.inner;
+                    self.assembled.plan(inner, blocks, &stick, fallbacks);
                 }
                 self.assembled
                     .build(racp.inner, blocks, &matrix, fallbacks)?

@@ -7,6 +7,7 @@ use crate::nonlinear::accuracy::Accuracy;
 use crate::nonlinear::active_set::Log;
 use crate::nonlinear::newton::{Attempt, BACKTRACKS, DECREASE, Iterate, relative};
 use crate::nonlinear::record::count;
+use crate::nonlinear::turns::Turns;
 use crate::nonlinear::workspace::Resources;
 use crate::nonlinear::{Failure, LinearFailure, LinearRecord};
 use fracas_operators::vector::{axpy, norm2};
@@ -16,8 +17,9 @@ use fracas_solvers::{Observer, Step};
 /// Steps that are taken in full where a face changes its state or reverses its slip.
 const FULL: usize = 12;
 
-/// Steps that errors take at most from one judgement to the next.
-const EXTRA: usize = 4;
+/// Steps that errors take at most from one judgement to the next: with tangents, and with those that leave weakening out, which
+/// converge by a factor a step.
+const EXTRA: [usize; 2] = [4, 60];
 
 /// Largest relative residual of a linear solve, and share of the asked residual for the last one. Unit: 1.
 ///
@@ -135,7 +137,7 @@ fn evaluate(
 /// under weakening, steps are taken in full with tangents that leave its derivative out. Below the tolerance the errors of u and t are judged, and steps go on until they are below it, too, or rounding leaves no more to gain.
 ///
 /// # Errors
-/// [`Failure::Newton`] when `max_active` steps do not reach the tolerance, [`Failure::Inaccurate`], and the failures of linear systems.
+/// [`Failure::Springs`] when `max_active` steps do not reach the tolerance, [`Failure::Torn`], [`Failure::Inaccurate`], and the failures of linear systems.
 pub(super) fn newton(
     attempt: &Attempt<'_>,
     mut faces: Springs<'_>,
@@ -155,8 +157,14 @@ pub(super) fn newton(
         accuracy.begin();
     }
     let weakens = attempt.problem.weakens();
+    let mut turns = Turns::new(states.len());
     for iteration in 0.. {
         log.states = at.states();
+        turns.see(log.states.iter().copied());
+        let torn = turns.torn(attempt);
+        if !torn.is_empty() {
+            return Err(Failure::Torn { faces: torn });
+        }
         let size = norm2(&at.residual);
         let residual = relative(size, attempt.scale);
         if !residual.is_finite() {
@@ -183,7 +191,7 @@ pub(super) fn newton(
                     break;
                 }
             }
-        } else if since == EXTRA || residual > settings.tolerance {
+        } else if since == EXTRA[usize::from(faces.lagged)] || residual > settings.tolerance {
             // steps from there that rounding stops, or that lead to other states, are few
             if let (Some(accuracy), Some(last)) = (accuracy.as_mut(), judged.take()) {
                 let stops = residual <= settings.tolerance;
@@ -197,7 +205,7 @@ pub(super) fn newton(
             }
         }
         if iteration == settings.max_active {
-            return Err(Failure::Newton {
+            return Err(Failure::Springs {
                 residual,
                 iterations: iteration,
                 tolerance: settings.tolerance,
@@ -233,7 +241,22 @@ pub(super) fn newton(
                 at = back_to(last, (attempt, faces), accuracy, u, log)?;
                 break;
             }
-            (Err(LinearFailure::Breakdown(_)), _) if weakens && !faces.lagged => {
+            // an indefinite tangent
+            (Err(LinearFailure::Breakdown(breakdown)), _) if weakens && !faces.lagged => {
+                log.linear.push(LinearRecord {
+                    step: attempt.step,
+                    attempt: attempt.attempt,
+                    active: update,
+                    newton: iteration,
+                    faces: count(&at.states()),
+                    krylov: "",
+                    iterations: breakdown.iteration(),
+                    tolerance: forcing,
+                    relative_residual: f64::NAN,
+                    residual,
+                    step_length: 0.0,
+                    setup: false,
+                });
                 faces.lagged = true;
                 at = evaluate(attempt, faces, u, &[]);
                 continue;
@@ -259,8 +282,10 @@ pub(super) fn newton(
                 break;
             }
             if backtrack == BACKTRACKS {
-                faces.lagged = weakens;
-                at = evaluate(attempt, faces, u, &[]);
+                if weakens {
+                    faces.lagged = true;
+                    at = evaluate(attempt, faces, u, &[]);
+                }
                 break;
             }
             length *= 0.5;

@@ -14,6 +14,7 @@ use super::source::{Source, System as Loaded};
 use super::{Status, explain, memory, output, rank};
 use clap::{Args, ValueEnum};
 use equations::Assembled;
+use fracas::matrix_free::MatrixFreeRacp;
 use fracas_solvers::krylov::KrylovChoice;
 use fracas_solvers::saddle::{Measure, Ready, SaddleMethod};
 use fracas_solvers::spectrum::{Explanation, Solved};
@@ -111,6 +112,8 @@ struct Inner {
     findings: Vec<String>,
     /// In turn.
     otherwise: Vec<SaddleMethod>,
+    /// Before these.
+    geometric: Option<MatrixFreeRacp>,
     /// Set-ups that failed.
     fallbacks: usize,
 }
@@ -130,12 +133,15 @@ impl Inner {
         }
         let next = self.otherwise.remove(0);
         let name = next.inner().map(|inner| inner.to_string());
-        let name = name.unwrap_or_default();
+        self.tell(&name.unwrap_or_default(), &failure, progress);
+        Ok(next)
+    }
+
+    fn tell(&mut self, name: &str, failure: &anyhow::Error, progress: &mut Progress) {
         let finding = format!("inner: {name} instead, because the set-up failed: {failure:#}");
         progress.say(&finding);
         self.findings.push(finding);
         self.fallbacks += 1;
-        Ok(next)
     }
 }
 
@@ -160,6 +166,7 @@ impl Solve {
                 .into_iter()
                 .collect(),
             otherwise: chosen.otherwise,
+            geometric: chosen.geometric,
             fallbacks: 0,
         };
         match (chosen.route, self.source.scene()) {
@@ -211,8 +218,13 @@ impl Solve {
             match precision::ready(&method, blocks) {
                 Ok(ready) => break ready,
                 Err(error) => {
-                    let error = rank::blamed(error, self.source.scene(), body.as_ref());
-                    method = inner.instead(error.into(), &mut progress)?;
+                    let scene = self.source.scene();
+                    let error = rank::blamed(error, scene, body.as_ref()).into();
+                    if let (Some(racp), Some(scene)) = (inner.geometric.take(), scene) {
+                        inner.tell(&racp.inner.to_string(), &error, &mut progress);
+                        return self.matrix_free(scene, racp, inner, progress, out);
+                    }
+                    method = inner.instead(error, &mut progress)?;
                 }
             }
         };

@@ -1,0 +1,56 @@
+//! Faces that open and close over and over.
+
+use super::newton::Attempt;
+use crate::contact::ContactState;
+
+/// Iterations before which none is looked for.
+const PATIENCE: usize = 20;
+
+/// Times that a face opens or closes before its cohesion is taken to be lost.
+const TURNS: usize = 4;
+
+/// How often faces have opened or closed within an attempt.
+///
+/// Some do so without end because their limit has a jump there: the cohesion, which an open face has not. No limit at all settles
+/// them; what opens has let go of its shear, so that it closes without cohesion.
+pub(super) struct Turns {
+    count: Vec<usize>,
+    is_open: Vec<bool>,
+    seen: usize,
+}
+
+impl Turns {
+    /// Of closed faces.
+    pub(super) fn new(faces: usize) -> Self {
+        Self {
+            count: vec![0; faces],
+            is_open: vec![false; faces],
+            seen: 0,
+        }
+    }
+
+    /// An iteration has found these states.
+    pub(super) fn see(&mut self, states: impl Iterator<Item = ContactState>) {
+        self.seen += 1;
+        for ((count, was_open), state) in self.count.iter_mut().zip(&mut self.is_open).zip(states) {
+            let is_open = state == ContactState::Open;
+            *count += usize::from(is_open != *was_open);
+            *was_open = is_open;
+        }
+    }
+
+    /// Faces whose cohesion is lost.
+    pub(super) fn torn(&self, attempt: &Attempt<'_>) -> Vec<usize> {
+        if self.seen < PATIENCE {
+            return Vec::new();
+        }
+        let has_cohesion = |f: usize| {
+            let slip = [0, 1].map(|k| attempt.start.slip[2 * f + k]);
+            let friction = attempt.problem.friction_in(f, attempt.start);
+            friction.limit(0.0, slip[0].hypot(slip[1])) > 0.0
+        };
+        (0..self.count.len())
+            .filter(|f| self.count[*f] >= TURNS && has_cohesion(*f))
+            .collect()
+    }
+}
