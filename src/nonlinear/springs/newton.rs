@@ -134,10 +134,12 @@ fn evaluate(
 /// `(A + B D Bᵀ) δ = r`, D the derivative of the tractions (semi-smooth Newton). The first step holds faces that stick or are
 /// open in `states`. It and the next dozen where a face changes its state are taken in full, and a face that reversed its slip
 /// is held in stick for the next one, as the active set would have it; after that, backtracking lowers ‖r‖. Where that fails
-/// under weakening, steps are taken in full with tangents that leave its derivative out. Below the tolerance the errors of u and t are judged, and steps go on until they are below it, too, or rounding leaves no more to gain.
+/// under weakening, steps are taken in full with tangents that leave its derivative out. Below the tolerance the errors of u and t
+/// are judged, and steps go on until they are below it, too, or rounding leaves no more to gain.
 ///
 /// # Errors
-/// [`Failure::Springs`] when `max_active` steps do not reach the tolerance, [`Failure::Torn`], [`Failure::Inaccurate`], and the failures of linear systems.
+/// [`Failure::Springs`] when `max_active` steps do not reach the tolerance, [`Failure::Torn`], [`Failure::Inaccurate`], and the
+/// failures of linear systems.
 pub(super) fn newton(
     attempt: &Attempt<'_>,
     mut faces: Springs<'_>,
