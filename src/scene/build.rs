@@ -305,17 +305,12 @@ fn solver(sections: &SceneSections) -> Result<SolverSection, Located> {
             "at least 1",
         ),
         (
-            "method",
+            "factor",
             factor,
             factor > 0.0 && factor.is_finite(),
-            "with a `factor` of more than 0",
+            "more than 0",
         ),
-        (
-            "method",
-            updates as f64,
-            updates > 0,
-            "with `max_updates` of at least 1",
-        ),
+        ("max_updates", updates as f64, updates > 0, "at least 1"),
     ] {
         if !admitted {
             let problem = Problem::SolverValue {
@@ -323,7 +318,11 @@ fn solver(sections: &SceneSections) -> Result<SolverSection, Located> {
                 value,
                 requirement,
             };
-            return Err(at(&["solver", key], problem));
+            let place = match key {
+                "factor" | "max_updates" => "method",
+                key => key,
+            };
+            return Err(at(&["solver", place], problem));
         }
     }
     Ok(solver)
