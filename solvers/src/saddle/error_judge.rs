@@ -3,7 +3,10 @@
 use super::EnergyNorms;
 
 /// Ritz value of M⁻¹𝒜 above which M⁻¹r is taken for the error. Unit: 1.
-const TRUSTED: f64 = 0.1;
+pub(super) const TRUSTED: f64 = 0.1;
+
+/// Times that an error may be larger than what is said. Unit: 1.
+const OPTIMISM: f64 = 10.0;
 
 /// Share of the tolerance that the next pass aims at. Unit: 1.
 const AIM: f64 = 0.5;
@@ -17,8 +20,8 @@ const GAIN: f64 = 0.5;
 /// Judges the errors of u and t, pass by pass, by `e = 𝒜⁻¹r = (M⁻¹𝒜)⁻¹ M⁻¹r ≈ M⁻¹r`.
 ///
 /// Where M is poor, M⁻¹r may be too small by the eigenvalue θ of M⁻¹𝒜 nearest to zero: 1/|θ|, θ a Ritz value of the iteration, is
-/// a bound, and what a further pass changes shows the error before it. The geometric mean of both is taken: a rule, not a
-/// theorem, tried over random systems (`tests/accuracy.rs`).
+/// a bound, and what a further pass changes shows the error before it. The geometric mean of both is taken, and no less than a tenth
+/// of the bound: a rule, not a theorem, tried over random systems (`tests/accuracy.rs`).
 #[derive(Clone, Debug, Default)]
 pub struct ErrorJudge {
     last: Option<Pass>,
@@ -97,7 +100,9 @@ impl ErrorJudge {
             (Some(before), true) => {
                 let seen = before.effectivity(norms, x);
                 seen.map(|seen| match bound.is_finite() {
-                    true => (seen.clamp(1.0, bound) * bound).sqrt(),
+                    true => (seen.clamp(1.0, bound) * bound)
+                        .sqrt()
+                        .max(bound / OPTIMISM),
                     false => seen.max(1.0),
                 })
             }

@@ -25,10 +25,6 @@ pub(super) type InDouble<'a> = Box<dyn Fn(&mut Progress) -> anyhow::Result<Doubl
 /// Difference of `M⁻¹r` in f32 and in f64, relative to the latter, from which f32 is to blame. Unit: 1.
 const LOST: f64 = 1e-2;
 
-/// Largest over smallest diagonal entry of A from which f32 may hold no digit of the softest rock beside the stiffest: 2²⁰ of its 2²⁴.
-/// Tractions within soft rock were wrong by 3e-4 with errors of 5e-10 said. Unit: 1.
-const HELD: f64 = 1_048_576.0;
-
 /// Iterations in which a residual that falls at all halves: at less than that the default limit is not enough for four digits.
 const PLATEAU: usize = 100;
 
@@ -63,11 +59,12 @@ pub(super) fn ready(
     method: &SaddleMethod,
     blocks: &SaddleBlocks,
 ) -> Result<(Ready, Option<String>), SetupError> {
-    let spread = blocks.stiffness().spread();
-    let double = in_double(method).filter(|_| spread >= HELD);
+    let stiffness = blocks.stiffness();
+    let double = in_double(method).filter(|_| stiffness.exceeds_single());
     if let Some(Ok(ready)) = double.map(|double| double.ready(blocks)) {
         let finding = format!(
-            "precision: entries of A spread over {spread:.0e}, the digits of f32; the hierarchy is in f64"
+            "precision: entries of A spread over {:.0e}, the digits of f32; the hierarchy is in f64",
+            stiffness.spread()
         );
         return Ok((ready, Some(finding)));
     }
