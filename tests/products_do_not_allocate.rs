@@ -1,4 +1,5 @@
 //! Claim: no stiffness product allocates. One thread, because the queues of a pool with more grow on their own.
+#![allow(unsafe_code, reason = "an allocator that counts")]
 
 #[path = "../src/elasticity/sample.rs"]
 mod sample;

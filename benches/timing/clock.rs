@@ -1,4 +1,5 @@
 //! Time that a shared machine does not blur: processor time of one thread, wall time of several.
+#![allow(unsafe_code, reason = "asks the system for processor time")]
 
 use std::time::Duration;
 

@@ -1,4 +1,5 @@
 //! A vector that tasks of one colour update together, each its own entries.
+#![allow(unsafe_code, reason = "writes of tasks that share no entry")]
 
 use crate::simd;
 use crate::vector::for_each_task;

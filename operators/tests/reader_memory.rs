@@ -1,4 +1,5 @@
 //! Claim: reading a matrix takes hardly more memory than the matrix.
+#![allow(unsafe_code, reason = "an allocator that counts")]
 
 use fracas_operators::matrix_market::{Symmetry, read_sparse, write_sparse};
 use fracas_operators::sparse::SparseMatrix;
@@ -18,11 +19,13 @@ unsafe impl GlobalAlloc for Counting {
             NOW.fetch_add(layout.size(), Relaxed) + layout.size(),
             Relaxed,
         );
+        // SAFETY: as the caller promises.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
         NOW.fetch_sub(layout.size(), Relaxed);
+        // SAFETY: as the caller promises.
         unsafe { System.dealloc(pointer, layout) }
     }
 }

@@ -1,6 +1,7 @@
 //! Claim: Krylov methods and smoothers allocate nothing once their memory exists, and give the same bits for any
 //! number of threads.
 #![allow(clippy::unwrap_used)]
+#![allow(unsafe_code, reason = "an allocator that counts")]
 
 use fracas_operators::laws::probe;
 use fracas_operators::sparse::{Csr, SparseMatrix, Triplets};
@@ -22,13 +23,16 @@ static ALLOCATIONS: AtomicU64 = AtomicU64::new(0);
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.fetch_add(1, Ordering::SeqCst);
+        // SAFETY: as the caller promises.
         unsafe { Heap.alloc(layout) }
     }
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: as the caller promises.
         unsafe { Heap.dealloc(pointer, layout) }
     }
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         ALLOCATIONS.fetch_add(1, Ordering::SeqCst);
+        // SAFETY: as the caller promises.
         unsafe { Heap.realloc(pointer, layout, size) }
     }
 }

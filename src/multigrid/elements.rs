@@ -1,4 +1,5 @@
 //! Element matrices of a level.
+#![allow(unsafe_code, reason = "writes of tasks that share no entry")]
 
 use super::grid::Grid;
 use crate::elasticity::element::Geometry;

@@ -29,7 +29,7 @@ pub enum GeometricError {
     #[error("the mesh has no grid to coarsen; take --inner amg")]
     NoGrid,
     /// C⁻¹ couples faces with each other.
-    #[error("C is dense: B C⁻¹Bᵀ couples all faces; take a diagonal C or one block per face")]
+    #[error("C couples faces, and so does B C⁻¹Bᵀ; take a diagonal C or one block per face")]
     DenseC,
     /// C of other fractures.
     #[error("C has {found} rows, the fractures have {expected} tractions")]

@@ -27,7 +27,7 @@ pub(super) fn inverse_blocks(c: &AugmentationMatrix, scale: f64) -> Option<Vec<B
             let scaled = |b: &Block| b.map(|row| row.map(|v| v / scale));
             Some(inverse.iter().map(scaled).collect())
         }
-        AugmentationMatrix::Dense { .. } => None,
+        AugmentationMatrix::Dense { .. } | AugmentationMatrix::Custom(_) => None,
     }
 }
 

@@ -1,4 +1,5 @@
 //! From a body to all levels.
+#![allow(unsafe_code, reason = "promises that tasks share no entry")]
 
 use super::bottom::bottom;
 use super::coarse_lines::CoarseLines;

@@ -1,4 +1,5 @@
 //! Trilinear interpolation from the corners of a coarse element to the fine nodes in it.
+#![allow(unsafe_code, reason = "writes of tasks that share no entry")]
 
 use super::coarsening::{Coarsening, for_each_fine};
 use super::grid::{Grid, STEPS};

@@ -1,4 +1,5 @@
 //! What of a coarse matrix is not bricks: `Σ P_eᵀ K_e P_e` of cut or mixed cells, and `Pᵀ R P` of the level above.
+#![allow(unsafe_code, reason = "writes of tasks that share no entry")]
 
 use super::coarsening::{Coarsening, for_each_fine};
 use super::elements::{BrickCache, ElementBlocks, Elements};

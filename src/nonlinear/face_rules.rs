@@ -52,22 +52,10 @@ impl FaceRule {
             law: [[0.0; 3]; 3],
             friction: [[0.0; 3]; 3],
         };
-        let (d, l) = (&face.by_jump, &face.law);
-        // D_TT is δ a aᵀ in slip, I in stick: a is its first eigenvector
-        let [p, q, r] = [d[1][1], 0.5 * (d[1][2] + d[2][1]), d[2][2]];
-        let angle = 0.5 * (2.0 * q).atan2(p - r);
-        let (sin, cos) = angle.sin_cos();
-        let directions = [[1.0, 0.0, 0.0], [0.0, cos, sin], [0.0, -sin, cos]];
-        for e in directions {
-            let along = |m: &Matrix3| -> f64 {
-                (0..3)
-                    .flat_map(|i| (0..3).map(move |j| (i, j)))
-                    .map(|(i, j)| e[i] * m[i][j] * e[j])
-                    .sum()
-            };
-            let delta = along(d);
-            let lambda = along(l);
-            let jump = along(c);
+        let l = &face.law;
+        for e in directions(face) {
+            let (delta, lambda) = (along(&face.by_jump, e), along(l, e));
+            let jump = along(c, e);
             if delta > NO_JUMP {
                 let c = jump + (lambda / delta).max(0.0);
                 add(&mut rule.c, c, e, e);
@@ -87,6 +75,42 @@ impl FaceRule {
         }
         rule
     }
+
+    /// `E = Σ e eᵀ` over the kept directions, and what is added to `E C E`: `Σ λ/δ e eᵀ` there, the diagonal of C in the others.
+    pub(super) fn projected(face: &FaceTangent, c: &Matrix3) -> (Matrix3, Matrix3) {
+        if *face == FaceTangent::STICK {
+            return (face.by_jump, face.law);
+        }
+        let (mut kept, mut extra) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
+        for e in directions(face) {
+            let (delta, lambda) = (along(&face.by_jump, e), along(&face.law, e));
+            if delta > NO_JUMP {
+                add(&mut kept, 1.0, e, e);
+                add(&mut extra, (lambda / delta).max(0.0), e, e);
+            } else {
+                add(&mut extra, along(c, e), e, e);
+            }
+        }
+        (kept, extra)
+    }
+}
+
+/// n, a and m.
+fn directions(face: &FaceTangent) -> [[f64; 3]; 3] {
+    let d = &face.by_jump;
+    // D_TT is δ a aᵀ in slip, I in stick: a is its first eigenvector
+    let [p, q, r] = [d[1][1], 0.5 * (d[1][2] + d[2][1]), d[2][2]];
+    let angle = 0.5 * (2.0 * q).atan2(p - r);
+    let (sin, cos) = angle.sin_cos();
+    [[1.0, 0.0, 0.0], [0.0, cos, sin], [0.0, -sin, cos]]
+}
+
+/// `eᵀ M e`.
+fn along(m: &Matrix3, e: [f64; 3]) -> f64 {
+    (0..3)
+        .flat_map(|i| (0..3).map(move |j| (i, j)))
+        .map(|(i, j)| e[i] * m[i][j] * e[j])
+        .sum()
 }
 
 /// `M ← M + α u vᵀ`.

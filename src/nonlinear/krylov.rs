@@ -78,7 +78,7 @@ pub(super) fn solve(
             .min(asked.max_iterations),
     };
     let mut run = |choice: KrylovChoice, x: &mut [f64]| {
-        let method = choice.method::<f64>();
+        let method = choice.method();
         let work = work.of(method, system, &criteria);
         let solved = method.solve_in(system, &criteria, x, observer, work);
         (choice.name(), solved)

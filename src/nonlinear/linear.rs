@@ -2,12 +2,12 @@
 
 use super::active_set::{Log, Settled, active_set};
 use super::assembled::Assembled;
-use super::face_rules::FaceRule;
 use super::jacobian::FaceTangent;
 use super::kept::{Kept, Ready};
 use super::krylov::{self, Asked, Ended, Solved};
 use super::newton::{Attempt, Iterate};
 use super::stability::{AtLimits, Holding, SOLVED};
+use super::state_c::{StickC, c_of};
 use super::state_inverse::StateInverse;
 use super::workspace::Resources;
 use super::{
@@ -19,9 +19,7 @@ use crate::scene::{FACTORIZED, RunInner};
 use fracas_operators::Preconditioner;
 use fracas_solvers::direct::DirectChoice;
 use fracas_solvers::krylov::{KrylovChoice, Sqmr, System, least};
-use fracas_solvers::saddle::{
-    AugmentationChoice, AugmentationMatrix, Block, EnergyNorms, InnerChoice, Racp, probe,
-};
+use fracas_solvers::saddle::{AugmentationChoice, Block, EnergyNorms, InnerChoice, Racp, probe};
 use fracas_solvers::{Observer, Step};
 
 /// Iterations per digit, over those of the first all-stick system, from which a preconditioner of the present states is
@@ -63,8 +61,7 @@ impl RunPreconditioner {
 pub(super) struct Linear {
     settings: RunPreconditioner,
     max_krylov: usize,
-    /// C of faces in stick, and its inverse.
-    c: Vec<[Block; 2]>,
+    c: StickC,
     stick: Option<Ready>,
     /// That of some states, beside it.
     present: Kept,
@@ -90,7 +87,7 @@ impl Linear {
         Self {
             settings: chosen(problem),
             max_krylov: problem.body().solver.max_krylov,
-            c: Vec::new(),
+            c: StickC::default(),
             stick: None,
             present: Kept::default(),
             reference: None,
@@ -155,7 +152,7 @@ impl Linear {
         }
         let system = System {
             operator: jacobian,
-            preconditioner: &self.inverse(problem, jacobian, states),
+            preconditioner: &self.inverse(problem, jacobian, states)?,
             rhs,
         };
         let asked = Asked {
@@ -191,7 +188,7 @@ impl Linear {
         observer: &mut dyn Observer,
     ) -> Result<(Vec<f64>, Option<f64>), LinearFailure> {
         self.prepare(problem, jacobian, states, observer)?;
-        let inverse = self.inverse(problem, jacobian, states);
+        let inverse = self.inverse(problem, jacobian, states)?;
         let mut e = vec![0.0; residual.len()];
         inverse.solve(residual, &mut e, &mut vec![0.0; inverse.work_len()]);
         if !self.probed {
@@ -214,7 +211,7 @@ impl Linear {
         problem: &'s ContactProblem<'_>,
         jacobian: &'s ContactJacobian<'_>,
         states: &[ContactState],
-    ) -> StateInverse<'s> {
+    ) -> Result<StateInverse<'s>, LinearFailure> {
         let far = |ready: &Option<Ready>| match ready {
             Some(ready) => distance(&ready.of.states, states),
             None => usize::MAX,
@@ -230,12 +227,13 @@ impl Linear {
             Some(faces) => faces[f],
             None => FaceTangent::STICK,
         };
-        StateInverse::new(
+        let c = (self.c.rules(tangent), self.c.coupled(tangent)?);
+        Ok(StateInverse::new(
             problem.saddle().coupling(),
             (jacobian.h, self.settings.relaxation()),
-            rules(&self.c, tangent),
+            c,
             s_u.as_ref(),
-        )
+        ))
     }
 
     /// The preconditioner of the all-stick body at first; that of the present states when the last system was slow. True
@@ -251,7 +249,7 @@ impl Linear {
         let first = self.stick.is_none();
         if first {
             let all_stick = vec![ContactState::Stick; faces];
-            let c = |c: &[[Block; 2]]| c_of(&rules(c, |_| FaceTangent::STICK));
+            let c = |c: &StickC| c_of(&c.rules(|_| FaceTangent::STICK));
             self.stick = Some(self.build(problem, all_stick, c, observer)?);
         }
         if let Some(Prepared { states, c }) = self.present.pending.take() {
@@ -262,7 +260,7 @@ impl Linear {
         if let (true, Some(tangents)) = (wanted, &jacobian.faces) {
             // the memory of the one before is given back first
             self.present.ready = None;
-            let c = |c: &[[Block; 2]]| c_of(&rules(c, |f| tangents[f]));
+            let c = |c: &StickC| c_of(&c.rules(|f| tangents[f]));
             self.present.ready = Some(self.build(problem, states.to_vec(), c, observer)?);
             self.built = true;
             return Ok(true);
@@ -275,7 +273,7 @@ impl Linear {
         &mut self,
         problem: &ContactProblem<'_>,
         states: Vec<ContactState>,
-        c: impl Fn(&[[Block; 2]]) -> Vec<Block>,
+        c: impl Fn(&StickC) -> Vec<Block>,
         observer: &mut dyn Observer,
     ) -> Result<Ready, LinearFailure> {
         let mut settings = self.settings;
@@ -312,7 +310,7 @@ impl Linear {
         &mut self,
         problem: &ContactProblem<'_>,
         settings: RunPreconditioner,
-        c: &impl Fn(&[[Block; 2]]) -> Vec<Block>,
+        c: &impl Fn(&StickC) -> Vec<Block>,
     ) -> Result<(Vec<Block>, Box<dyn Preconditioner<f64>>, &'static str), LinearFailure> {
         let unit = problem.saddle().unit();
         let before = self.resources.fallbacks.count;
@@ -327,10 +325,10 @@ impl Linear {
                     let c = racp
                         .augmentation
                         .compute(&blocks, direct.solver()?.as_ref())?;
-                    self.c = c.matrix.of_faces();
+                    self.c = StickC::new(c.matrix);
                 }
                 let c = c(&self.c);
-                let matrix = AugmentationMatrix::from_face_blocks(c.clone())?;
+                let matrix = self.c.of_schur(self.stick.is_none(), &c)?;
                 let fallbacks = &mut self.resources.fallbacks;
                 let inverse = self
                     .assembled
@@ -341,10 +339,10 @@ impl Linear {
                 let system = problem.stick_system();
                 if self.c.is_empty() {
                     let c = problem.saddle().augmentation(&system, racp.augmentation);
-                    self.c = c.map_err(MatrixFreeError::from)?.matrix.of_faces();
+                    self.c = StickC::new(c.map_err(MatrixFreeError::from)?.matrix);
                 }
                 let c = c(&self.c);
-                let matrix = AugmentationMatrix::from_face_blocks(c.clone())?;
+                let matrix = self.c.of_schur(self.stick.is_none(), &c)?;
                 let in_pascal = matrix.scaled(1.0 / (unit * unit));
                 let s_u = self.resources.fallbacks.build(problem, racp, &in_pascal)?;
                 (c, Box::new(s_u))
@@ -402,19 +400,6 @@ impl Holding for Linear {
 
 /// What is told of a preconditioner that gave way.
 const IN_DOUBLE: &str = "preconditioner, in f64 because f32 would lose it";
-
-/// What faces with these tangents make of their rows, and of the diagonal of C in stick.
-fn rules(c: &[[Block; 2]], tangent: impl Fn(usize) -> FaceTangent) -> Vec<FaceRule> {
-    let faces = c.iter().enumerate();
-    faces
-        .map(|(f, [c, inverse])| FaceRule::new(&tangent(f), c, inverse))
-        .collect()
-}
-
-/// C per face.
-fn c_of(rules: &[FaceRule]) -> Vec<Block> {
-    rules.iter().map(|rule| rule.c).collect()
-}
 
 /// Jumps that one keeps and the other does not: slip and new-slip count as one.
 fn distance(a: &[ContactState], b: &[ContactState]) -> usize {

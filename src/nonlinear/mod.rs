@@ -36,6 +36,7 @@ mod simulation;
 mod springs;
 mod stability;
 mod state;
+mod state_c;
 mod state_inverse;
 mod times;
 mod turns;

@@ -1,6 +1,7 @@
 //! RACP of a body whose faces stick, slip or are open.
 
-use super::face_rules::{FaceRule, Matrix3};
+use super::face_rules::FaceRule;
+use super::state_c::{Coupled, times};
 use crate::contact::Coupling;
 use fracas_operators::sparse::Csr;
 use fracas_operators::{AdjointOperator, Layout, LinearOperator, Preconditioner, Properties};
@@ -18,6 +19,8 @@ use fracas_solvers::saddle::Relaxation;
 pub(super) struct StateInverse<'a> {
     b: &'a Coupling<f64>,
     rules: Vec<FaceRule>,
+    /// C⁻¹ of the kept directions, where C couples faces.
+    coupled: Option<Coupled>,
     s_u: &'a dyn Preconditioner<f64>,
     relaxation: Option<Relaxation<&'a Csr<f64>>>,
     layout: Layout<2>,
@@ -28,42 +31,41 @@ impl<'a> StateInverse<'a> {
     pub(super) fn new(
         b: &'a Coupling<f64>,
         (h, gamma): (Option<&'a Csr<f64>>, f64),
-        rules: Vec<FaceRule>,
+        (rules, coupled): (Vec<FaceRule>, Option<Coupled>),
         s_u: &'a dyn Preconditioner<f64>,
     ) -> Self {
         let shape = b.shape();
         assert_eq!(shape.rows, s_u.size(), "rows of B and size of S_u");
         assert_eq!(shape.cols, 3 * rules.len(), "columns of B and faces");
         let layout = Layout::new(["u", "t"], [shape.rows, shape.cols]);
-        let relaxation = h.and_then(|h| Relaxation::new(h, gamma, |r, z| kept_solve(&rules, r, z)));
-        Self {
+        let mut inverse = Self {
             b,
             rules,
+            coupled,
             s_u,
-            relaxation,
+            relaxation: None,
             layout,
+        };
+        let mut work = vec![0.0; inverse.coupled.as_ref().map_or(0, Coupled::work_len)];
+        let c_inverse = |r: &[f64], z: &mut [f64]| inverse.kept_solve(r, z, &mut work);
+        inverse.relaxation = h.and_then(|h| Relaxation::new(h, gamma, c_inverse));
+        inverse
+    }
+
+    /// `z ← C⁻¹ r` in the kept directions, 0 in the others.
+    fn kept_solve(&self, r: &[f64], z: &mut [f64], work: &mut [f64]) {
+        if let Some(coupled) = &self.coupled {
+            return coupled.solve(r, z, work);
+        }
+        let rows = r.chunks_exact(3).zip(z.chunks_exact_mut(3));
+        for (rule, (r, z)) in self.rules.iter().zip(rows) {
+            z.copy_from_slice(&times(&rule.g, three(r)));
         }
     }
 }
 
-/// `M v` for the three components of a face.
-fn times(m: &Matrix3, v: [f64; 3]) -> [f64; 3] {
-    m.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
-}
-
 fn three(v: &[f64]) -> [f64; 3] {
     [v[0], v[1], v[2]]
-}
-
-/// `z ← C⁻¹ r` in the kept directions, 0 in the others.
-fn kept_solve(rules: &[FaceRule], r: &[f64], z: &mut [f64]) {
-    for ((rule, r), z) in rules
-        .iter()
-        .zip(r.chunks_exact(3))
-        .zip(z.chunks_exact_mut(3))
-    {
-        z.copy_from_slice(&times(&rule.g, three(r)));
-    }
 }
 
 impl Preconditioner<f64> for StateInverse<'_> {
@@ -82,9 +84,9 @@ impl Preconditioner<f64> for StateInverse<'_> {
             x_k[3 * f..][..3].copy_from_slice(&times(&rule.kept, three(&x_t[3 * f..])));
         }
         if let Some(w) = &self.relaxation {
-            w.apply_transpose(|r, z| kept_solve(&self.rules, r, z), x_k, work);
+            w.apply_transpose(|r, z, work| self.kept_solve(r, z, work), x_k, work);
         }
-        kept_solve(&self.rules, x_k, y_k);
+        self.kept_solve(x_k, y_k, work);
         // y_t = y_k + Λ⁻¹ x_l
         for (f, rule) in self.rules.iter().enumerate() {
             let l = times(&rule.law, three(&x_t[3 * f..]));
@@ -98,9 +100,9 @@ impl Preconditioner<f64> for StateInverse<'_> {
         x_k.iter_mut().for_each(|x| *x = -*x);
         self.b.apply_adjoint_add(1.0, y_u, x_k, work);
         if let Some(w) = &self.relaxation {
-            w.apply_transpose(|r, z| kept_solve(&self.rules, r, z), x_k, work);
+            w.apply_transpose(|r, z, work| self.kept_solve(r, z, work), x_k, work);
         }
-        kept_solve(&self.rules, x_k, y_k);
+        self.kept_solve(x_k, y_k, work);
         // y_l = −Λ⁻¹ x_l − (L_ln/Λ) y_n
         for (f, rule) in self.rules.iter().enumerate() {
             let k = three(&y_k[3 * f..]);
@@ -113,13 +115,15 @@ impl Preconditioner<f64> for StateInverse<'_> {
     }
 
     fn work_len(&self) -> usize {
-        let inside = self.s_u.work_len().max(self.b.work_len());
-        let relaxation = self.relaxation.as_ref().map_or(0, Relaxation::work_len);
+        let c = self.coupled.as_ref().map_or(0, Coupled::work_len);
+        let inside = self.s_u.work_len().max(self.b.work_len()).max(c);
+        let relaxation = (self.relaxation.as_ref()).map_or(0, |w| w.work_len(c));
         self.layout.len() + 3 * self.rules.len() + inside.max(relaxation)
     }
 
     fn flops(&self) -> u64 {
-        let c_inverse = 15 * self.rules.len() as u64;
+        let by_faces = 15 * self.rules.len() as u64;
+        let c_inverse = self.coupled.as_ref().map_or(by_faces, Coupled::flops);
         let relaxation = (self.relaxation.as_ref()).map_or(0, |w| 2 * w.flops(c_inverse));
         self.s_u.flops()
             + 2 * LinearOperator::flops(self.b)

@@ -110,7 +110,8 @@ fn iterate<R: Real>(
         max_iterations: LIMIT,
     };
     let krylov = KrylovChoice::default().flexible_for(preconditioner);
-    match krylov.method().solve(&system, &criteria, x, &mut Silent) {
+    let method = krylov.own_method().expect("GMRES or FGMRES");
+    match method.solve(&system, &criteria, x, &mut Silent) {
         Ok(report) => Reached {
             krylov,
             met: report.outcome == Outcome::Converged,

@@ -2,6 +2,7 @@
 //!
 //! A kernel is a [`Kernel`] whose `run` is generic in its [`Lanes`]; [`Level::run`] calls the best compiled version. A
 //! [`Level`] exists only where the machine has its instructions, so the methods of [`Lanes`] are safe.
+#![allow(unsafe_code, reason = "instructions that the processor was asked for")]
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;

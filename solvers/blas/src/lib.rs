@@ -8,6 +8,7 @@
 //!
 //! # Source
 //! J. Dongarra et al., ACM Trans. Math. Softw. 16 (1990) 1–17; E. Anderson et al., LAPACK Users' Guide (1999).
+#![allow(unsafe_code, reason = "C calls these routines")]
 
 mod flags;
 mod level2;

@@ -1,4 +1,5 @@
 //! Every routine × every combination of flags × odd sizes × padded leading dimensions, against plain loops.
+#![allow(unsafe_code, reason = "calls routines as C does")]
 
 use faer::{c32, c64};
 use fracas_blas::symbols::*;

@@ -1,4 +1,5 @@
 //! Large products have the same bits for any number of threads.
+#![allow(unsafe_code, reason = "calls routines as C does")]
 
 use fracas_blas::symbols::*;
 use std::ffi::c_char;

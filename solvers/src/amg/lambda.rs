@@ -28,10 +28,10 @@ pub(super) fn largest_eigenvalue<R: Real>(a: &SweepMatrix<R>) -> f64 {
 pub(crate) fn largest_generalized<R: Real>(
     n: usize,
     mut product: impl FnMut(&[R], &mut [R]),
-    diagonal_solve: impl Fn(&[R], &mut [R]),
+    mut diagonal_solve: impl FnMut(&[R], &mut [R]),
 ) -> f64 {
     let [mut z, mut p, mut q] = [0; 3].map(|_| vec![R::zero(); n]);
-    let mut r = start(n, &diagonal_solve, &mut z);
+    let mut r = start(n, &mut diagonal_solve, &mut z);
     let (mut diagonal, mut off) = (Vec::new(), Vec::new());
     let (mut beta, mut alpha_before) = (0.0, 1.0);
     diagonal_solve(&r, &mut z);
@@ -69,7 +69,11 @@ pub(crate) fn largest_generalized<R: Real>(
 /// A vector r with a part in every eigenvector, the same on every machine: white noise with the weight √D at every node. A wave would
 /// be nearly an eigenvector on a regular grid; without the weight stiff regions, whose share of `rᵀD⁻¹r` falls with their stiffness,
 /// would not be heard in ten steps.
-fn start<R: Real>(n: usize, diagonal_solve: impl Fn(&[R], &mut [R]), z: &mut [R]) -> Vec<R> {
+fn start<R: Real>(
+    n: usize,
+    diagonal_solve: &mut impl FnMut(&[R], &mut [R]),
+    z: &mut [R],
+) -> Vec<R> {
     let mut r: Vec<R> = (0..n as u64).map(|i| R::of(signed(i))).collect();
     diagonal_solve(&r, z);
     let norm = |v: &[R]| dot(v, v).to_f64_exact().sqrt();

@@ -1,4 +1,8 @@
 //! Scratch of another precision.
+#![allow(
+    unsafe_code,
+    reason = "scratch memory of one scalar as that of another"
+)]
 
 use fracas_operators::Real;
 

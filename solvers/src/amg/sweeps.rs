@@ -1,4 +1,5 @@
 //! Gauss–Seidel sweeps and products with one matrix of 3×3 blocks.
+#![allow(unsafe_code, reason = "writes of tasks that share no entry")]
 
 use super::schedule::Schedule;
 use fracas_operators::Real;

@@ -2,14 +2,15 @@
 
 use super::{DirectSolver, Faer, Kind, Symbolic};
 use crate::SetupError;
+use crate::registry::{NameTaken, Named, Registered, Registry};
 use fracas_operators::sparse::SparseMatrix;
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;
 use std::str::FromStr;
 
 /// A backend by name.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum DirectChoice {
     /// The fastest one of this build: CHOLMOD for LLᵀ, UMFPACK for LU, faer for LDLᵀ and wherever those are missing.
@@ -21,11 +22,32 @@ pub enum DirectChoice {
     Cholmod,
     /// UMFPACK: LU; needs the feature `suitesparse`.
     Umfpack,
+    /// Somebody else's.
+    #[serde(untagged)]
+    #[schemars(skip)]
+    Other(Registered<dyn DirectSolver>),
 }
+
+impl Named for dyn DirectSolver {
+    fn name(&self) -> &'static str {
+        DirectSolver::name(self)
+    }
+}
+
+static SOLVERS: Registry<dyn DirectSolver> = Registry::new("direct solver");
 
 impl DirectChoice {
     /// Every backend that has a name of its own.
     pub const BACKENDS: [Self; 3] = [Self::Faer, Self::Cholmod, Self::Umfpack];
+
+    /// Makes a solver known by its name.
+    ///
+    /// # Errors
+    /// [`NameTaken`] where another solver has it.
+    pub fn register(solver: &'static dyn DirectSolver) -> Result<Self, NameTaken> {
+        let own = ["auto", "faer", "cholmod", "umfpack"].into_iter();
+        SOLVERS.register(solver, own).map(Self::Other)
+    }
 
     /// The backend.
     ///
@@ -35,6 +57,7 @@ impl DirectChoice {
         match self {
             Self::Auto => Ok(Box::new(Auto)),
             Self::Faer => Ok(Box::new(Faer)),
+            Self::Other(solver) => Ok(Box::new(Borrowed(solver.0))),
             #[cfg(feature = "suitesparse")]
             Self::Cholmod => Ok(Box::new(super::Cholmod)),
             #[cfg(feature = "suitesparse")]
@@ -65,13 +88,14 @@ impl fmt::Display for DirectChoice {
             Self::Faer => "faer",
             Self::Cholmod => "cholmod",
             Self::Umfpack => "umfpack",
+            Self::Other(solver) => solver.0.name(),
         })
     }
 }
 
 /// A name that is none of [`DirectChoice`]'s.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown direct solver {found:?}: expected auto, faer, cholmod or umfpack")]
+#[error("unknown direct solver {found:?}: expected auto, faer, cholmod or umfpack{}", SOLVERS.names())]
 pub struct UnknownDirect {
     /// What was given.
     pub found: String,
@@ -84,6 +108,7 @@ impl FromStr for DirectChoice {
         [Self::Auto, Self::Faer, Self::Cholmod, Self::Umfpack]
             .into_iter()
             .find(|choice| choice.to_string() == name)
+            .or_else(|| SOLVERS.find(name).map(Self::Other))
             .ok_or_else(|| UnknownDirect { found: name.into() })
     }
 }
@@ -95,6 +120,27 @@ fn not_built(backend: &'static str) -> Result<Box<dyn DirectSolver>, SetupError>
         backend,
         feature: "suitesparse",
     })
+}
+
+impl<'de> Deserialize<'de> for DirectChoice {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        name.parse().map_err(serde::de::Error::custom)
+    }
+}
+
+/// A solver that somebody else keeps.
+#[derive(Clone, Copy, Debug)]
+struct Borrowed(&'static dyn DirectSolver);
+
+impl DirectSolver for Borrowed {
+    fn name(&self) -> &'static str {
+        self.0.name()
+    }
+
+    fn analyze(&self, a: &SparseMatrix<f64>, kind: Kind) -> Result<Box<dyn Symbolic>, SetupError> {
+        self.0.analyze(a, kind)
+    }
 }
 
 /// Chooses by kind.

@@ -1,4 +1,5 @@
 //! CHOLMOD: supernodal LLᵀ.
+#![allow(unsafe_code, reason = "calls a C library")]
 
 use super::nested_dissection::nested_dissection;
 use super::pattern::{BLOCK, Pattern};

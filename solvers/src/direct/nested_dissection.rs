@@ -2,6 +2,7 @@
 //!
 //! Unknowns with the same closed neighbourhood (the three displacements of a node, say) are eliminated one after the
 //! other by any good order. They are merged first, without coordinates, and METIS sees a graph of nodes.
+#![allow(unsafe_code, reason = "calls a C library")]
 
 use super::graph::Graph;
 use crate::SetupError;

@@ -1,4 +1,5 @@
 //! UMFPACK: multifrontal LU.
+#![allow(unsafe_code, reason = "calls a C library")]
 
 use super::equilibration::Equilibrated;
 use super::graph::symmetry;

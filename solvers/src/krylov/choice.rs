@@ -1,6 +1,6 @@
 //! Reading and writing a [`KrylovChoice`]: `gmres`, `gmres:50`, `{ gmres = { restart = 50 } }`.
 
-use super::{Fgmres, Gmres, KrylovChoice};
+use super::{Fgmres, Gmres, KrylovChoice, METHODS};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, Visitor};
@@ -13,7 +13,7 @@ use std::str::FromStr;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum UnknownMethod {
     /// No method of this name.
-    #[error("no Krylov method `{found}`; there are cg, minres, sqmr, gmres, fgmres, bicgstab")]
+    #[error("no Krylov method `{found}`; there are cg, minres, sqmr, gmres, fgmres, bicgstab{}", METHODS.names())]
     Name {
         /// As written.
         found: String,
@@ -56,6 +56,7 @@ impl FromStr for KrylovChoice {
         let mut choice = Self::all()
             .into_iter()
             .find(|choice| choice.name() == name)
+            .or_else(|| METHODS.find(name).map(Self::Other))
             .ok_or_else(|| UnknownMethod::Name { found: text.into() })?;
         let Some(length) = length else {
             return Ok(choice);

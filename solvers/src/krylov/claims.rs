@@ -235,7 +235,8 @@ fn single_precision_reaches_single_precision() {
         };
         let mut x = vec![0.0; n];
         let report = choice
-            .method()
+            .own_method()
+            .unwrap()
             .solve(&system, &until(1e-5, 99), &mut x, &mut Silent)
             .unwrap();
         assert_eq!(report.outcome, Outcome::Converged, "{choice}");

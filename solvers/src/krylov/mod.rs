@@ -26,7 +26,7 @@ mod minres;
 #[cfg(test)]
 pub(crate) mod oracle;
 mod ritz;
-mod run;
+pub mod run;
 mod sqmr;
 mod system;
 
@@ -43,6 +43,7 @@ pub use sqmr::Sqmr;
 pub use system::{Criteria, Outcome, Report, System};
 
 use crate::Observer;
+use crate::registry::{NameTaken, Named, Registered, Registry};
 use fracas_operators::{Preconditioner, Real};
 use serde::Deserialize;
 use std::fmt::Debug;
@@ -98,7 +99,27 @@ pub enum KrylovChoice {
     Fgmres(Fgmres),
     /// Stabilized bi-conjugate gradients.
     Bicgstab(Bicgstab),
+    /// Somebody else's.
+    #[serde(skip)]
+    Other(Registered<dyn CustomKrylov>),
 }
+
+/// A Krylov method of somebody else's; [`register`](KrylovChoice::register) makes its name known.
+pub trait CustomKrylov: KrylovMethod<f64> {
+    /// Products with A, and solves with M, that one iteration makes.
+    fn products_per_iteration(&self) -> usize;
+
+    /// True for a method that takes a preconditioner which is no linear map.
+    fn is_flexible(&self) -> bool;
+}
+
+impl Named for dyn CustomKrylov {
+    fn name(&self) -> &'static str {
+        KrylovMethod::name(self)
+    }
+}
+
+static METHODS: Registry<dyn CustomKrylov> = Registry::new("Krylov method");
 
 impl Default for KrylovChoice {
     fn default() -> Self {
@@ -119,34 +140,57 @@ impl KrylovChoice {
         ]
     }
 
+    /// Makes a method known by its name.
+    ///
+    /// # Errors
+    /// [`NameTaken`] where another method has it.
+    pub fn register(method: &'static dyn CustomKrylov) -> Result<Self, NameTaken> {
+        let own = Self::all().into_iter().map(|own| own.name());
+        METHODS.register(method, own).map(Self::Other)
+    }
+
     /// The chosen method.
-    pub fn method<R: Real>(&self) -> &dyn KrylovMethod<R> {
+    pub fn method(&self) -> &dyn KrylovMethod<f64> {
         match self {
+            Self::Other(method) => method.0,
+            own => own.own_method().expect("a method of the house"),
+        }
+    }
+
+    /// The same in other scalars; `None` for one that is somebody else's.
+    pub fn own_method<R: Real>(&self) -> Option<&dyn KrylovMethod<R>> {
+        Some(match self {
             Self::Cg(method) => method,
             Self::Minres(method) => method,
             Self::Sqmr(method) => method,
             Self::Gmres(method) => method,
             Self::Fgmres(method) => method,
             Self::Bicgstab(method) => method,
-        }
+            Self::Other(_) => return None,
+        })
     }
 
     /// Plain name of the method.
     pub fn name(&self) -> &'static str {
-        self.method::<f64>().name()
+        self.method().name()
     }
 
     /// Products with A, and solves with M, that one iteration makes: 2 for BiCGStab, 1 for the others.
     pub fn products_per_iteration(&self) -> usize {
         match self {
             Self::Bicgstab(_) => 2,
+            Self::Other(method) => method.0.products_per_iteration(),
             _ => 1,
         }
     }
 
     /// True for the method that takes a preconditioner which is no linear map.
     pub fn is_flexible(self) -> bool {
-        matches!(self, Self::Fgmres(_))
+        match self {
+            Self::Fgmres(_) => true,
+            Self::Other(method) => method.0.is_flexible(),
+            _ => false,
+        }
     }
 
     /// GMRES becomes FGMRES with the same restart where `preconditioner` is not linear, or only to the digits of f32;

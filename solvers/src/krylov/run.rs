@@ -1,4 +1,7 @@
-//! What all methods share: counting, the stopping test, true residuals and restarts.
+//! What all methods share, and what one of your own may stand on: counting, the stopping test, true residuals and restarts.
+//!
+//! A method is a `cycle` that [`drive`] starts from the true residual: it makes products and solves through its [`Run`], ends every
+//! iteration by [`Run::step`], and hands back where that says so.
 
 use super::{Breakdown, Criteria, Outcome, Report, System};
 use crate::{Observer, Step};
@@ -7,7 +10,7 @@ use fracas_operators::vector::{copy, norm_inf, norm2};
 
 /// Why a cycle of a method handed back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum End {
+pub enum End {
     /// The recurrence has nothing more to gain from this start: it believes to be below the tolerance or at rounding.
     Believed,
     /// The cycle is full, or its recurrence broke down after progress.
@@ -19,7 +22,7 @@ pub(super) enum End {
 }
 
 /// One solve in progress.
-pub(super) struct Run<'s, R> {
+pub struct Run<'s, R> {
     method: &'static str,
     system: &'s System<'s, R>,
     criteria: &'s Criteria,
@@ -38,14 +41,14 @@ pub(super) struct Run<'s, R> {
 }
 
 /// Cuts the first `n` entries off `work`.
-pub(super) fn carve<'w, R>(work: &mut &'w mut [R], n: usize) -> &'w mut [R] {
+pub fn carve<'w, R>(work: &mut &'w mut [R], n: usize) -> &'w mut [R] {
     let (part, rest) = std::mem::take(work).split_at_mut(n);
     *work = rest;
     part
 }
 
 /// Scratch entries that [`drive`] needs for a cycle of `vectors` vectors.
-pub(super) fn work_len<R: Real>(system: &System<R>, vectors: usize) -> usize {
+pub fn work_len<R: Real>(system: &System<R>, vectors: usize) -> usize {
     system.scratch_len() + (1 + vectors) * system.size()
 }
 
@@ -53,7 +56,7 @@ pub(super) fn work_len<R: Real>(system: &System<R>, vectors: usize) -> usize {
 ///
 /// A cycle that believes in convergence where the true residual disagrees is started again from the current x, and
 /// what it costs is counted; if what the residual exceeds the tolerance by did not even halve, it has stagnated at rounding.
-pub(super) fn drive<R: Real>(
+pub fn drive<R: Real>(
     method: &'static str,
     system: &System<R>,
     criteria: &Criteria,
@@ -122,23 +125,23 @@ impl<R: Real> Run<'_, R> {
     }
 
     /// Most iterations over all restarts.
-    pub(super) fn max_iterations(&self) -> usize {
+    pub fn max_iterations(&self) -> usize {
         self.criteria.max_iterations
     }
 
     /// ‖r‖₂ where the running cycle began.
-    pub(super) fn start(&self) -> R {
+    pub fn start(&self) -> R {
         R::of(self.start)
     }
 
     /// `y ← A x`.
-    pub(super) fn product(&mut self, x: &[R], y: &mut [R]) {
+    pub fn product(&mut self, x: &[R], y: &mut [R]) {
         self.products += 1;
         self.system.operator.apply(x, y, self.scratch);
     }
 
     /// `z ← M⁻¹ r`.
-    pub(super) fn solve(&mut self, r: &[R], z: &mut [R]) {
+    pub fn solve(&mut self, r: &[R], z: &mut [R]) {
         self.solves += 1;
         self.system.preconditioner.solve(r, z, self.scratch);
     }
@@ -161,7 +164,7 @@ impl<R: Real> Run<'_, R> {
     }
 
     /// Ends an iteration that believes in the residual norm `estimate`: counts, observes, and says whether to hand back.
-    pub(super) fn step(&mut self, estimate: R) -> Result<Option<End>, Breakdown> {
+    pub fn step(&mut self, estimate: R) -> Result<Option<End>, Breakdown> {
         self.finite(estimate)?;
         self.iterations += 1;
         self.estimate = estimate.to_f64_exact() / self.norm_b;
@@ -177,14 +180,14 @@ impl<R: Real> Run<'_, R> {
     }
 
     /// Takes note of a Ritz value's modulus.
-    pub(super) fn ritz(&mut self, value: Option<R>) {
+    pub fn ritz(&mut self, value: Option<R>) {
         if let Some(value) = value.map(|v| v.to_f64_exact()).filter(|v| v.is_finite()) {
             self.smallest_ritz = Some(self.smallest_ritz.map_or(value, |s| s.min(value)));
         }
     }
 
     /// True when a residual norm meets the tolerance, or is what rounding leaves of the cycle's first one.
-    pub(super) fn is_small(&self, norm: R) -> bool {
+    pub fn is_small(&self, norm: R) -> bool {
         let rounding = R::epsilon().to_f64_exact() * self.start;
         norm.to_f64_exact() <= self.target().max(rounding)
     }
@@ -199,12 +202,12 @@ impl<R: Real> Run<'_, R> {
     }
 
     /// Iteration that is being computed, counted from 1.
-    pub(super) fn iteration(&self) -> usize {
+    pub fn iteration(&self) -> usize {
         self.iterations + 1
     }
 
     /// Passes a number on, but not NaN or infinity.
-    pub(super) fn finite(&self, value: R) -> Result<R, Breakdown> {
+    pub fn finite(&self, value: R) -> Result<R, Breakdown> {
         if value.is_finite() {
             Ok(value)
         } else {
@@ -220,7 +223,7 @@ impl<R: Real> Run<'_, R> {
     }
 
     /// A vanished `product` of a short recurrence: start again from x if this cycle halved the residual, else give up.
-    pub(super) fn lanczos(&self, product: &'static str) -> Result<End, Breakdown> {
+    pub fn lanczos(&self, product: &'static str) -> Result<End, Breakdown> {
         if self.estimate * self.norm_b <= 0.5 * self.start {
             return Ok(End::Restart);
         }
@@ -263,10 +266,7 @@ impl<R: Real> Run<'_, R> {
 }
 
 /// Refuses a preconditioner that is not a fixed linear map.
-pub(super) fn require_linear<R: Real>(
-    method: &'static str,
-    system: &System<R>,
-) -> Result<(), Breakdown> {
+pub fn require_linear<R: Real>(method: &'static str, system: &System<R>) -> Result<(), Breakdown> {
     if system.preconditioner.properties().linear {
         Ok(())
     } else {

@@ -3,6 +3,7 @@
 //! Where a fracture leaves a coarse cell in pieces, the corner functions of a piece are restricted to a part of the cell and
 //! nearly dependent: on a quarter of it the condition of their matrix is about 50, on a sixteenth about 10³. A polynomial
 //! in 3×3 blocks then smooths nothing; one in blocks of all corners of the piece does not see the basis.
+#![allow(unsafe_code, reason = "writes of tasks that share no entry")]
 
 use super::block_jacobi::Symmetric;
 use fracas_operators::Real;

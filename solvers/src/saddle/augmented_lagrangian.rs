@@ -66,9 +66,9 @@ impl<P: Preconditioner<f64>> Preconditioner<f64> for AugmentedLagrangianInverse<
         // w_t = C⁻¹ H y_t
         w_t.fill(0.0);
         if let Some(h) = &self.h {
-            let h_t = &mut work[..x_t.len()];
+            let (h_t, work) = work.split_at_mut(x_t.len());
             h.apply(y_t, h_t, &mut []);
-            self.c.solve(h_t, w_t, &mut []);
+            self.c.solve(h_t, w_t, work);
         }
         // v_u = x_u + B C⁻¹ x_t − B(I − C⁻¹H) y_t = x_u − B (2 y_t − C⁻¹H y_t)
         w_t.iter_mut()
@@ -81,7 +81,8 @@ impl<P: Preconditioner<f64>> Preconditioner<f64> for AugmentedLagrangianInverse<
     }
 
     fn work_len(&self) -> usize {
-        self.layout.len() + self.s_u.work_len().max(self.layout.lengths[1])
+        let c = self.layout.lengths[1] + Preconditioner::work_len(&self.c);
+        self.layout.len() + self.s_u.work_len().max(c)
     }
 
     fn flops(&self) -> u64 {

@@ -56,7 +56,7 @@ impl SaddleBlocks {
     }
 
     /// B2 by rows, also where it is B1ᵀ.
-    pub(super) fn b2_rows(&self) -> SparseMatrix<f64> {
+    pub fn b2_rows(&self) -> SparseMatrix<f64> {
         match &self.b2 {
             Some(b2) => b2.clone(),
             None => self.b1.transpose_view().to_csr(),

@@ -5,6 +5,7 @@ use super::{AugmentationMatrix, RelaxationSummary, SaddleBlocks, schur};
 use crate::amg::{self, Amg, AmgInverse, Smoother};
 use crate::direct::DirectChoice;
 use crate::fsai::{Fsai, FsaiKind};
+use crate::registry::{NameTaken, Named, Registered, Registry};
 use crate::smoothers::{Jacobi, Ssor};
 use crate::{DofCoordinate, Prepare, SetupError};
 use fracas_operators::Preconditioner;
@@ -32,7 +33,54 @@ pub enum InnerChoice {
     Fsai(Fsai),
     /// Algebraic multigrid of S_u.
     Amg(Amg),
+    /// Somebody else's.
+    #[serde(untagged, skip_deserializing)]
+    #[schemars(skip)]
+    Other(Registered<dyn InnerSolver>),
 }
+
+/// An approximate inverse of S_u that somebody else brings; [`register`](InnerChoice::register) makes its name known.
+pub trait InnerSolver: Named {
+    /// Approximate inverse of a symmetric positive definite matrix whose unknowns live at `coordinates`, linear and symmetric unless
+    /// its properties say otherwise.
+    ///
+    /// # Errors
+    /// [`SetupError`] with `A` for the name of the block.
+    fn of_matrix(
+        &self,
+        a: &SparseMatrix<f64>,
+        coordinates: Option<&[DofCoordinate]>,
+    ) -> Result<Box<dyn Preconditioner<f64>>, SetupError>;
+
+    /// S̃_u⁻¹ for these blocks and this C: that of the assembled `S_u = A + B C⁻¹Bᵀ`, unless one knows better.
+    ///
+    /// # Errors
+    /// As [`of_matrix`](Self::of_matrix), with `S_u` for the name of the block.
+    fn prepare(
+        &self,
+        blocks: &SaddleBlocks,
+        c: &AugmentationMatrix,
+    ) -> Result<Box<dyn Preconditioner<f64>>, SetupError> {
+        let s_u = schur::primal_schur(&blocks.a, &blocks.b1, c)?;
+        self.of_matrix(&s_u, blocks.coordinates.as_deref())
+            .map_err(|error| error.in_block("S_u"))
+    }
+}
+
+static SOLVERS: Registry<dyn InnerSolver> = Registry::new("inner solver");
+
+/// Names of the house's inner solvers.
+const NAMES: [&str; 9] = [
+    "exact",
+    "amg",
+    "amg:gauss_seidel",
+    "amg:fsai",
+    "amg:chebyshev",
+    "fsai",
+    "fsai:static",
+    "jacobi",
+    "ssor",
+];
 
 /// An approximate inverse that is ready, with what is known of it.
 pub struct Ready {
@@ -117,7 +165,17 @@ impl InnerChoice {
                 Smoother::Chebyshev => "amg:chebyshev",
                 Smoother::Fsai => "amg:fsai",
             },
+            Self::Other(solver) => solver.0.name(),
         }
+    }
+
+    /// Makes a solver known by its name.
+    ///
+    /// # Errors
+    /// [`NameTaken`] where another solver has it.
+    pub fn register(solver: &'static dyn InnerSolver) -> Result<Self, NameTaken> {
+        let own = NAMES.into_iter().chain(["geometric", "auto"]);
+        SOLVERS.register(solver, own).map(Self::Other)
     }
 
     /// `S̃_u⁻¹` for these blocks and this C.
@@ -132,6 +190,9 @@ impl InnerChoice {
         if let Self::Exact { backend } = self {
             let inverse = schur::exact_inverse(blocks, c, backend.solver()?.as_ref())?;
             return Ok(inverse.into());
+        }
+        if let Self::Other(solver) = self {
+            return Ok(solver.0.prepare(blocks, c)?.into());
         }
         if let (Self::Amg(settings), true) = (self, c.is_sparse()) {
             // S_u = A + F Fᵀ is never assembled entry by entry
@@ -166,6 +227,7 @@ impl InnerChoice {
             Self::Ssor(settings) => plain(&settings),
             Self::Fsai(settings) => plain(&settings),
             Self::Amg(settings) => Ok(settings.build(a, coordinates)?.into()),
+            Self::Other(solver) => Ok(solver.0.of_matrix(a, coordinates)?.into()),
         }
     }
 }
@@ -179,7 +241,8 @@ impl fmt::Display for InnerChoice {
 /// A name that is none of [`InnerChoice`]'s.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "unknown inner solver {found:?}: expected exact, amg, amg:gauss_seidel, amg:fsai, amg:chebyshev, fsai, fsai:static, jacobi or ssor"
+    "unknown inner solver {found:?}: expected exact, amg, amg:gauss_seidel, amg:fsai, amg:chebyshev, fsai, fsai:static, jacobi or ssor{}",
+    SOLVERS.names()
 )]
 pub struct UnknownInner {
     /// What was given.
@@ -200,9 +263,12 @@ impl FromStr for InnerChoice {
             "amg:gauss_seidel" => Ok(Self::Amg(Amg::with(Smoother::GaussSeidel))),
             "amg:fsai" => Ok(Self::Amg(Amg::with(Smoother::Fsai))),
             "amg:chebyshev" => Ok(Self::Amg(Amg::with(Smoother::Chebyshev))),
-            _ => Err(UnknownInner {
-                found: name.to_owned(),
-            }),
+            _ => match SOLVERS.find(name) {
+                Some(solver) => Ok(Self::Other(solver)),
+                None => Err(UnknownInner {
+                    found: name.to_owned(),
+                }),
+            },
         }
     }
 }
@@ -233,23 +299,12 @@ mod tests {
 
     #[test]
     fn every_name_gives_itself_back_and_a_wrong_one_hears_of_all() {
-        let names = [
-            "exact",
-            "amg",
-            "amg:gauss_seidel",
-            "amg:fsai",
-            "amg:chebyshev",
-            "fsai",
-            "fsai:static",
-            "jacobi",
-            "ssor",
-        ];
-        for name in names {
+        for name in NAMES {
             assert_eq!(name.parse::<InnerChoice>().unwrap().to_string(), name);
         }
         for wrong in ["amg:", "amg:sor", "AMG", ""] {
             let message = wrong.parse::<InnerChoice>().unwrap_err().to_string();
-            assert!(names.iter().all(|name| message.contains(name)), "{message}");
+            assert!(NAMES.iter().all(|name| message.contains(name)), "{message}");
         }
     }
 }

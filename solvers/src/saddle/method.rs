@@ -5,6 +5,7 @@ use super::{
     AugmentationChoice, AugmentedLagrangian, BlockDiagonal, BlockTriangular, Direct,
     EliminatedInverse, Elimination, InnerChoice, Mcp, RELAXATION, Racp, SaddleBlocks, Simple,
 };
+use crate::registry::{NameTaken, Named, Registered, Registry};
 use crate::{Prepare, SetupError};
 use fracas_operators::Preconditioner;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -72,6 +73,44 @@ pub enum SaddleMethod {
     Simple(Simple),
     /// Sparse LU of the whole matrix.
     Direct(Direct),
+    /// Somebody else's.
+    #[serde(untagged, skip_deserializing)]
+    Other(Registered<dyn CustomMethod>),
+}
+
+/// A preconditioner of the saddle point that somebody else brings; [`register`](SaddleMethod::register) makes its name known.
+pub trait CustomMethod: Named {
+    /// M⁻¹ for these blocks, which are checked.
+    ///
+    /// # Errors
+    /// [`SetupError`] with block and row.
+    fn prepare(&self, blocks: &SaddleBlocks) -> Result<Box<dyn Preconditioner<f64>>, SetupError>;
+
+    /// True where it takes flow blocks.
+    fn takes_flow(&self) -> bool;
+
+    /// True where it sees to rows that determine their own traction itself; else they are eliminated first ([`Elimination`]).
+    fn takes_local_rows(&self) -> bool;
+}
+
+static METHODS: Registry<dyn CustomMethod> = Registry::new("method");
+
+impl SaddleSettings for Registered<dyn CustomMethod> {
+    fn name(&self) -> &'static str {
+        self.0.name()
+    }
+
+    fn ready(&self, blocks: &SaddleBlocks) -> Result<Ready, SetupError> {
+        Ok(self.0.prepare(blocks)?.into())
+    }
+
+    fn takes_flow(&self) -> bool {
+        self.0.takes_flow()
+    }
+
+    fn takes_local_rows(&self) -> bool {
+        self.0.takes_local_rows()
+    }
 }
 
 impl Default for SaddleMethod {
@@ -94,6 +133,15 @@ impl SaddleMethod {
         ]
     }
 
+    /// Makes a method known by its name.
+    ///
+    /// # Errors
+    /// [`NameTaken`] where another method has it.
+    pub fn register(method: &'static dyn CustomMethod) -> Result<Self, NameTaken> {
+        let own = Self::all().into_iter().map(|own| own.name());
+        METHODS.register(method, own).map(Self::Other)
+    }
+
     /// The settings of the chosen method.
     pub fn settings(&self) -> &dyn SaddleSettings {
         match self {
@@ -104,6 +152,7 @@ impl SaddleMethod {
             Self::BlockTriangular(settings) => settings,
             Self::Simple(settings) => settings,
             Self::Direct(settings) => settings,
+            Self::Other(settings) => settings,
         }
     }
 
@@ -116,6 +165,7 @@ impl SaddleMethod {
             Self::BlockTriangular(settings) => settings,
             Self::Simple(settings) => settings,
             Self::Direct(settings) => settings,
+            Self::Other(settings) => settings,
         }
     }
 
@@ -225,8 +275,9 @@ pub struct UnknownSaddleMethod {
 fn names() -> String {
     let plain: Vec<&str> = SaddleMethod::all().iter().map(SaddleMethod::name).collect();
     format!(
-        "{}, racp:RELAXATION (0 to 1; 0: as published), mcp:FACTOR or direct:BACKEND",
-        plain.join(", ")
+        "{}, racp:RELAXATION (0 to 1; 0: as published), mcp:FACTOR or direct:BACKEND{}",
+        plain.join(", "),
+        METHODS.names()
     )
 }
 
@@ -256,7 +307,8 @@ impl FromStr for SaddleMethod {
             Some((name, detail)) => (name, Some(detail)),
             None => (text, None),
         };
-        let found = Self::all().into_iter().find(|m| m.name() == name);
+        let own = Self::all().into_iter().find(|m| m.name() == name);
+        let found = own.or_else(|| METHODS.find(name).map(Self::Other));
         match (found.ok_or_else(unknown)?, detail) {
             (method, None) => Ok(method),
             (Self::Racp(racp), Some(detail)) => match detail.parse::<f64>() {
@@ -320,7 +372,7 @@ impl JsonSchema for SaddleMethod {
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         let tables: serde_json::Map<String, serde_json::Value> = Self::all()
             .iter()
-            .map(|method| {
+            .filter_map(|method| {
                 let settings = match method {
                     Self::Racp(_) => generator.subschema_for::<Racp>(),
                     Self::Mcp(_) => generator.subschema_for::<Mcp>(),
@@ -331,8 +383,9 @@ impl JsonSchema for SaddleMethod {
                     Self::BlockTriangular(_) => generator.subschema_for::<BlockTriangular>(),
                     Self::Simple(_) => generator.subschema_for::<Simple>(),
                     Self::Direct(_) => generator.subschema_for::<Direct>(),
+                    Self::Other(_) => return None,
                 };
-                (method.name().to_owned(), settings.to_value())
+                Some((method.name().to_owned(), settings.to_value()))
             })
             .collect();
         let names: Vec<&str> = Self::all().iter().map(Self::name).collect();

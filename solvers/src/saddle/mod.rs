@@ -31,7 +31,10 @@ mod unit;
 
 pub use crate::DofCoordinate;
 pub use accurate::{Accurate, Measure, solve_accurately};
-pub use augmentation::{Augmentation, AugmentationChoice, AugmentationMatrix, Block};
+pub use augmentation::{
+    Augmentation, AugmentationChoice, AugmentationMatrix, AugmentationRule, Block,
+    CustomAugmentation,
+};
 pub use augmented_lagrangian::{AugmentedLagrangian, AugmentedLagrangianInverse};
 pub use block_diagonal::{BlockDiagonal, BlockDiagonalInverse};
 pub use block_triangular::{BlockTriangular, BlockTriangularInverse};
@@ -40,9 +43,9 @@ pub use cost::Cost;
 pub use elimination::{EliminatedInverse, Elimination};
 pub use energy_norms::{EnergyNorms, Stiffness, StrainNorm};
 pub use error_judge::{ErrorJudge, Judged};
-pub use inner::{InnerChoice, PartCost, Ready};
+pub use inner::{InnerChoice, InnerSolver, PartCost, Ready};
 pub use mcp::{Mcp, McpInverse};
-pub use method::{NoSuchPart, SaddleMethod, SaddleSettings, UnknownSaddleMethod};
+pub use method::{CustomMethod, NoSuchPart, SaddleMethod, SaddleSettings, UnknownSaddleMethod};
 pub use monolithic::Direct;
 pub use operator::SaddleOperator;
 pub use probe::{Probed, probe};

@@ -88,7 +88,7 @@ impl<S: Preconditioner<f64>, B: AdjointOperator<f64>> Preconditioner<f64> for Ra
         // w_t = Wᵀ x_t, y_t = C⁻¹ Wᵀ x_t
         w_t.copy_from_slice(x_t);
         if let Some(w) = &self.relaxation {
-            w.apply_transpose(|r, z| self.c.solve(r, z, &mut []), w_t, work);
+            w.apply_transpose(|r, z, work| self.c.solve(r, z, work), w_t, work);
         }
         self.c.solve(w_t, y_t, work);
         // w_u = x_u + B C⁻¹ Wᵀ x_t
@@ -101,14 +101,15 @@ impl<S: Preconditioner<f64>, B: AdjointOperator<f64>> Preconditioner<f64> for Ra
         self.b.apply_adjoint_add(1.0, y_u, w_t, work);
         // y_t = W C⁻¹ (Bᵀ y_u − Wᵀ x_t) = C⁻¹ Wᵀ (Bᵀ y_u − Wᵀ x_t)
         if let Some(w) = &self.relaxation {
-            w.apply_transpose(|r, z| self.c.solve(r, z, &mut []), w_t, work);
+            w.apply_transpose(|r, z, work| self.c.solve(r, z, work), w_t, work);
         }
         self.c.solve(w_t, y_t, work);
     }
 
     fn work_len(&self) -> usize {
-        let relaxation = self.relaxation.as_ref().map_or(0, Relaxation::work_len);
-        let inside = self.s_u.work_len().max(self.b.work_len());
+        let c = Preconditioner::work_len(&self.c);
+        let relaxation = (self.relaxation.as_ref()).map_or(0, |w| w.work_len(c));
+        let inside = self.s_u.work_len().max(self.b.work_len()).max(c);
         self.layout.len() + inside.max(relaxation)
     }
 
@@ -196,7 +197,8 @@ impl SaddleSettings for Racp {
                 inner_flops: inverse.flops(),
             };
             // a dense C serves theory: it is left as it is
-            let relaxed = blocks.h.as_ref().filter(|_| c.is_sparse());
+            let is_dense = matches!(c, AugmentationMatrix::Dense { .. });
+            let relaxed = blocks.h.as_ref().filter(|_| !is_dense);
             let mut inverse = RacpInverse::new(blocks.b1.clone(), c, inverse);
             if let Some(h) = relaxed {
                 inverse = inverse.relaxed(Box::new(Csr::new(h.clone())), self.relaxation);

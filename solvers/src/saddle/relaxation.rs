@@ -72,7 +72,7 @@ impl<H: LinearOperator<f64>> Relaxation<H> {
     ///
     /// # Cost
     /// Ten products with H.
-    pub fn new(h: H, gamma: f64, c_inverse: impl Fn(&[f64], &mut [f64])) -> Option<Self> {
+    pub fn new(h: H, gamma: f64, c_inverse: impl FnMut(&[f64], &mut [f64])) -> Option<Self> {
         if gamma == 0.0 {
             return None;
         }
@@ -91,7 +91,8 @@ impl<H: LinearOperator<f64>> Relaxation<H> {
 
     /// The same for a C.
     pub(super) fn of(h: H, gamma: f64, c: &AugmentationMatrix) -> Option<Self> {
-        Self::new(h, gamma, |r, z| c.solve(r, z, &mut []))
+        let mut work = vec![0.0; Preconditioner::work_len(c)];
+        Self::new(h, gamma, |r, z| c.solve(r, z, &mut work))
     }
 
     /// γ and the degree.
@@ -102,10 +103,10 @@ impl<H: LinearOperator<f64>> Relaxation<H> {
         }
     }
 
-    /// `r ← Wᵀ r = p(σ H C⁻¹) r`, by Horner's rule; `W C⁻¹ r` is C⁻¹ of it.
+    /// `r ← Wᵀ r = p(σ H C⁻¹) r`, by Horner's rule; `W C⁻¹ r` is C⁻¹ of it, which gets what [`work_len`](Self::work_len) leaves.
     pub fn apply_transpose(
         &self,
-        c_inverse: impl Fn(&[f64], &mut [f64]),
+        c_inverse: impl Fn(&[f64], &mut [f64], &mut [f64]),
         r: &mut [f64],
         work: &mut [f64],
     ) {
@@ -116,16 +117,16 @@ impl<H: LinearOperator<f64>> Relaxation<H> {
         v.copy_from_slice(r);
         for (k, c) in coefficients.iter().enumerate().rev() {
             let before = k.checked_sub(1).map_or(1.0, |k| coefficients[k]);
-            c_inverse(v, z);
+            c_inverse(v, z, work);
             v.copy_from_slice(r);
             self.h.apply_add(self.sigma * c / before, z, v, work);
         }
         r.copy_from_slice(v);
     }
 
-    /// Numbers of `work` that [`apply_transpose`](Self::apply_transpose) needs.
-    pub fn work_len(&self) -> usize {
-        2 * self.h.shape().rows + self.h.work_len()
+    /// Numbers of `work` that [`apply_transpose`](Self::apply_transpose) needs, given those of C⁻¹.
+    pub fn work_len(&self, c_inverse: usize) -> usize {
+        2 * self.h.shape().rows + self.h.work_len().max(c_inverse)
     }
 
     /// Of Wᵀ, given those of C⁻¹.

@@ -25,7 +25,7 @@ pub fn primal_schur(
 
 /// `S̃_u⁻¹ = S_u⁻¹` by a sparse factorization.
 ///
-/// For a diagonal or block-diagonal C, S_u is assembled and factorized (LLᵀ). For a dense C, `S_u y = x` is the first
+/// For a C⁻¹ with a sparse root, S_u is assembled and factorized (LLᵀ). For any other C, `S_u y = x` is the first
 /// row of `[A B; Bᵀ −C] [y; w] = [x; 0]`, factorized by LDLᵀ: no fill from BC⁻¹Bᵀ and no subtraction of large terms,
 /// which the Woodbury formula has where BC⁻¹Bᵀ dominates A. It needs A positive definite, and so does every dense C
 /// of the list.
@@ -38,7 +38,7 @@ pub fn exact_inverse(
     c: &AugmentationMatrix,
     direct: &dyn DirectSolver,
 ) -> Result<Box<dyn Preconditioner<f64>>, SetupError> {
-    if let AugmentationMatrix::Dense { .. } = c {
+    if !c.is_sparse() {
         let matrix = quasi_definite(blocks, c);
         let factors = direct
             .analyze(&matrix, Kind::QuasiDefinite)?
@@ -120,9 +120,8 @@ fn quasi_definite(blocks: &SaddleBlocks, c: &AugmentationMatrix) -> SparseMatrix
             triplets.add_triplet(n_u + j, i, *v);
         }
     }
-    let c = c.to_dense();
-    for j in 0..n_t {
-        (0..n_t).for_each(|i| triplets.add_triplet(n_u + i, n_u + j, -c[(i, j)]));
+    for (value, (i, j)) in &c.entries() {
+        triplets.add_triplet(n_u + i as usize, n_u + j as usize, -value);
     }
     triplets.to_csr()
 }

@@ -155,6 +155,7 @@ fn weighted_ends(
     let b = Csr::with_transpose(blocks.b1.clone());
     let (mut p, mut q) = (vec![0.0; blocks.n_t()], vec![0.0; blocks.n_t()]);
     let mut w = vec![0.0; blocks.n_u()];
+    let mut work = vec![0.0; Preconditioner::work_len(c)];
     let mut s_u = |x: &[f64], y: &mut [f64]| {
         // y = W⁻¹ (A + B C⁻¹ Bᵀ) W⁻¹ x
         w.iter_mut()
@@ -164,7 +165,7 @@ fn weighted_ends(
         a.apply(&w, y, &mut []);
         p.fill(0.0);
         b.apply_adjoint_add(1.0, &w, &mut p, &mut []);
-        c.solve(&p, &mut q, &mut []);
+        c.solve(&p, &mut q, &mut work);
         b.apply_add(1.0, &q, y, &mut []);
         y.iter_mut().zip(&weights).for_each(|(y, d)| *y /= d);
     };

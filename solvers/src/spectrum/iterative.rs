@@ -38,15 +38,16 @@ pub(super) fn ingredients(
 
     let mut inner_work = vec![0.0; inner.work_len()];
     let (mut p, mut q) = (vec![0.0; n_t], vec![0.0; n_t]);
+    let mut c_work = vec![0.0; Preconditioner::work_len(c)];
     let mut stiffness = |with_h: bool, x: &[f64], y: &mut [f64]| {
         a.apply(x, y, &mut []);
         p.fill(0.0);
         b.apply_adjoint_add(1.0, x, &mut p, &mut []);
-        c.solve(&p, &mut q, &mut []);
+        c.solve(&p, &mut q, &mut c_work);
         b.apply_add(2.0, &q, y, &mut []);
         if let (true, Some(h)) = (with_h, &h) {
             h.apply(&q, &mut p, &mut []);
-            c.solve(&p, &mut q, &mut []);
+            c.solve(&p, &mut q, &mut c_work);
             b.apply_add(-1.0, &q, y, &mut []);
         }
     };
@@ -74,7 +75,8 @@ pub(super) fn ingredients(
         y.fill(0.0);
         b.apply_adjoint_add(1.0, &w, y, &mut []);
     };
-    let mut solve_c = |x: &[f64], y: &mut [f64]| c.solve(x, y, &mut []);
+    let mut work = vec![0.0; Preconditioner::work_len(c)];
+    let mut solve_c = |x: &[f64], y: &mut [f64]| c.solve(x, y, &mut work);
     let squared = record(extreme_eigenvalues(
         n_t,
         &mut gram,
@@ -102,14 +104,15 @@ pub(super) fn ingredients(
         settings,
     )?);
     let (mut r, mut s) = (vec![0.0; n_t], vec![0.0; n_t]);
+    let mut c_work = vec![0.0; Preconditioner::work_len(c)];
     let mut both = |x: &[f64], y: &mut [f64]| {
         // r = C⁻¹(C−H) x = x − C⁻¹Hx
         h.apply(x, &mut s, &mut []);
-        c.solve(&s, &mut r, &mut []);
+        c.solve(&s, &mut r, &mut c_work);
         r.iter_mut().zip(x).for_each(|(r, x)| *r = x - *r);
         gram(&r, &mut s);
         // y = (C−H)C⁻¹ s = s − H C⁻¹ s
-        c.solve(&s, &mut r, &mut []);
+        c.solve(&s, &mut r, &mut c_work);
         y.copy_from_slice(&s);
         h.apply_add(-1.0, &r, y, &mut []);
     };

@@ -121,7 +121,11 @@ pub(super) fn of_coupling(
             if let Some(h) = &blocks.h {
                 let image = product(h, &column(&t));
                 let mut scaled = vec![0.0; t.len()];
-                c.solve(&image, &mut scaled, &mut []);
+                c.solve(
+                    &image,
+                    &mut scaled,
+                    &mut vec![0.0; Preconditioner::work_len(c)],
+                );
                 w.iter_mut().zip(&scaled).for_each(|(w, s)| *w -= s);
             }
             let force = product(&blocks.b1, &column(&w));

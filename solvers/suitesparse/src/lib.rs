@@ -11,6 +11,7 @@
 //! # Source
 //! Y. Chen, T. A. Davis, W. W. Hager, S. Rajamanickam, ACM Trans. Math. Softw. 35 (2008) 22 (CHOLMOD);
 //! T. A. Davis, ACM Trans. Math. Softw. 30 (2004) 196–199 (UMFPACK).
+#![allow(unsafe_code, reason = "declarations of C functions")]
 
 // the C code calls its symbols
 use fracas_blas as _;

@@ -1,4 +1,5 @@
 //! Stiffness products on rectilinear grids without a matrix: line by line through the grid, in modes of bricks.
+#![allow(unsafe_code, reason = "writes of tasks that share no entry")]
 
 use super::brick::Brick;
 use super::modes::LEXICOGRAPHIC;

@@ -1,4 +1,5 @@
 //! Elements of a mesh in groups that fill a register, in tasks that may run in parallel.
+#![allow(unsafe_code, reason = "writes of tasks that share no entry")]
 
 use fracas_operators::shared::Colours;
 use std::ops::Range;

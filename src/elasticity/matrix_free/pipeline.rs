@@ -3,6 +3,7 @@
 //! While the Gauss points of one group keep the multipliers busy, the additions, loads and stores of its neighbours fill
 //! the rest of the machine: the displacements of the next group become derivatives and the forces of the last one reach
 //! their nodes. All that a group leaves for later lies in memory, in one of two stages chosen by its parity.
+#![allow(unsafe_code, reason = "writes of tasks that share no entry")]
 
 use super::brick::{Face, to_corners, to_face};
 use super::gauss::{Derivatives, VARYING, derivatives, modes_of_derivatives, point, weight};

@@ -1,4 +1,5 @@
 //! One task of a product with bricks: sweeps along y, the registers over consecutive elements along x.
+#![allow(unsafe_code, reason = "writes of tasks that share no entry")]
 
 use super::brick::{Brick, Face, all_forces, forces, put, taken, to_corners, to_face};
 use super::bricks::{Bricks, SplitElement, Task};

@@ -1,4 +1,5 @@
 //! faer: LLᵀ, LDLᵀ and LU in pure Rust, ordered by METIS.
+#![allow(unsafe_code, reason = "scratch memory as faer asks for it")]
 
 mod general;
 mod symmetric;

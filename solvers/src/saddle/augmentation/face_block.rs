@@ -2,7 +2,7 @@
 
 use super::super::SaddleBlocks;
 use super::AugmentationMatrix;
-use super::matrix::{Block, cholesky3, diagonal_block};
+use super::block::{Block, cholesky3, diagonal_block};
 use super::support::{Columns, for_restricted};
 use crate::SetupError;
 use crate::eigen::dense;

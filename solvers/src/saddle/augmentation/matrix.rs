@@ -1,5 +1,10 @@
 //! C as a matrix: products, solves, its square root and its spectrum.
 
+use super::block::{
+    Block, blocks_add, cholesky3, diagonal_block, inverse_transpose, inverse3,
+    product_with_transpose,
+};
+use super::custom::{Custom, face_blocks};
 use crate::SetupError;
 use crate::eigen::dense;
 use faer::Mat;
@@ -9,11 +14,8 @@ use fracas_operators::vector::for_row_ranges;
 use fracas_operators::{LinearOperator, Shape};
 use fracas_operators::{Preconditioner, Properties};
 
-/// A 3×3 block by rows.
-pub type Block = [[f64; 3]; 3];
-
 /// Relative size below which a pivot of C counts as zero. Unit: 1.
-const ZERO_PIVOT: f64 = 1e-13;
+pub(super) const ZERO_PIVOT: f64 = 1e-13;
 
 /// Rows of a dense C that one thread handles without splitting.
 const DENSE_ROWS: usize = 64;
@@ -40,6 +42,8 @@ pub enum AugmentationMatrix {
         /// C⁻¹.
         inverse: Mat<f64>,
     },
+    /// Anything else, ready to solve.
+    Custom(Custom),
 }
 
 impl AugmentationMatrix {
@@ -117,6 +121,7 @@ impl AugmentationMatrix {
                 *inverse = x;
                 Ok(())
             }
+            Self::Custom(_) => Ok(()),
         }
     }
 
@@ -126,12 +131,46 @@ impl AugmentationMatrix {
             Self::Diagonal { c } => c.len(),
             Self::FaceBlocks { c, .. } => 3 * c.len(),
             Self::Dense { c, .. } => c.nrows(),
+            Self::Custom(c) => Preconditioner::size(&*c.c),
         }
     }
 
-    /// True when C⁻¹ couples no more than the rows of one face.
+    /// True where C⁻¹ has a sparse root, so that S_u may be assembled.
     pub fn is_sparse(&self) -> bool {
-        !matches!(self, Self::Dense { .. })
+        match self {
+            Self::Diagonal { .. } | Self::FaceBlocks { .. } => true,
+            Self::Dense { .. } => false,
+            Self::Custom(c) => c.inverse_root().is_some(),
+        }
+    }
+
+    /// True where C couples no more than the rows of one face.
+    pub fn is_by_faces(&self) -> bool {
+        matches!(self, Self::Diagonal { .. } | Self::FaceBlocks { .. })
+    }
+
+    /// All entries of C.
+    pub fn entries(&self) -> SparseMatrix<f64> {
+        let n = self.size();
+        let mut triplets = Triplets::new((n, n));
+        match self {
+            Self::Custom(c) => return c.entries(),
+            Self::Diagonal { c } => {
+                (c.iter().enumerate()).for_each(|(i, c)| triplets.add_triplet(i, i, *c));
+            }
+            Self::FaceBlocks { c, .. } => {
+                for (i, row) in c.iter().flatten().enumerate() {
+                    let first = i - i % 3;
+                    (0..3).for_each(|k| triplets.add_triplet(i, first + k, row[k]));
+                }
+            }
+            Self::Dense { c, .. } => {
+                for j in 0..n {
+                    (0..n).for_each(|i| triplets.add_triplet(i, j, c[(i, j)]));
+                }
+            }
+        }
+        triplets.to_csr()
     }
 
     /// Diagonal entries.
@@ -142,13 +181,25 @@ impl AugmentationMatrix {
                 c.iter().flat_map(|b| [b[0][0], b[1][1], b[2][2]]).collect()
             }
             Self::Dense { c, .. } => (0..c.nrows()).map(|i| c[(i, i)]).collect(),
+            Self::Custom(c) => {
+                let entries = c.entries();
+                let entry = |i| entries.get(i, i).copied().unwrap_or(0.0);
+                (0..entries.rows()).map(entry).collect()
+            }
         }
     }
 
-    /// C and C⁻¹ of every face; of a dense C its diagonal.
+    /// C of every face and its inverse; of a C that couples faces the diagonal blocks, of a dense one the diagonal.
+    ///
+    /// # Panics
+    /// Where n_t is no multiple of three.
     pub fn of_faces(&self) -> Vec<[Block; 2]> {
         if let Self::FaceBlocks { c, inverse } = self {
             return c.iter().zip(inverse).map(|(c, i)| [*c, *i]).collect();
+        }
+        if let Self::Custom(c) = self {
+            let blocks = face_blocks(&c.entries()).into_iter();
+            return blocks.map(|c| [c, inverse3(&c)]).collect();
         }
         let diagonal = self.diagonal_entries();
         let faces = diagonal.as_chunks().0.iter();
@@ -174,6 +225,13 @@ impl AugmentationMatrix {
                 Mat::from_fn(3 * c.len(), 3 * c.len(), entry)
             }
             Self::Dense { c, .. } => c.clone(),
+            Self::Custom(c) => {
+                let mut full = Mat::zeros(self.size(), self.size());
+                for (value, (i, j)) in &c.entries() {
+                    full[(i as usize, j as usize)] += *value;
+                }
+                full
+            }
         }
     }
 
@@ -187,7 +245,9 @@ impl AugmentationMatrix {
                 });
                 blocks.collect::<Result<Vec<_>, _>>()?.concat()
             }
-            Self::Dense { c, .. } => dense::symmetric_eigenvalues(c.as_ref())?,
+            Self::Dense { .. } | Self::Custom(_) => {
+                dense::symmetric_eigenvalues(self.to_dense().as_ref())?
+            }
         };
         let low = values.iter().copied().fold(f64::INFINITY, f64::min);
         let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -215,8 +275,13 @@ impl AugmentationMatrix {
                     }
                 }
             }
-            Self::Dense { c, .. } => {
-                let l = dense_factor(c)?;
+            Self::Dense { .. } | Self::Custom(_) => {
+                if let Self::Custom(c) = self
+                    && let Some(root) = c.inverse_root()
+                {
+                    return Ok(root);
+                }
+                let l = dense_factor(&self.to_dense())?;
                 let mut f = Mat::identity(n, n);
                 dense::solve_lower_adjoint(l.as_ref(), &mut f);
                 for j in 0..n {
@@ -226,11 +291,6 @@ impl AugmentationMatrix {
         }
         Ok(triplets.to_csr())
     }
-}
-
-/// diag(d).
-pub(super) fn diagonal_block(d: [f64; 3]) -> Block {
-    std::array::from_fn(|i| std::array::from_fn(|j| if i == j { d[i] } else { 0.0 }))
 }
 
 /// Cholesky factor of a dense C with a test for vanishing pivots.
@@ -243,7 +303,7 @@ fn dense_factor(c: &Mat<f64>) -> Result<Mat<f64>, SetupError> {
     }
 }
 
-fn not_positive_definite(row: usize) -> SetupError {
+pub(super) fn not_positive_definite(row: usize) -> SetupError {
     SetupError::NotPositiveDefinite {
         block: "C",
         row: row + 1,
@@ -251,42 +311,6 @@ fn not_positive_definite(row: usize) -> SetupError {
                  the jump stabilization exact_h"
             .to_owned(),
     }
-}
-
-/// Lower factor of an SPD block, or the row of the first pivot that vanishes.
-pub(super) fn cholesky3(b: &Block) -> Result<Block, usize> {
-    let mut l = [[0.0; 3]; 3];
-    for i in 0..3 {
-        for j in 0..=i {
-            let sum = b[i][j] - (0..j).map(|k| l[i][k] * l[j][k]).sum::<f64>();
-            if i == j {
-                if !(sum > ZERO_PIVOT * b[i][i] && sum.is_finite()) {
-                    return Err(i);
-                }
-                l[i][i] = sum.sqrt();
-            } else {
-                l[i][j] = sum / l[j][j];
-            }
-        }
-    }
-    Ok(l)
-}
-
-/// L⁻ᵀ, upper.
-fn inverse_transpose(l: &Block) -> Block {
-    let mut x = [[0.0; 3]; 3];
-    for j in 0..3 {
-        for i in j..3 {
-            let e = if i == j { 1.0 } else { 0.0 };
-            x[i][j] = (e - (j..i).map(|k| l[i][k] * x[k][j]).sum::<f64>()) / l[i][i];
-        }
-    }
-    std::array::from_fn(|i| std::array::from_fn(|j| x[j][i]))
-}
-
-/// F Fᵀ.
-fn product_with_transpose(f: &Block) -> Block {
-    std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| f[i][k] * f[j][k]).sum()))
 }
 
 /// `y ← y + α D x` of a stored symmetric matrix, by rows (a column is a row).
@@ -301,25 +325,12 @@ fn dense_add(d: &Mat<f64>, alpha: f64, x: &[f64], y: &mut [f64]) {
     });
 }
 
-/// `y ← y + α diag(blocks) x`.
-fn blocks_add(blocks: &[Block], alpha: f64, x: &[f64], y: &mut [f64]) {
-    for ((b, x), y) in blocks
-        .iter()
-        .zip(x.chunks_exact(3))
-        .zip(y.chunks_exact_mut(3))
-    {
-        for i in 0..3 {
-            y[i] += alpha * (b[i][0] * x[0] + b[i][1] * x[1] + b[i][2] * x[2]);
-        }
-    }
-}
-
 impl LinearOperator<f64> for AugmentationMatrix {
     fn shape(&self) -> Shape {
         Shape::square(self.size())
     }
 
-    fn apply_add(&self, alpha: f64, x: &[f64], y: &mut [f64], _work: &mut [f64]) {
+    fn apply_add(&self, alpha: f64, x: &[f64], y: &mut [f64], work: &mut [f64]) {
         assert_product(self.shape(), x, y);
         match self {
             Self::Diagonal { c } => {
@@ -330,6 +341,14 @@ impl LinearOperator<f64> for AugmentationMatrix {
             }
             Self::FaceBlocks { c, .. } => blocks_add(c, alpha, x, y),
             Self::Dense { c, .. } => dense_add(c, alpha, x, y),
+            Self::Custom(c) => c.c.apply_add(alpha * c.factor, x, y, work),
+        }
+    }
+
+    fn work_len(&self) -> usize {
+        match self {
+            Self::Custom(c) => LinearOperator::work_len(&*c.c),
+            _ => 0,
         }
     }
 
@@ -339,6 +358,7 @@ impl LinearOperator<f64> for AugmentationMatrix {
             Self::Diagonal { .. } => 3 * n,
             Self::FaceBlocks { .. } => 7 * n,
             Self::Dense { .. } => 2 * n * n + 2 * n,
+            Self::Custom(c) => LinearOperator::flops(&*c.c) + 1,
         }
     }
 }
@@ -349,7 +369,7 @@ impl Preconditioner<f64> for AugmentationMatrix {
         self.size()
     }
 
-    fn solve(&self, r: &[f64], z: &mut [f64], _work: &mut [f64]) {
+    fn solve(&self, r: &[f64], z: &mut [f64], work: &mut [f64]) {
         assert_product(self.shape(), r, z);
         match self {
             Self::Diagonal { c } => z
@@ -365,17 +385,29 @@ impl Preconditioner<f64> for AugmentationMatrix {
                 z.fill(0.0);
                 dense_add(inverse, 1.0, r, z);
             }
+            Self::Custom(c) => c.solve(r, z, work),
+        }
+    }
+
+    fn work_len(&self) -> usize {
+        match self {
+            Self::Custom(c) => Preconditioner::work_len(&*c.c),
+            _ => 0,
         }
     }
 
     fn flops(&self) -> u64 {
         match self {
             Self::Diagonal { c } => c.len() as u64,
+            Self::Custom(c) => Preconditioner::flops(&*c.c) + self.size() as u64,
             _ => LinearOperator::flops(self),
         }
     }
 
     fn properties(&self) -> Properties {
-        Properties::LINEAR
+        match self {
+            Self::Custom(c) => c.c.properties(),
+            _ => Properties::LINEAR,
+        }
     }
 }

@@ -1,11 +1,14 @@
 //! Augmentations: the SPD matrix C of `Â = [A B; Bᵀ −C]` and `S_u = A + B C⁻¹ Bᵀ`.
 //!
-//! One file per definition; a new one is its own file and one line in each `match` of [`AugmentationChoice`].
+//! One file per definition; a new one is its own file and one line in each `match` of [`AugmentationChoice`]. One from outside is
+//! an [`AugmentationRule`], registered by its name, and may give any C ([`CustomAugmentation`]).
 //!
 //! B is B1 in every definition. Rows that determine their own traction (slip, open) need no C: they are eliminated first
 //! ([`super::Elimination`]). Where H is not symmetric positive semi-definite all the same, the definitions with H take
 //! `|H_ii|`: C stays SPD whatever H is.
 
+mod block;
+mod custom;
 mod exact;
 mod face_block;
 mod fitted;
@@ -13,21 +16,27 @@ mod global;
 mod local;
 mod matrix;
 mod parts;
+mod rule;
 mod stabilized;
 mod support;
 
-pub use matrix::{AugmentationMatrix, Block};
+pub use block::Block;
+pub use custom::{Custom, CustomAugmentation};
+pub use matrix::AugmentationMatrix;
+pub use rule::AugmentationRule;
 
 use super::SaddleBlocks;
 use crate::SetupError;
 use crate::direct::DirectSolver;
+use crate::registry::Registered;
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::de::{Error, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;
 use std::str::FromStr;
 
 /// Which C.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum AugmentationChoice {
     /// `C_ii = ‖r(b_i)‖₂² / ‖A|_{b_i}‖₂`.
@@ -49,10 +58,14 @@ pub enum AugmentationChoice {
     ExactH,
     /// `C_f = r(B_f)ᵀ (A|_f)⁻¹ r(B_f) + |H_ff|` for the three columns of every face.
     FaceBlock,
+    /// Somebody else's.
+    #[serde(untagged)]
+    #[schemars(skip)]
+    Other(Registered<dyn AugmentationRule>),
 }
 
 impl AugmentationChoice {
-    /// Every choice that has a plain name.
+    /// Every choice of the house that has a plain name.
     pub const ALL: [Self; 8] = [
         Self::Local,
         Self::Global,
@@ -76,6 +89,7 @@ impl AugmentationChoice {
             Self::FittedH => "fitted_h",
             Self::ExactH => "exact_h",
             Self::FaceBlock => "face_block",
+            Self::Other(rule) => rule.0.name(),
         }
     }
 
@@ -104,7 +118,18 @@ impl AugmentationChoice {
             }
             Self::ExactH => stabilized::exact_h(blocks, &columns, direct)?,
             Self::FaceBlock => face_block::face_block(blocks, &columns)?,
+            Self::Other(rule) => rule.0.compute(blocks, direct)?,
         };
+        if matrix.size() != blocks.n_t() {
+            return Err(SetupError::NotApplicable {
+                method: self.name(),
+                reason: format!(
+                    "C has {} rows for {} tractions",
+                    matrix.size(),
+                    blocks.n_t()
+                ),
+            });
+        }
         matrix.factor()?;
         Ok(Augmentation {
             matrix,
@@ -125,7 +150,8 @@ impl fmt::Display for AugmentationChoice {
 /// A name that is none of [`AugmentationChoice`]'s.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "unknown augmentation {found:?}: expected local, global, global_times=FACTOR, exact, local_h, half_h, fitted_h, exact_h or face_block"
+    "unknown augmentation {found:?}: expected local, global, global_times=FACTOR, exact, local_h, half_h, fitted_h, exact_h or face_block{}",
+    rule::RULES.names()
 )]
 pub struct UnknownAugmentation {
     /// What was given.
@@ -144,9 +170,42 @@ impl FromStr for AugmentationChoice {
             .into_iter()
             .find(|choice| choice.name() == name)
             .or_else(scaled)
+            .or_else(|| rule::RULES.find(name).map(Self::Other))
             .ok_or_else(|| UnknownAugmentation {
                 found: name.to_owned(),
             })
+    }
+}
+
+/// `"local_h"`, `"global_times=2"` or `{ global_times = 2.0 }`.
+impl<'de> Deserialize<'de> for AugmentationChoice {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(NameOrFactor)
+    }
+}
+
+struct NameOrFactor;
+
+impl<'de> Visitor<'de> for NameOrFactor {
+    type Value = AugmentationChoice;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("the name of an augmentation such as \"local_h\", or { global_times = 2.0 }")
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<AugmentationChoice, E> {
+        text.parse().map_err(E::custom)
+    }
+
+    fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<AugmentationChoice, M::Error> {
+        const KEY: &str = "global_times";
+        match map.next_key::<String>()? {
+            Some(key) if key == KEY => format!("{KEY}={}", map.next_value::<f64>()?)
+                .parse()
+                .map_err(M::Error::custom),
+            Some(key) => Err(M::Error::unknown_field(&key, &[KEY])),
+            None => Err(M::Error::missing_field(KEY)),
+        }
     }
 }
 

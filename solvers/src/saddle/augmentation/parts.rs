@@ -1,5 +1,6 @@
 //! C piece by piece, for an A that nobody assembles as a whole.
 
+use super::custom::Custom;
 use super::fitted::{Share, fitted_h, shares};
 use super::support::Columns;
 use super::{Augmentation, AugmentationChoice, AugmentationMatrix, Block, SaddleBlocks};
@@ -11,10 +12,11 @@ use rayon::prelude::*;
 impl AugmentationChoice {
     /// True where the rows of C of a face need A on the supports of that face's columns of B alone.
     pub fn is_local(self) -> bool {
-        matches!(
-            self,
-            Self::Local | Self::LocalH | Self::HalfH | Self::FittedH | Self::FaceBlock
-        )
+        match self {
+            Self::Local | Self::LocalH | Self::HalfH | Self::FittedH | Self::FaceBlock => true,
+            Self::Global | Self::GlobalTimes(_) | Self::Exact | Self::ExactH => false,
+            Self::Other(rule) => rule.0.is_local(),
+        }
     }
 
     /// C of a saddle point given in pieces: faces in order, every piece with the columns of B and the diagonal blocks of H
@@ -57,6 +59,13 @@ impl AugmentationChoice {
         let mut shares = Vec::new();
         for part in computed {
             let (part, of_part) = part?;
+            if !part.matrix.is_by_faces() {
+                return Err(SetupError::NotApplicable {
+                    method: self.name(),
+                    reason: "C couples faces, so that it cannot be had piece by piece: its is_local has to be false".to_owned(),
+                }
+                .into());
+            }
             let before = whole.matrix.size();
             let empty = part.empty_columns.iter().map(|i| before + i);
             whole.empty_columns.extend(empty);
@@ -107,8 +116,8 @@ impl AugmentationMatrix {
             // aligned faces beside others
             (before, next) => {
                 assert!(
-                    before.is_sparse() && next.is_sparse(),
-                    "pieces of a dense C"
+                    before.is_by_faces() && next.is_by_faces(),
+                    "pieces of a C that couples faces"
                 );
                 *before = std::mem::replace(before, Self::diagonal(Vec::new())).in_blocks();
                 before.append(next.in_blocks());
@@ -144,6 +153,10 @@ impl AugmentationMatrix {
                 c: c * faer::Scale(factor),
                 inverse: inverse * faer::Scale(1.0 / factor),
             },
+            Self::Custom(custom) => Self::Custom(Custom {
+                factor: custom.factor * factor,
+                ..custom
+            }),
         }
     }
 }

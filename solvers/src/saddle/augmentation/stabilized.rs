@@ -1,10 +1,10 @@
 //! Augmentations that dominate the stabilization H.
 
 use super::super::SaddleBlocks;
+use super::block::diagonal_block;
 use super::exact::schur_complement;
 use super::face_block::{ROUNDING, add_stabilization};
 use super::local::local;
-use super::matrix::diagonal_block;
 use super::support::Columns;
 use super::{AugmentationMatrix, Block};
 use crate::SetupError;

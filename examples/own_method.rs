@@ -1,0 +1,123 @@
+//! A preconditioner of one's own in `solve`: the lower block triangle with a diagonal Schur complement.
+//!
+//! `cargo run --release --example own_method`
+
+use fracas::scene::named;
+use fracas_operators::sparse::Csr;
+use fracas_operators::{LinearOperator, Preconditioner, Properties};
+use fracas_solvers::direct::{DirectChoice, Factorization, Kind};
+use fracas_solvers::krylov::{Criteria, KrylovChoice, System};
+use fracas_solvers::saddle::{
+    CustomMethod, EnergyNorms, Measure, SaddleBlocks, SaddleMethod, SaddleOperator,
+    solve_accurately,
+};
+use fracas_solvers::{Named, SetupError, Silent};
+use std::borrow::Cow;
+
+/// `y_u = A⁻¹ x_u, y_t = (C_0 + diag H)⁻¹ (B2 y_u − x_t)`, `C_0 = diag(BᵀD⁻¹B)`.
+#[derive(Debug)]
+struct LowerTriangle;
+
+struct Inverse {
+    a: Box<dyn Factorization>,
+    b2: Csr<f64>,
+    schur: Vec<f64>,
+}
+
+impl Named for LowerTriangle {
+    fn name(&self) -> &'static str {
+        "lower_triangle"
+    }
+}
+
+impl CustomMethod for LowerTriangle {
+    fn prepare(&self, blocks: &SaddleBlocks) -> Result<Box<dyn Preconditioner<f64>>, SetupError> {
+        let direct = DirectChoice::default().solver()?;
+        let a = direct.analyze(&blocks.a, Kind::Spd)?.factor(&blocks.a)?;
+        let h = |i| blocks.h.as_ref().and_then(|h| h.get(i, i)).copied();
+        let c = blocks.contact_compliance().into_iter().enumerate();
+        let schur = c.map(|(i, c)| c + h(i).unwrap_or(0.0)).collect();
+        let b2 = Csr::new(blocks.b2_rows());
+        Ok(Box::new(Inverse { a, b2, schur }))
+    }
+
+    fn takes_flow(&self) -> bool {
+        false
+    }
+
+    fn takes_local_rows(&self) -> bool {
+        false
+    }
+}
+
+impl Preconditioner<f64> for Inverse {
+    fn size(&self) -> usize {
+        self.a.size() + self.schur.len()
+    }
+
+    fn solve(&self, x: &[f64], y: &mut [f64], work: &mut [f64]) {
+        let n_u = self.a.size();
+        let (y_u, y_t) = y.split_at_mut(n_u);
+        self.a.solve(&x[..n_u], y_u, work);
+        self.b2.apply(y_u, y_t, &mut []);
+        for ((y, x), s) in y_t.iter_mut().zip(&x[n_u..]).zip(&self.schur) {
+            *y = (*y - x) / s;
+        }
+    }
+
+    fn work_len(&self) -> usize {
+        self.a.work_len()
+    }
+
+    fn flops(&self) -> u64 {
+        self.a.flops() + self.b2.flops() + 2 * self.schur.len() as u64
+    }
+
+    fn properties(&self) -> Properties {
+        self.a.properties()
+    }
+}
+
+pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
+    SaddleMethod::register(&LowerTriangle)?;
+    let scene = named("clamped")
+        .ok_or("a scene of the gallery")?
+        .small_scene()?;
+    let blocks = scene.build()?.saddle_blocks(Some(Default::default()))?;
+    let (operator, b) = (SaddleOperator::new(&blocks), blocks.rhs());
+    for name in ["lower_triangle", "racp"] {
+        let m = name.parse::<SaddleMethod>()?.ready(&blocks)?.inverse;
+        let c = blocks.contact_compliance();
+        let norms = EnergyNorms::new(
+            &operator,
+            blocks.h.as_ref(),
+            c,
+            Cow::Owned(blocks.stiffness()),
+        );
+        let system = System {
+            operator: &operator,
+            preconditioner: &m,
+            rhs: &b,
+        };
+        let criteria = Criteria {
+            relative_tolerance: 1e-8,
+            max_iterations: 500,
+        };
+        let (krylov, how) = (KrylovChoice::default(), (Measure::Error, &norms));
+        let mut x = vec![0.0; b.len()];
+        let solved = solve_accurately(
+            krylov.method(),
+            &system,
+            &criteria,
+            how,
+            &mut x,
+            &mut Silent,
+        );
+        println!(
+            "{name}: {} iterations, errors {:?}",
+            solved.result?.iterations, solved.error
+        );
+        assert!(solved.error.iter().all(|error| *error < 1e-8));
+    }
+    Ok(())
+}

@@ -1,0 +1,147 @@
+//! C of a run: that of faces in stick, and what faces in other states keep of it.
+
+use super::face_rules::{FaceRule, Matrix3};
+use super::jacobian::FaceTangent;
+use fracas_operators::Preconditioner;
+use fracas_operators::sparse::Triplets;
+use fracas_solvers::SetupError;
+use fracas_solvers::saddle::{AugmentationMatrix, Block};
+
+/// C of faces in stick.
+#[derive(Default)]
+pub(super) struct StickC {
+    /// C of every face, and its inverse.
+    faces: Vec<[Block; 2]>,
+    /// All of C, where it couples faces.
+    coupled: Option<AugmentationMatrix>,
+}
+
+impl StickC {
+    pub(super) fn new(c: AugmentationMatrix) -> Self {
+        Self {
+            faces: c.of_faces(),
+            coupled: (!c.is_by_faces()).then_some(c),
+        }
+    }
+
+    /// Not known yet.
+    pub(super) fn is_empty(&self) -> bool {
+        self.faces.is_empty()
+    }
+
+    /// What faces with these tangents make of their rows.
+    pub(super) fn rules(&self, tangent: impl Fn(usize) -> FaceTangent) -> Vec<FaceRule> {
+        let faces = self.faces.iter().enumerate();
+        faces
+            .map(|(f, [c, inverse])| FaceRule::new(&tangent(f), c, inverse))
+            .collect()
+    }
+
+    /// What S̃_u is built of: all of C while every face sticks, else the blocks `c` of the faces.
+    ///
+    /// # Errors
+    /// Of blocks that are not positive definite.
+    pub(super) fn of_schur(
+        &self,
+        is_stick: bool,
+        c: &[Block],
+    ) -> Result<AugmentationMatrix, SetupError> {
+        match &self.coupled {
+            Some(coupled) if is_stick => Ok(coupled.clone()),
+            _ => AugmentationMatrix::from_face_blocks(c.to_vec()),
+        }
+    }
+
+    /// C of the kept directions where it couples faces.
+    ///
+    /// # Cost
+    /// A sparse factorization, where C couples faces.
+    ///
+    /// # Errors
+    /// Of a C that is not positive definite.
+    pub(super) fn coupled(
+        &self,
+        tangent: impl Fn(usize) -> FaceTangent,
+    ) -> Result<Option<Coupled>, SetupError> {
+        let Some(c) = &self.coupled else {
+            return Ok(None);
+        };
+        let faces = self.faces.iter().enumerate();
+        let states = faces.map(|(f, [c, _])| FaceRule::projected(&tangent(f), c));
+        let (kept, extra): (Vec<Matrix3>, Vec<Matrix3>) = states.unzip();
+        Ok(Some(Coupled {
+            c: projected(c, &kept, &extra)?,
+            kept,
+        }))
+    }
+}
+
+/// `E (E C E + X)⁻¹ E` of a C that couples faces: E = the directions that faces keep, X = what the laws of faces add.
+pub(super) struct Coupled {
+    c: AugmentationMatrix,
+    /// E.
+    kept: Vec<Matrix3>,
+}
+
+impl Coupled {
+    /// `z ← E (E C E + X)⁻¹ E r`.
+    pub(super) fn solve(&self, r: &[f64], z: &mut [f64], work: &mut [f64]) {
+        let (w, work) = work.split_at_mut(r.len());
+        w.copy_from_slice(r);
+        self.project(w);
+        self.c.solve(w, z, work);
+        self.project(z);
+    }
+
+    fn project(&self, v: &mut [f64]) {
+        for (e, v) in self.kept.iter().zip(v.as_chunks_mut().0) {
+            *v = times(e, *v);
+        }
+    }
+
+    pub(super) fn work_len(&self) -> usize {
+        3 * self.kept.len() + Preconditioner::work_len(&self.c)
+    }
+
+    pub(super) fn flops(&self) -> u64 {
+        Preconditioner::flops(&self.c) + 30 * self.kept.len() as u64
+    }
+}
+
+/// `E C E + X`.
+fn projected(
+    c: &AugmentationMatrix,
+    kept: &[Matrix3],
+    extra: &[Matrix3],
+) -> Result<AugmentationMatrix, SetupError> {
+    let n = 3 * kept.len();
+    let mut triplets = Triplets::new((n, n));
+    for (value, (i, j)) in &c.entries() {
+        let (i, j) = (i as usize, j as usize);
+        let (e_i, e_j) = (&kept[i / 3], &kept[j / 3]);
+        for k in 0..3 {
+            for l in 0..3 {
+                let entry = e_i[k][i % 3] * value * e_j[j % 3][l];
+                if entry != 0.0 {
+                    triplets.add_triplet(i - i % 3 + k, j - j % 3 + l, entry);
+                }
+            }
+        }
+    }
+    for (f, x) in extra.iter().enumerate() {
+        for (k, row) in x.iter().enumerate() {
+            (0..3).for_each(|l| triplets.add_triplet(3 * f + k, 3 * f + l, row[l]));
+        }
+    }
+    AugmentationMatrix::from_sparse(triplets.to_csr())
+}
+
+/// `M v` for the three components of a face.
+pub(super) fn times(m: &Matrix3, v: [f64; 3]) -> [f64; 3] {
+    m.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
+}
+
+/// C per face.
+pub(super) fn c_of(rules: &[FaceRule]) -> Vec<Block> {
+    rules.iter().map(|rule| rule.c).collect()
+}
