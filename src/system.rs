@@ -1,14 +1,16 @@
 //! From a body to its saddle point: `[A B; Bᵀ −H]` with every fracture face in stick.
 
 use crate::contact::{ContactState, Coupling, JumpStabilization, prescribed_jump};
-use crate::elasticity::{Constraints, Elastic, ElasticityError, lift, loads, reduced, stiffness};
+use crate::elasticity::{
+    Constraints, Elastic, ElasticityError, Restricted, lift, loads, matrix_free, reduced, stiffness,
+};
 use crate::mesh::{FractureFace, FractureMesh, HexMesh};
 use crate::scene::Body;
 use fracas_operators::LinearOperator;
 use fracas_operators::sparse::SparseMatrix;
 use fracas_operators::vector::axpy;
 use fracas_solvers::SetupError;
-use fracas_solvers::saddle::{DofCoordinate, SaddleBlocks};
+use fracas_solvers::saddle::{DofCoordinate, SaddleBlocks, StrainNorm};
 
 /// A meshed body with its materials and supports: all that the blocks depend on.
 #[derive(Clone, Copy, Debug)]
@@ -156,6 +158,19 @@ impl Body {
         stabilization: Option<JumpStabilization>,
     ) -> Result<SaddleBlocks, ElasticityError> {
         self.stick_system(stabilization).assemble(&self.forces()?)
+    }
+
+    /// `√(uᵀK u)` of free displacements with the prescribed ones in their places; `None` where none is prescribed but 0.
+    ///
+    /// # Errors
+    /// [`ElasticityError`] for an inverted element or a region without material.
+    pub fn strain_norm(&self) -> Result<Option<StrainNorm<'static>>, ElasticityError> {
+        if !self.constraints.is_displaced() {
+            return Ok(None);
+        }
+        let full = matrix_free::<f64>(&self.mesh, &self.materials)?;
+        let a = Restricted::new(full, self.constraints.clone());
+        Ok(Some(Box::new(move |u| a.strain_norm(u))))
     }
 
     /// H with factor 1 and the lengths that the scene asks for.

@@ -5,7 +5,7 @@
 #![allow(clippy::unwrap_used)]
 
 use fracas::contact::JumpStabilization;
-use fracas::matrix_free::{MatrixFreeRacp, MatrixFreeSaddle};
+use fracas::matrix_free::{MatrixFreeSaddle, RacpParts};
 use fracas::scene::{Body, Scene};
 use fracas_operators::random::Random;
 use fracas_operators::sparse::SparseMatrix;
@@ -13,7 +13,7 @@ use fracas_operators::{LinearOperator, Preconditioner};
 use fracas_solvers::Silent;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
 use fracas_solvers::saddle::{
-    Accurate, EnergyNorms, Measure, SaddleBlocks, SaddleMethod, SaddleOperator, StrainNorm,
+    Accurate, EnergyNorms, Measure, Racp, SaddleBlocks, SaddleMethod, SaddleOperator, StrainNorm,
     solve_accurately,
 };
 use std::borrow::Cow;
@@ -206,9 +206,8 @@ fn tried(body: &Body, inner: &str) -> Option<Tried> {
     let (operator, m, norms): (&dyn LinearOperator<f64>, Box<dyn Preconditioner<f64>>, _) =
         match inner {
             "geometric" => {
-                let ready = MatrixFreeRacp::default()
-                    .ready(&saddle, &system, &mut Silent)
-                    .ok()?;
+                let ready =
+                    RacpParts::new(&Racp::geometric(), &saddle, &system, &mut Silent).ok()?;
                 (
                     &saddle,
                     Box::new(ready.inverse),

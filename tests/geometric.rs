@@ -73,7 +73,7 @@ fn of_body(body: Body, augmentation: AugmentationChoice) -> Sample {
 impl Sample {
     fn build(&self, settings: Geometric) -> GeometricInverse {
         let system = self.body.stick_system(Some(JumpStabilization::default()));
-        settings.build(&system, &self.c[1]).unwrap()
+        GeometricInverse::new(&settings, &system, &self.c[1]).unwrap()
     }
 
     /// Iterations of GMRES around RACP as published, without relaxation.
@@ -506,7 +506,8 @@ fn what_it_cannot_take_is_named() {
     let settings = Geometric::default();
     let short = AugmentationMatrix::from_diagonal(vec![1.0; 3]).unwrap();
     let n_t = given.blocks.n_t();
-    let error = |c: &AugmentationMatrix| settings.build(&system, c).err().unwrap();
+    let error =
+        |c: &AugmentationMatrix| GeometricInverse::new(&settings, &system, c).err().unwrap();
     let expected = GeometricError::SizeOfC {
         expected: n_t,
         found: 3,
@@ -517,7 +518,7 @@ fn what_it_cannot_take_is_named() {
     assert_eq!(error(&dense), GeometricError::DenseC);
     // C⁻¹ beyond the largest f32: f64 holds it, but not the rock beside it; what the coarsest level leaves out of S_u serves all the same
     let tiny = AugmentationMatrix::from_diagonal(vec![1e-60; n_t]).unwrap();
-    let stiff = settings.build(&system, &tiny).unwrap();
+    let stiff = GeometricInverse::new(&settings, &system, &tiny).unwrap();
     assert!(stiff.lost().is_some(), "f32 cannot hold 1e60");
     let (r, mut z) = (probe::<f64>(stiff.size(), 3), vec![0.0; stiff.size()]);
     stiff.solve(&r, &mut z, &mut vec![f64::NAN; stiff.work_len()]);
@@ -533,7 +534,7 @@ fn what_it_cannot_take_is_named() {
     let mut body = given.body.clone();
     body.mesh.grid = None;
     let system = body.stick_system(None);
-    let found = settings.build(&system, &given.c[1]).err();
+    let found = GeometricInverse::new(&settings, &system, &given.c[1]).err();
     assert_eq!(found, Some(GeometricError::NoGrid));
 }
 

@@ -6,7 +6,7 @@
 
 use fracas::contact::JumpStabilization;
 use fracas::mesh::{BodyPart, Hold};
-use fracas::multigrid::Geometric;
+use fracas::multigrid::{Geometric, GeometricInverse};
 use fracas::scene::{Body, Scene};
 use fracas_operators::Preconditioner;
 use fracas_operators::random::Random;
@@ -232,7 +232,7 @@ impl Sample {
 
     fn geometric(&self, settings: Geometric) -> Result<usize, String> {
         let system = self.body.stick_system(Some(JumpStabilization::default()));
-        let inverse = settings.build(&system, &self.c[1]);
+        let inverse = GeometricInverse::new(&settings, &system, &self.c[1]);
         let inverse = inverse.map_err(|error| error.to_string())?;
         let m = RacpInverse::new(self.blocks.b1.clone(), self.c[0].clone(), inverse);
         // faces without a neighbour have no H

@@ -6,7 +6,7 @@ use crate::measure::{LIMIT, TOLERANCE};
 use crate::plot::{Axis, Figure, Mark, Series};
 use crate::published::{TESTS, Test};
 use crate::report::{Cell, Check, Experiment, Findings, Level, Table};
-use crate::trial::{Budget, HEADINGS, Load, Method, Problem, Trial, trials};
+use crate::trial::{Budget, HEADINGS, Load, Problem, Trial, trials};
 use fracas::scene::named;
 use fracas_solvers::krylov::KrylovChoice;
 use fracas_solvers::saddle::SaddleMethod;
@@ -376,7 +376,7 @@ impl Experiment for Efficiency {
                 if observer.observe(&step) == ControlFlow::Break(()) {
                     anyhow::bail!("stopped on request");
                 }
-                let direct = matches!(candidate.method, Method::Blocks(SaddleMethod::Direct(_)));
+                let direct = matches!(candidate.method, SaddleMethod::Direct(_));
                 let measured = if direct && blocks.size() > DIRECT_LIMIT {
                     vec![Trial::not_run(format!(
                         "not tried above {DIRECT_LIMIT} unknowns"

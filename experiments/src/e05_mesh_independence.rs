@@ -3,8 +3,7 @@
 use crate::measure::{LIMIT, TOLERANCE};
 use crate::plot::{Axis, Figure, Mark, Series};
 use crate::report::{Cell, Check, Experiment, Findings, Level, Table};
-use crate::trial::{Budget, Candidate, HEADINGS, Load, Method, Problem, Trial, trials};
-use fracas::matrix_free::MatrixFreeRacp;
+use crate::trial::{Budget, Candidate, HEADINGS, Load, Problem, Trial, trials};
 use fracas::scene::named;
 use fracas_solvers::fsai::Fsai;
 use fracas_solvers::krylov::{KrylovChoice, Minres};
@@ -71,7 +70,7 @@ fn entries() -> Vec<Entry> {
     let other = |name, method: SaddleMethod, krylov, limit| Entry {
         candidate: Candidate {
             name,
-            method: method.into(),
+            method,
             krylov,
         },
         limit,
@@ -96,7 +95,7 @@ fn entries() -> Vec<Entry> {
         Entry {
             candidate: Candidate {
                 name: GEOMETRIC,
-                method: Method::Body(MatrixFreeRacp::default()),
+                method: SaddleMethod::Racp(Racp::geometric()),
                 krylov: gmres,
             },
             limit: usize::MAX,

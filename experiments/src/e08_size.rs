@@ -5,7 +5,7 @@ mod run;
 use crate::measure::TOLERANCE;
 use crate::plot::{Axis, Figure, Mark, Series};
 use crate::report::{Cell, Check, Experiment, Findings, Level, Table};
-use fracas::matrix_free::MatrixFreeRacp;
+use fracas_solvers::saddle::Racp;
 use fracas_solvers::{Observer, Step};
 use run::{Inner, Row, Run};
 use std::ops::ControlFlow;
@@ -284,10 +284,7 @@ impl Experiment for Size {
             .set("scene", SCENE)
             .set("level", level.word())
             .set("tolerance", TOLERANCE)
-            .set(
-                "augmentation",
-                MatrixFreeRacp::default().augmentation.name(),
-            );
+            .set("augmentation", Racp::default().augmentation.name());
         let runs = runs(level);
         let total = runs.len();
         let mut table = table();

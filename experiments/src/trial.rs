@@ -4,11 +4,13 @@ use crate::command::memory;
 use crate::measure::TOLERANCE;
 use crate::report::{Cell, Level};
 use fracas::contact::JumpStabilization;
-use fracas::matrix_free::{MatrixFreeRacp, MatrixFreeSaddle};
+use fracas::matrix_free::{MatrixFreeSystem, RacpParts};
 use fracas::scene::{Body, Scene};
 use fracas_operators::LinearOperator;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
-use fracas_solvers::saddle::{Cost, Ready, SaddleBlocks, SaddleMethod, SaddleOperator};
+use fracas_solvers::saddle::{
+    Cost, InnerChoice, Ready, SaddleBlocks, SaddleMethod, SaddleOperator,
+};
 use fracas_solvers::{Observer, Silent};
 use std::fmt;
 use std::time::Instant;
@@ -34,12 +36,15 @@ impl Problem {
         Ok(Self { body, blocks })
     }
 
-    /// RACP around geometric multigrid; C, B and S̃_u come from the body.
-    fn matrix_free(&self, settings: MatrixFreeRacp) -> anyhow::Result<Ready> {
+    /// M⁻¹ from the assembled blocks; around geometric multigrid C, B and S̃_u come from the body.
+    fn ready(&self, method: &SaddleMethod) -> anyhow::Result<Ready> {
+        let racp = match method {
+            SaddleMethod::Racp(racp) if matches!(racp.inner, InnerChoice::Geometric(_)) => racp,
+            _ => return Ok(method.ready(&self.blocks)?),
+        };
         let system = self.body.stick_system(Some(JumpStabilization::PUBLISHED));
-        let unit = system.magnitude()?.unit;
-        let saddle = MatrixFreeSaddle::in_traction_unit(&system, unit)?;
-        let racp = settings.ready(&saddle, &system, &mut Silent)?;
+        let saddle = MatrixFreeSystem::new(&system, None)?.saddle;
+        let racp = RacpParts::new(racp, &saddle, &system, &mut Silent)?;
         Ok(Ready {
             relaxation: racp.inverse.relaxation(),
             inverse: Box::new(racp.inverse),
@@ -49,37 +54,13 @@ impl Problem {
     }
 }
 
-/// How M comes about.
-#[derive(Clone, Copy, Debug)]
-pub enum Method {
-    /// From the assembled blocks.
-    Blocks(SaddleMethod),
-    /// From the body, without an assembled A.
-    Body(MatrixFreeRacp),
-}
-
-impl Method {
-    fn ready(&self, problem: &Problem) -> anyhow::Result<Ready> {
-        match self {
-            Self::Blocks(method) => Ok(method.ready(&problem.blocks)?),
-            Self::Body(settings) => problem.matrix_free(*settings),
-        }
-    }
-}
-
-impl From<SaddleMethod> for Method {
-    fn from(method: SaddleMethod) -> Self {
-        Self::Blocks(method)
-    }
-}
-
 /// A method with the iteration around it.
 #[derive(Clone, Copy, Debug)]
 pub struct Candidate {
     /// In tables.
     pub name: &'static str,
     /// The preconditioner.
-    pub method: Method,
+    pub method: SaddleMethod,
     /// The iteration that is asked for.
     pub krylov: KrylovChoice,
 }
@@ -245,7 +226,7 @@ pub fn trials(
     memory::reset_peak();
     let start = Instant::now();
     let blocks = &problem.blocks;
-    let ready = candidate.method.ready(problem);
+    let ready = problem.ready(&candidate.method);
     let setup = Some(start.elapsed().as_secs_f64());
     let Ready {
         inverse, hierarchy, ..
@@ -321,16 +302,16 @@ fn given_up(criteria: &Criteria, budget: Budget) -> Failure {
 mod tests {
     use super::*;
     use fracas::scene::named;
-    use fracas_solvers::saddle::{BlockDiagonal, InnerChoice};
+    use fracas_solvers::saddle::{BlockDiagonal, InnerChoice, Racp};
 
     fn problem(scene: &str) -> Problem {
         Problem::new(&named(scene).unwrap().small_scene().unwrap()).unwrap()
     }
 
-    fn tried(scene: &str, method: impl Into<Method>, budget: Budget) -> Trial {
+    fn tried(scene: &str, method: SaddleMethod, budget: Budget) -> Trial {
         let candidate = Candidate {
             name: "",
-            method: method.into(),
+            method,
             krylov: KrylovChoice::default(),
         };
         let loads = [Load::Physical];
@@ -388,7 +369,7 @@ mod tests {
             iterations: 100,
             cost: f64::INFINITY,
         };
-        let trial = tried("clamped", Method::Body(MatrixFreeRacp::default()), most);
+        let trial = tried("clamped", SaddleMethod::Racp(Racp::geometric()), most);
         assert!(trial.iterations.is_some(), "{:?}", trial.failure);
         assert!(trial.complexity.is_some() && trial.cost.is_some());
     }

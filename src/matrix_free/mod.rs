@@ -3,6 +3,7 @@
 mod pieces;
 mod racp;
 mod residual;
+mod system;
 
 use crate::contact::{Coupling, prescribed_jump};
 use crate::elasticity::{ElasticityError, Restricted, diagonal, matrix_free};
@@ -15,7 +16,8 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 pub use pieces::PiecesError;
-pub use racp::{MatrixFreeError, MatrixFreeRacp, RacpParts};
+pub use racp::{MatrixFreeError, RacpParts};
+pub use system::MatrixFreeSystem;
 
 /// `[A B; Bᵀ −H]` over the free displacements and the tractions: A cell by cell, B face by face, H by its few entries.
 ///

@@ -51,7 +51,7 @@ pub struct GeometricInverse {
     lost: Option<Lost>,
 }
 
-impl Geometric {
+impl GeometricInverse {
     /// The hierarchy of `S_u = A + B C⁻¹Bᵀ` for `system`; C belongs to B in m² (tractions in Pa), diagonal or one block per
     /// face.
     ///
@@ -61,11 +61,11 @@ impl Geometric {
     ///
     /// # Errors
     /// [`GeometricError`].
-    pub fn build(
-        &self,
+    pub fn new(
+        settings: &Geometric,
         system: &StickSystem<'_>,
         c: &AugmentationMatrix,
-    ) -> Result<GeometricInverse, GeometricError> {
+    ) -> Result<Self, GeometricError> {
         let expected = 3 * system.fractures.faces.len();
         if c.size() != expected {
             return Err(GeometricError::SizeOfC {
@@ -91,22 +91,22 @@ impl Geometric {
             })
             .collect();
         let c_inverse = faces::inverse_blocks(c, scale).ok_or(GeometricError::DenseC)?;
-        self.in_unit(system, scale, &materials, &c_inverse)
+        Self::in_unit(settings, system, scale, &materials, &c_inverse)
             .map_err(|error| error.judged(system))
     }
 
     /// The hierarchy of `S_u / scale`.
     fn in_unit(
-        &self,
+        settings: &Geometric,
         system: &StickSystem<'_>,
         scale: f64,
         materials: &[Elastic],
         c_inverse: &[[[f64; 3]; 3]],
-    ) -> Result<GeometricInverse, GeometricError> {
+    ) -> Result<Self, GeometricError> {
         let mut lost = None;
         let mut single = None;
-        if self.precision == Precision::F32 {
-            match hierarchy(self, system, materials, c_inverse) {
+        if settings.precision == Precision::F32 {
+            match hierarchy(settings, system, materials, c_inverse) {
                 Ok((h, below)) => match h.rounding() {
                     r if r <= limit(materials) && soft(&h).is_none() => single = Some((h, below)),
                     rounding => lost = Some(Lost::Digits { rounding }),
@@ -118,15 +118,15 @@ impl Geometric {
         let (hierarchy, below) = match single {
             Some((h, below)) => (SomeHierarchy::Single(h), below),
             None => {
-                let (h, below) = hierarchy(self, system, materials, c_inverse)?;
+                let (h, below) = hierarchy(settings, system, materials, c_inverse)?;
                 if let Some(cost) = soft(&h) {
                     return Err(GeometricError::Soft { cost });
                 }
                 (SomeHierarchy::Double(h), below)
             }
         };
-        let f = self.over_correction;
-        Ok(GeometricInverse {
+        let f = settings.over_correction;
+        Ok(Self {
             cycle: MultigridInverse::new(hierarchy, scale, f, below, SPACES),
             lost,
         })

@@ -32,11 +32,10 @@ mod inverse;
 mod operators;
 mod pattern;
 mod remainder;
-mod settings;
 mod smoothing;
 #[cfg(test)]
 mod tests;
 
 pub use error::{GeometricError, Lost};
+pub use fracas_solvers::multigrid::Geometric;
 pub use inverse::GeometricInverse;
-pub use settings::Geometric;

@@ -14,17 +14,9 @@ pub(super) struct Assembled {
 }
 
 impl Assembled {
-    /// Plans for this C, where nothing is planned yet; where that fails the first build plans.
-    pub(super) fn plan(
-        &mut self,
-        inner: InnerChoice,
-        blocks: &SaddleBlocks,
-        c: &AugmentationMatrix,
-        fallbacks: &mut Fallbacks,
-    ) {
-        if self.plan.is_none() && matches!(inner, InnerChoice::Amg(_)) {
-            let _ = self.build(inner, blocks, c, fallbacks);
-        }
+    /// True where the next build plans.
+    pub(super) fn plans(&self, inner: InnerChoice) -> bool {
+        self.plan.is_none() && matches!(inner, InnerChoice::Amg(_))
     }
 
     /// S̃_u⁻¹ for this C; where f32 was asked for and fails it is in f64, and that is told.
@@ -57,6 +49,15 @@ impl Assembled {
                 settings.build_augmented(&blocks.a, &f, coordinates)
             }),
             None => {
+                let stiffness = blocks.stiffness();
+                let double = asked.in_double().filter(|_| stiffness.exceeds_single());
+                let asked = double.unwrap_or(asked);
+                if double.is_some() {
+                    let spread = stiffness.spread();
+                    let reason =
+                        format!("entries of A spread over {spread:.0e}, the digits of f32");
+                    fallbacks.note(reason);
+                }
                 let plan = |settings: Amg| settings.plan(&blocks.a, Some(&f), coordinates);
                 let first = plan(asked).or_else(|error| {
                     let double = asked.in_double().ok_or(error.clone())?;

@@ -283,6 +283,14 @@ pub enum SimulationError {
         /// Its name.
         fracture: String,
     },
+    /// Geometric multigrid of a mesh from a file.
+    #[error(
+        "[solver] asks for geometric multigrid, and the mesh has no grid to coarsen; take inner = \"amg\""
+    )]
+    NoGrid,
+    /// A C that geometric multigrid cannot have.
+    #[error("[solver] racp: {0}")]
+    Augmentation(SetupError),
     /// A mesh without a stiffness.
     #[error(transparent)]
     Elasticity(#[from] ElasticityError),

@@ -1,8 +1,8 @@
 //! Preconditioners that gave way: hierarchies in f32 to f64, what cannot be set up to another inner solver.
 
-use super::{ContactProblem, Event, LinearFailure, RunPreconditioner};
-use crate::matrix_free::{MatrixFreeError, MatrixFreeRacp};
-use crate::multigrid::GeometricInverse;
+use super::{ContactProblem, Event, LinearFailure};
+use crate::matrix_free::MatrixFreeError;
+use crate::multigrid::{Geometric, GeometricInverse};
 use crate::scene::RunInner;
 use fracas_operators::Preconditioner;
 use fracas_solvers::amg::Amg;
@@ -20,7 +20,7 @@ pub(super) struct Fallbacks {
     /// The hierarchy built last is in f64.
     double: bool,
     /// What was taken for the preconditioner built last, where its settings gave way.
-    instead: Option<RunPreconditioner>,
+    instead: Option<Racp>,
 }
 
 impl Fallbacks {
@@ -28,10 +28,10 @@ impl Fallbacks {
     pub(super) fn build(
         &mut self,
         problem: &ContactProblem<'_>,
-        racp: MatrixFreeRacp,
+        geometric: Geometric,
         c: &AugmentationMatrix,
     ) -> Result<GeometricInverse, MatrixFreeError> {
-        let built = racp.inner.build(&problem.stick_system(), c)?;
+        let built = GeometricInverse::new(&geometric, &problem.stick_system(), c)?;
         self.double = !built.properties().single;
         self.instead = None;
         if let Some(lost) = built.lost() {
@@ -55,9 +55,9 @@ impl Fallbacks {
     pub(super) fn instead(
         &mut self,
         problem: &ContactProblem<'_>,
-        settings: RunPreconditioner,
+        settings: Racp,
         failure: LinearFailure,
-    ) -> Result<RunPreconditioner, LinearFailure> {
+    ) -> Result<Racp, LinearFailure> {
         let solver = &problem.body().solver;
         let is_free = solver.racp.is_none() && solver.inner == RunInner::Auto;
         let stopped = matches!(failure, LinearFailure::MatrixFree(MatrixFreeError::Stopped));
@@ -73,40 +73,22 @@ impl Fallbacks {
     }
 
     /// These settings, or what was taken instead, with the precision of the hierarchy built last.
-    pub(super) fn effective(&self, settings: RunPreconditioner) -> RunPreconditioner {
+    pub(super) fn effective(&self, settings: Racp) -> Racp {
         match self.instead.unwrap_or(settings) {
-            RunPreconditioner::MatrixFree(racp) if self.double => {
-                RunPreconditioner::MatrixFree(racp.in_double())
-            }
-            RunPreconditioner::Assembled(racp) if self.double => {
-                RunPreconditioner::Assembled(racp.in_double())
-            }
-            asked => asked,
+            racp if self.double => racp.in_double(),
+            racp => racp,
         }
     }
 }
 
 /// What takes the place of these settings, and its name.
-fn otherwise(settings: RunPreconditioner) -> Option<(RunPreconditioner, &'static str)> {
-    let (racp, now) = match settings {
-        RunPreconditioner::MatrixFree(racp) => (
-            Racp {
-                augmentation: racp.augmentation,
-                relaxation: racp.relaxation,
-                inner: InnerChoice::Amg(Amg::default()),
-            },
-            "amg",
-        ),
-        RunPreconditioner::Assembled(racp) if matches!(racp.inner, InnerChoice::Amg(_)) => (
-            Racp {
-                inner: InnerChoice::default(),
-                ..racp
-            },
-            "exact",
-        ),
-        RunPreconditioner::Assembled(_) => return None,
+fn otherwise(settings: Racp) -> Option<(Racp, &'static str)> {
+    let inner = match settings.inner {
+        InnerChoice::Geometric(_) => InnerChoice::Amg(Amg::default()),
+        InnerChoice::Amg(_) => InnerChoice::default(),
+        _ => return None,
     };
-    Some((RunPreconditioner::Assembled(racp), now))
+    Some((Racp { inner, ..settings }, inner.name()))
 }
 
 #[cfg(test)]
@@ -131,14 +113,10 @@ mod tests {
         let body = body("auto");
         let problem = ContactProblem::new(&body).unwrap();
         let mut fallbacks = Fallbacks::default();
-        let mut settings = RunPreconditioner::MatrixFree(MatrixFreeRacp::default());
+        let mut settings = Racp::geometric();
         for (k, name) in ["amg", "exact"].into_iter().enumerate() {
             settings = fallbacks.instead(&problem, settings, failure()).unwrap();
-            let RunPreconditioner::Assembled(racp) = settings else {
-                panic!("{settings:?}");
-            };
-            let is_exact = matches!(racp.inner, InnerChoice::Exact { .. });
-            assert_eq!(is_exact, name == "exact");
+            assert_eq!(settings.inner.name(), name);
             assert_eq!((fallbacks.inner, fallbacks.events.len()), (k + 1, k + 1));
             let Some(Event::Inner { reason, now }) = fallbacks.events.last() else {
                 panic!("{:?}", fallbacks.events);
@@ -152,7 +130,7 @@ mod tests {
 
     #[test]
     fn what_was_asked_for_by_name_and_a_stop_give_way_to_nothing() {
-        let settings = RunPreconditioner::MatrixFree(MatrixFreeRacp::default());
+        let settings = Racp::geometric();
         for (inner, failure) in [
             ("geometric", failure()),
             ("auto", MatrixFreeError::Stopped.into()),

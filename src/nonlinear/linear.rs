@@ -14,7 +14,7 @@ use super::{
     ContactJacobian, ContactProblem, Failure, LinearFailure, NewtonSystem, Prepared, State,
 };
 use crate::contact::ContactState;
-use crate::matrix_free::{MatrixFreeError, MatrixFreeRacp};
+use crate::matrix_free::MatrixFreeError;
 use crate::scene::{FACTORIZED, RunInner};
 use fracas_operators::Preconditioner;
 use fracas_solvers::direct::DirectChoice;
@@ -30,26 +30,6 @@ const SLOW: f64 = 1.3;
 /// C leaves stiffer springs in it: flat cells of 1:50 all opening take 91 iterations with fitted_h, 48 with this.
 const AUGMENTATION: AugmentationChoice = AugmentationChoice::HalfH;
 
-/// What a preconditioner is built from.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum RunPreconditioner {
-    /// RACP around an assembled A, which is given back once S̃_u is there.
-    Assembled(Racp),
-    /// RACP around geometric multigrid, nothing assembled.
-    MatrixFree(MatrixFreeRacp),
-}
-
-impl RunPreconditioner {
-    /// γ of H.
-    fn relaxation(&self) -> f64 {
-        match self {
-            Self::Assembled(racp) => racp.relaxation,
-            Self::MatrixFree(racp) => racp.relaxation,
-        }
-    }
-}
-
 /// Solves Jacobians with RACP.
 ///
 /// The rows of the faces are taken in their present states; S̃_u is that of the all-stick body, built once for the whole run.
@@ -59,7 +39,7 @@ impl RunPreconditioner {
 ///
 /// Without slip J is symmetric on the x that meet the laws of open faces, and RACP maps them into themselves: SQMR does.
 pub(super) struct Linear {
-    settings: RunPreconditioner,
+    settings: Racp,
     max_krylov: usize,
     c: StickC,
     stick: Option<Ready>,
@@ -103,7 +83,7 @@ impl Linear {
     }
 
     /// Settings in use.
-    pub(super) fn settings(&self) -> RunPreconditioner {
+    pub(super) fn settings(&self) -> Racp {
         self.settings
     }
 
@@ -230,7 +210,7 @@ impl Linear {
         let c = (self.c.rules(tangent), self.c.coupled(tangent)?);
         Ok(StateInverse::new(
             problem.saddle().coupling(),
-            (jacobian.h, self.settings.relaxation()),
+            (jacobian.h, self.settings.relaxation),
             c,
             s_u.as_ref(),
         ))
@@ -309,13 +289,26 @@ impl Linear {
     fn attempt(
         &mut self,
         problem: &ContactProblem<'_>,
-        settings: RunPreconditioner,
+        racp: Racp,
         c: &impl Fn(&StickC) -> Vec<Block>,
     ) -> Result<(Vec<Block>, Box<dyn Preconditioner<f64>>, &'static str), LinearFailure> {
         let unit = problem.saddle().unit();
         let before = self.resources.fallbacks.count;
-        let (c, inverse): (_, Box<dyn Preconditioner<f64>>) = match settings {
-            RunPreconditioner::Assembled(racp) => {
+        let (c, inverse): (_, Box<dyn Preconditioner<f64>>) = match racp.inner {
+            InnerChoice::Geometric(geometric) => {
+                let system = problem.stick_system();
+                if self.c.is_empty() {
+                    let c = problem.saddle().augmentation(&system, racp.augmentation);
+                    self.c = StickC::new(c.map_err(MatrixFreeError::from)?.matrix);
+                }
+                let c = c(&self.c);
+                let matrix = self.c.of_schur(self.stick.is_none(), &c)?;
+                let in_pascal = matrix.scaled(1.0 / (unit * unit));
+                let fallbacks = &mut self.resources.fallbacks;
+                let s_u = fallbacks.build(problem, geometric, &in_pascal)?;
+                (c, Box::new(s_u))
+            }
+            _ => {
                 let direct = match racp.inner {
                     InnerChoice::Exact { backend } => backend,
                     _ => DirectChoice::default(),
@@ -334,18 +327,6 @@ impl Linear {
                     .assembled
                     .build(racp.inner, &blocks, &matrix, fallbacks)?;
                 (c, inverse)
-            }
-            RunPreconditioner::MatrixFree(racp) => {
-                let system = problem.stick_system();
-                if self.c.is_empty() {
-                    let c = problem.saddle().augmentation(&system, racp.augmentation);
-                    self.c = StickC::new(c.map_err(MatrixFreeError::from)?.matrix);
-                }
-                let c = c(&self.c);
-                let matrix = self.c.of_schur(self.stick.is_none(), &c)?;
-                let in_pascal = matrix.scaled(1.0 / (unit * unit));
-                let s_u = self.resources.fallbacks.build(problem, racp, &in_pascal)?;
-                (c, Box::new(s_u))
             }
         };
         let stage = match self.resources.fallbacks.count > before {
@@ -408,28 +389,23 @@ fn distance(a: &[ContactState], b: &[ContactState]) -> usize {
 }
 
 /// The preconditioner that the scene asks for, or that its size suggests.
-fn chosen(problem: &ContactProblem<'_>) -> RunPreconditioner {
+fn chosen(problem: &ContactProblem<'_>) -> Racp {
     let body = problem.body();
-    let assembled = |inner| {
-        RunPreconditioner::Assembled(Racp {
-            augmentation: AUGMENTATION,
-            inner,
-            ..Racp::default()
-        })
+    let around = |inner| Racp {
+        augmentation: AUGMENTATION,
+        inner,
+        ..Racp::default()
     };
     let amg = InnerChoice::Amg(Default::default());
     let small = body.constraints.free_len() <= FACTORIZED;
     match (body.solver.racp, body.solver.inner) {
-        (Some(racp), _) => RunPreconditioner::Assembled(racp),
-        (None, RunInner::Exact) => assembled(InnerChoice::default()),
-        (None, RunInner::Auto) if small => assembled(InnerChoice::default()),
-        (None, RunInner::Auto) if body.mesh.grid.is_none() => assembled(amg),
-        (None, RunInner::Amg) => assembled(amg),
+        (Some(racp), _) => racp,
+        (None, RunInner::Exact) => around(InnerChoice::default()),
+        (None, RunInner::Auto) if small => around(InnerChoice::default()),
+        (None, RunInner::Auto) if body.mesh.grid.is_none() => around(amg),
+        (None, RunInner::Amg) => around(amg),
         (None, RunInner::Auto | RunInner::Geometric) => {
-            RunPreconditioner::MatrixFree(MatrixFreeRacp {
-                augmentation: AUGMENTATION,
-                ..MatrixFreeRacp::default()
-            })
+            around(InnerChoice::Geometric(Default::default()))
         }
     }
 }

@@ -46,7 +46,6 @@ pub use energy::EnergyRecord;
 pub use failure::{Failure, LinearFailure, SimulationError, StepFailure};
 pub use fields::FaceFields;
 pub use jacobian::ContactJacobian;
-pub use linear::RunPreconditioner;
 pub use loads::Loads;
 pub use newton_system::{NewtonSystem, NewtonSystemError};
 pub use problem::{ContactProblem, Evaluation, Load, Start};

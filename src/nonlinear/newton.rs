@@ -1,5 +1,6 @@
 //! Newton's method at fixed contact states.
 
+use super::krylov::Solved;
 use super::linear::Linear;
 use super::record::count;
 use super::{
@@ -42,6 +43,46 @@ pub(super) struct Attempt<'s> {
     pub(super) held: Option<Constraints>,
     pub(super) step: usize,
     pub(super) attempt: usize,
+}
+
+impl Attempt<'_> {
+    /// A linear system in this round and step of Newton, not solved yet.
+    pub(super) fn record(
+        &self,
+        [active, newton]: [usize; 2],
+        faces: [usize; 4],
+        tolerance: f64,
+        residual: f64,
+    ) -> LinearRecord {
+        LinearRecord {
+            step: self.step,
+            attempt: self.attempt,
+            active,
+            newton,
+            faces,
+            krylov: "",
+            iterations: 0,
+            tolerance,
+            relative_residual: f64::NAN,
+            residual,
+            step_length: 0.0,
+            setup: false,
+        }
+    }
+}
+
+impl LinearRecord {
+    /// The same, solved, with this share of the correction taken.
+    pub(super) fn solved(self, solved: &Solved, step_length: f64) -> Self {
+        Self {
+            krylov: solved.krylov,
+            iterations: solved.iterations,
+            relative_residual: solved.relative_residual,
+            step_length,
+            setup: solved.setup,
+            ..self
+        }
+    }
 }
 
 /// When Newton stops.
@@ -126,20 +167,7 @@ pub(super) fn newton(
             &mut correction,
             observer,
         );
-        let mut record = LinearRecord {
-            step: attempt.step,
-            attempt: attempt.attempt,
-            active: round,
-            newton: iteration,
-            faces: count(states),
-            krylov: "",
-            iterations: 0,
-            tolerance: forcing,
-            relative_residual: f64::NAN,
-            residual,
-            step_length: 0.0,
-            setup: false,
-        };
+        let record = attempt.record([round, iteration], count(states), forcing, residual);
         let solved = solved.inspect_err(|failure| {
             if let LinearFailure::IterationLimit {
                 krylov,
@@ -148,10 +176,12 @@ pub(super) fn newton(
                 ..
             } = failure
             {
-                record.krylov = krylov;
-                record.iterations = *iterations;
-                record.relative_residual = *residual;
-                records.push(record);
+                records.push(LinearRecord {
+                    krylov,
+                    iterations: *iterations,
+                    relative_residual: *residual,
+                    ..record
+                });
             }
         })?;
         if solved.stopped {
@@ -173,12 +203,7 @@ pub(super) fn newton(
             length *= 0.5;
         }
         before = size;
-        record.krylov = solved.krylov;
-        record.iterations = solved.iterations;
-        record.relative_residual = solved.relative_residual;
-        record.step_length = length;
-        record.setup = solved.setup;
-        records.push(record);
+        records.push(record.solved(&solved, length));
         iteration += 1;
     }
 }

@@ -204,20 +204,8 @@ impl<'s> Proximal<'s> {
                 }
                 length *= 0.5;
             }
-            records.push(LinearRecord {
-                step: attempt.step,
-                attempt: attempt.attempt,
-                active: round,
-                newton: iteration,
-                faces: count(&states),
-                krylov: solved.krylov,
-                iterations: solved.iterations,
-                tolerance: forcing,
-                relative_residual: solved.relative_residual,
-                residual,
-                step_length: length,
-                setup: solved.setup,
-            });
+            let record = attempt.record([round, iteration], count(&states), forcing, residual);
+            records.push(record.solved(&solved, length));
         }
         Ok(at.springs)
     }

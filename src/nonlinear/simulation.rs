@@ -12,12 +12,13 @@ use super::times::{Target, Times, length};
 use super::workspace::{Resources, Workspace};
 use super::{
     Accepted, ContactProblem, Event, FaceFields, Failure, FreeMemory, Load, NewtonSystem,
-    RunPreconditioner, SimulationError, Start, State, StepFailure, StepRecord,
+    SimulationError, Start, State, StepFailure, StepRecord,
 };
 use crate::contact::ContactState;
 use crate::scene::{Body, Unstable};
 use fracas_operators::vector::{axpy, norm2};
 use fracas_solvers::Observer;
+use fracas_solvers::saddle::{InnerChoice, Racp};
 
 /// A body in contact, stepped through time.
 pub struct Simulation<'a> {
@@ -45,6 +46,14 @@ impl<'a> Simulation<'a> {
         }
         let problem = ContactProblem::new(body)?;
         let linear = Linear::new(&problem);
+        let racp = linear.settings();
+        if let InnerChoice::Geometric(_) = racp.inner {
+            if body.mesh.grid.is_none() {
+                return Err(SimulationError::NoGrid);
+            }
+            let local = racp.augmentation.require_local();
+            local.map_err(SimulationError::Augmentation)?;
+        }
         Ok(Self {
             springs: SpringMethod::new(&problem, linear.settings()),
             linear,
@@ -68,7 +77,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// The preconditioner in use, in f64 where f32 gave way to it.
-    pub fn preconditioner(&self) -> RunPreconditioner {
+    pub fn preconditioner(&self) -> Racp {
         (self.resources().fallbacks).effective(self.linear.settings())
     }
 

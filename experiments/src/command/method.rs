@@ -1,7 +1,6 @@
 //! Which method: `--method`, `--augmentation`, `--inner`.
 
 use clap::Args;
-use fracas::matrix_free::MatrixFreeRacp;
 use fracas::multigrid::Geometric;
 use fracas_solvers::amg::Amg;
 use fracas_solvers::saddle::inner::UnknownInner;
@@ -30,10 +29,8 @@ pub(super) struct Method {
 enum Inner {
     /// What fits the system.
     Auto,
-    /// Geometric multigrid, without an assembled A.
-    Geometric(Geometric),
-    /// Made from assembled blocks.
-    Assembled(InnerChoice),
+    /// This one.
+    Named(InnerChoice),
 }
 
 impl FromStr for Inner {
@@ -43,16 +40,13 @@ impl FromStr for Inner {
         if name == "auto" {
             return Ok(Self::Auto);
         }
-        match Geometric::of_name(name) {
-            Some(geometric) => Ok(Self::Geometric(geometric)),
-            None => name.parse().map(Self::Assembled).map_err(UnknownInnerName),
-        }
+        name.parse().map(Self::Named).map_err(UnknownInnerName)
     }
 }
 
 /// A name that no inner solver has.
 #[derive(Debug, thiserror::Error)]
-#[error("{0}; or geometric, behind it :v, :w or :k and :f64 (geometric:k:f64), or auto")]
+#[error("{0}; or auto")]
 struct UnknownInnerName(UnknownInner);
 
 /// All names.
@@ -77,24 +71,23 @@ pub(super) enum Asked {
     Folder,
 }
 
-/// How a system is solved.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Route {
-    /// From assembled blocks.
-    Assembled(SaddleMethod),
-    /// RACP around geometric multigrid, without an assembled A.
-    MatrixFree(MatrixFreeRacp),
-}
-
-/// A route and, where `auto` chose, why and what else there is.
+/// A method and, where `auto` chose, why and what else there is.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Chosen {
-    pub(super) route: Route,
+    pub(super) method: SaddleMethod,
     pub(super) reason: Option<String>,
     /// What takes its place, in turn, where it cannot be set up.
     pub(super) otherwise: Vec<SaddleMethod>,
-    /// What comes before these where the route is an assembled one.
-    pub(super) geometric: Option<MatrixFreeRacp>,
+}
+
+/// The settings of RACP around geometric multigrid, where that is the method: it has no assembled A.
+pub(super) fn without_entries(method: &SaddleMethod) -> Option<Racp> {
+    match method {
+        SaddleMethod::Racp(racp) => {
+            Some(*racp).filter(|racp| matches!(racp.inner, InnerChoice::Geometric(_)))
+        }
+        _ => None,
+    }
 }
 
 /// Geometric multigrid where it cannot be.
@@ -116,15 +109,6 @@ enum NotGeometric {
     Entries(&'static str),
 }
 
-/// RACP with these settings around this geometric multigrid.
-fn matrix_free(racp: Racp, inner: Geometric) -> MatrixFreeRacp {
-    MatrixFreeRacp {
-        augmentation: racp.augmentation,
-        relaxation: racp.relaxation,
-        inner,
-    }
-}
-
 impl Method {
     /// The settings, from assembled blocks whatever the system is; `default` where no method is named.
     pub(super) fn chosen(
@@ -133,10 +117,7 @@ impl Method {
         default: SaddleMethod,
     ) -> anyhow::Result<SaddleMethod> {
         let asked = Asked::SceneWithEntries(asker);
-        match self.of(default).route(asked)?.route {
-            Route::Assembled(method) => Ok(method),
-            Route::MatrixFree(_) => Err(NotGeometric::Entries(asker).into()),
-        }
+        Ok(self.of(default).route(asked)?.method)
     }
 
     /// How a system is solved.
@@ -165,45 +146,43 @@ impl Parts {
     fn route(&self, asked: Asked) -> anyhow::Result<Chosen> {
         match self.inner {
             None => self.default(asked),
-            Some(Inner::Assembled(inner)) => self.assembled(Some(inner), None),
-            Some(Inner::Geometric(geometric)) => {
-                let Some(racp) = self.racp() else {
-                    // a method without an inner solver refuses this one as any other
-                    self.method.with_parts(None, Some(InnerChoice::default()))?;
-                    return Err(NotGeometric::Method(self.method.name()).into());
-                };
-                match asked {
-                    Asked::Folder => Err(NotGeometric::Folder.into()),
-                    Asked::SceneOfFile => Err(NotGeometric::NoGrid.into()),
-                    Asked::SceneWithEntries(who) => Err(NotGeometric::Entries(who).into()),
-                    Asked::Scene => {
-                        racp.augmentation.require_local()?;
-                        Ok(Chosen {
-                            route: Route::MatrixFree(matrix_free(racp, geometric)),
-                            reason: None,
-                            otherwise: Vec::new(),
-                            geometric: None,
-                        })
-                    }
+            Some(Inner::Named(inner)) => {
+                if matches!(inner, InnerChoice::Geometric(_)) {
+                    self.require_grid(asked)?;
                 }
+                self.with(Some(inner))
             }
             Some(Inner::Auto) => self.auto(asked),
         }
     }
 
+    /// Refuses geometric multigrid where there is no grid, or where entries of A are read.
+    fn require_grid(&self, asked: Asked) -> anyhow::Result<()> {
+        let Some(racp) = self.racp() else {
+            // a method without an inner solver refuses this one as any other
+            self.method.with_parts(None, Some(InnerChoice::default()))?;
+            return Err(NotGeometric::Method(self.method.name()).into());
+        };
+        match asked {
+            Asked::Folder => Err(NotGeometric::Folder.into()),
+            Asked::SceneOfFile => Err(NotGeometric::NoGrid.into()),
+            Asked::SceneWithEntries(who) => Err(NotGeometric::Entries(who).into()),
+            Asked::Scene => Ok(racp.augmentation.require_local()?),
+        }
+    }
+
     /// The inner solver of the method; where f64 or memory do not do for that one what `auto` takes for a scene, whose bodies are held.
     fn default(&self, asked: Asked) -> anyhow::Result<Chosen> {
-        let chosen = self.assembled(None, None)?;
+        let chosen = self.with(None)?;
         if matches!(asked, Asked::Folder) || self.method.inner().is_none() {
             return Ok(chosen);
         }
-        let amg = InnerChoice::Amg(Amg::default());
-        let amg = self.method.with_parts(self.augmentation, Some(amg))?;
-        let racp = self.racp().filter(|racp| racp.augmentation.is_local());
-        let racp = racp.filter(|_| matches!(asked, Asked::Scene));
+        let local = self.racp().is_some_and(|racp| racp.augmentation.is_local());
+        let geometric = (local && asked == Asked::Scene).then(geometric);
+        let inner = geometric.into_iter().chain([amg()]);
+        let otherwise = inner.map(|inner| Ok(self.with(Some(inner))?.method));
         Ok(Chosen {
-            geometric: racp.map(|racp| matrix_free(racp, Geometric::default())),
-            otherwise: vec![amg],
+            otherwise: otherwise.collect::<anyhow::Result<_>>()?,
             ..chosen
         })
     }
@@ -211,46 +190,39 @@ impl Parts {
     /// Geometric where everything it needs is there, else amg where the method has an inner solver; then amg, then a factorization.
     fn auto(&self, asked: Asked) -> anyhow::Result<Chosen> {
         if self.method.inner().is_none() {
-            return self.assembled(None, None);
+            return self.with(None);
         }
-        let amg = InnerChoice::Amg(Amg::default());
-        let with = |inner| self.method.with_parts(self.augmentation, Some(inner));
-        let exact = with(InnerChoice::default())?;
+        let exact = self.with(Some(InnerChoice::default()))?.method;
+        let amg = self.with(Some(amg()))?.method;
         let reason = match (asked, self.racp()) {
             (_, None) => format!("{} is made from assembled blocks", self.method.name()),
             (Asked::Folder, _) => "a system folder has no grid".to_owned(),
             (Asked::SceneOfFile, _) => "the mesh of the scene comes from a file".to_owned(),
             (Asked::SceneWithEntries(who), _) => format!("{who} reads the entries of A"),
-            (Asked::Scene, Some(racp)) => {
-                let c = racp.augmentation;
-                if c.is_local() {
-                    return Ok(Chosen {
-                        route: Route::MatrixFree(matrix_free(racp, Geometric::default())),
-                        reason: Some("geometric, because the mesh of the scene is a grid".into()),
-                        otherwise: vec![with(amg)?, exact],
-                        geometric: None,
-                    });
-                }
-                format!("C = {c} needs all of A")
+            (Asked::Scene, Some(racp)) if !racp.augmentation.is_local() => {
+                format!("C = {} needs all of A", racp.augmentation)
+            }
+            (Asked::Scene, Some(_)) => {
+                return Ok(Chosen {
+                    reason: Some("geometric, because the mesh of the scene is a grid".into()),
+                    otherwise: vec![amg, exact],
+                    ..self.with(Some(geometric()))?
+                });
             }
         };
         Ok(Chosen {
+            method: amg,
+            reason: Some(format!("amg, because {reason}")),
             otherwise: vec![exact],
-            ..self.assembled(Some(amg), Some(format!("amg, because {reason}")))?
         })
     }
 
-    fn assembled(
-        &self,
-        inner: Option<InnerChoice>,
-        reason: Option<String>,
-    ) -> anyhow::Result<Chosen> {
-        let method = self.method.with_parts(self.augmentation, inner)?;
+    /// The method with this inner solver, or its own.
+    fn with(&self, inner: Option<InnerChoice>) -> anyhow::Result<Chosen> {
         Ok(Chosen {
-            route: Route::Assembled(method),
-            reason,
+            method: self.method.with_parts(self.augmentation, inner)?,
+            reason: None,
             otherwise: Vec::new(),
-            geometric: None,
         })
     }
 
@@ -264,4 +236,12 @@ impl Parts {
             ..racp
         })
     }
+}
+
+fn amg() -> InnerChoice {
+    InnerChoice::Amg(Amg::default())
+}
+
+fn geometric() -> InnerChoice {
+    InnerChoice::Geometric(Geometric::default())
 }

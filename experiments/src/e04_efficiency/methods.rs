@@ -1,8 +1,7 @@
 //! The rows of the table: RACP, the published rivals and others.
 
 use crate::published::{Row, Test};
-use crate::trial::{Candidate, Load, Method};
-use fracas::matrix_free::MatrixFreeRacp;
+use crate::trial::{Candidate, Load};
 use fracas_solvers::fsai::Fsai;
 use fracas_solvers::krylov::{KrylovChoice, Minres, Sqmr};
 use fracas_solvers::saddle::{
@@ -57,7 +56,7 @@ pub(super) fn entries() -> Vec<Entry> {
     let entry = |name, method: SaddleMethod, krylov, beside, loads| Entry {
         candidate: Candidate {
             name,
-            method: method.into(),
+            method,
             krylov,
         },
         beside,
@@ -112,7 +111,7 @@ pub(super) fn entries() -> Vec<Entry> {
         Entry {
             candidate: Candidate {
                 name: GEOMETRIC,
-                method: Method::Body(MatrixFreeRacp::default()),
+                method: SaddleMethod::Racp(Racp::geometric()),
                 krylov: gmres,
             },
             beside: Beside::Racp,

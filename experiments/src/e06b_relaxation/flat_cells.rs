@@ -2,11 +2,10 @@
 
 use crate::plot::{Axis, Figure, Mark, Series};
 use crate::report::{Cell, Check, Findings, Level, Table};
-use crate::trial::{Budget, Candidate, Load, Method, Problem, Trial, trials};
-use fracas::matrix_free::MatrixFreeRacp;
+use crate::trial::{Budget, Candidate, Load, Problem, Trial, trials};
 use fracas::scene::named;
 use fracas_solvers::krylov::KrylovChoice;
-use fracas_solvers::saddle::{AugmentationChoice, RELAXATION};
+use fracas_solvers::saddle::{AugmentationChoice, RELAXATION, Racp, SaddleMethod};
 use fracas_solvers::{Observer, Step};
 use std::ops::ControlFlow;
 
@@ -94,10 +93,10 @@ fn rows(level: Level, observer: &mut dyn Observer) -> anyhow::Result<Vec<Row>> {
             for (c, gamma) in METHODS {
                 let candidate = Candidate {
                     name: c.name(),
-                    method: Method::Body(MatrixFreeRacp {
+                    method: SaddleMethod::Racp(Racp {
                         augmentation: c,
                         relaxation: gamma,
-                        ..MatrixFreeRacp::default()
+                        ..Racp::geometric()
                     }),
                     krylov: KrylovChoice::default(),
                 };

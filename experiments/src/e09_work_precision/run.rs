@@ -6,7 +6,7 @@ use crate::clock::{Clock, fastest};
 use crate::measure::LIMIT;
 use anyhow::Context;
 use fracas::contact::JumpStabilization;
-use fracas::matrix_free::{MatrixFreeRacp, MatrixFreeSaddle};
+use fracas::matrix_free::{MatrixFreeSaddle, MatrixFreeSystem, RacpParts};
 use fracas::multigrid::Geometric;
 use fracas::scene::Body;
 use fracas_operators::vector::norm2;
@@ -133,31 +133,29 @@ fn iterate<R: Real>(
 }
 
 /// Settings of RACP around geometric multigrid in this precision.
-fn geometric(precision: Precision) -> MatrixFreeRacp {
-    MatrixFreeRacp {
-        inner: Geometric {
+fn geometric(precision: Precision) -> Racp {
+    Racp {
+        inner: InnerChoice::Geometric(Geometric {
             precision,
             ..Geometric::default()
-        },
-        ..MatrixFreeRacp::default()
+        }),
+        ..Racp::default()
     }
 }
 
 /// The solution of `body` to this tolerance, or to rounding where that is larger.
 pub(super) fn reference(body: &Body, tolerance: f64) -> anyhow::Result<Reference> {
     let system = body.stick_system(Some(JumpStabilization::PUBLISHED));
-    let unit = system.magnitude()?.unit;
-    let saddle = MatrixFreeSaddle::in_traction_unit(&system, unit)?;
+    let saddle = MatrixFreeSystem::new(&system, None)?.saddle;
     let b = saddle.rhs(&system, &body.forces()?);
-    let inverse = geometric(Precision::F64)
-        .ready(&saddle, &system, &mut Silent)?
-        .inverse;
+    let inverse =
+        RacpParts::new(&geometric(Precision::F64), &saddle, &system, &mut Silent)?.inverse;
     let mut x = vec![0.0; b.len()];
     let residual = iterate(&saddle, &inverse, &b, tolerance, &mut x).residual;
     let t = x.split_off(saddle.layout().lengths[0]);
     Ok(Reference {
         u: x,
-        t: t.into_iter().map(|t| unit * t).collect(),
+        t: t.into_iter().map(|t| saddle.unit() * t).collect(),
         residual,
     })
 }
@@ -227,14 +225,14 @@ pub(super) fn rows(
         in_double(&operator, &*inverse, &blocks.rhs(), unit, setup);
         return Ok(rows);
     }
-    let unit = system.magnitude()?.unit;
-    let saddle = MatrixFreeSaddle::in_traction_unit(&system, unit)?;
+    let saddle = MatrixFreeSystem::new(&system, None)?.saddle;
+    let unit = saddle.unit();
     let b = saddle.rhs(&system, &body.forces()?);
     let precision = match method {
         Method::Geometric(precision) => precision,
         _ => Precision::F32,
     };
-    let ready = geometric(precision).ready(&saddle, &system, &mut Silent)?;
+    let ready = RacpParts::new(&geometric(precision), &saddle, &system, &mut Silent)?;
     if let Some(lost) = ready.lost {
         anyhow::bail!("{}: {lost}", method.name());
     }

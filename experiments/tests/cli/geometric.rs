@@ -156,14 +156,14 @@ displacement = { x = '6 mm', z = '-12 mm' }
 #[test]
 fn a_run_says_that_f32_gave_way_to_f64() {
     let cases = [
-        ("geometric", "matrix_free", "0.004", 1, "f64", 0),
-        ("geometric", "matrix_free", "4", 0, "f32", 0),
-        ("amg", "assembled", "4", 0, "f32", 0),
+        ("geometric", "0.004", 1, "f64", 0),
+        ("geometric", "4", 0, "f32", 0),
+        ("amg", "4", 0, "f32", 0),
         // a void: the preconditioner gives way, and the run ends with what it lacks
-        ("amg", "assembled", "4e-7", 1, "f64", 3),
+        ("amg", "4e-7", 1, "f64", 3),
     ];
     let small = ["x", "y", "z"].map(|axis| format!("mesh.{axis}.cells=8"));
-    for (inner, kind, young, fallbacks, precision, status) in cases {
+    for (inner, young, fallbacks, precision, status) in cases {
         let out = scratch("geometric-run").join(format!("{inner}-{young}"));
         let young = format!("material.soft.young='{young} GPa'");
         let solver = format!("solver.inner='{inner}'");
@@ -176,9 +176,8 @@ fn a_run_says_that_f32_gave_way_to_f64() {
         let read = |name: &str| std::fs::read_to_string(out.join(name)).unwrap();
         let state: Value = serde_json::from_str(&read("run.json")).unwrap();
         assert_eq!(state["precision_fallbacks"], fallbacks);
-        let inner = &state["preconditioner"][kind]["inner"];
-        let inner = inner.get("amg").unwrap_or(inner);
-        assert_eq!(inner["precision"], precision, "{state}");
+        let settings = &state["preconditioner"]["inner"][inner];
+        assert_eq!(settings["precision"], precision, "{state}");
         let events: Vec<Value> = read("log.jsonl")
             .lines()
             .map(|line| serde_json::from_str(line).unwrap())
@@ -346,4 +345,58 @@ fn what_cannot_be_is_refused_in_one_sentence() {
     }
     let spectrum = fracas(&["spectrum", "crossing", "--inner", "geometric"]);
     assert!(spectrum.status == 2 && spectrum.stderr.contains("spectrum reads its entries"));
+}
+
+#[test]
+fn a_run_takes_geometric_multigrid_with_settings_of_its_own_as_by_its_name() {
+    let history = |name: &str, solver: &str| {
+        let out = scratch("geometric-racp").join(name);
+        let ran = fracas(&[
+            "run",
+            "cycle",
+            "--out",
+            out.to_str().unwrap(),
+            "--set",
+            solver,
+            "--set",
+            "mesh.y.cells=4",
+            "--set",
+            "mesh.z.cells=4",
+        ]);
+        assert_eq!(ran.status, 0, "{}", ran.stderr);
+        let history = std::fs::read_to_string(out.join("history.csv")).unwrap();
+        // all but wall_s
+        let columns = |line: &str| -> Vec<String> {
+            let columns = line.split(',').enumerate().filter(|(k, _)| *k != 18);
+            columns.map(|(_, column)| column.to_owned()).collect()
+        };
+        history.lines().map(columns).collect::<Vec<_>>()
+    };
+    let named = history("named", "solver.inner='geometric'");
+    let settings = "solver.racp={ augmentation = 'half_h', inner = 'geometric' }";
+    assert_eq!(history("settings", settings), named);
+}
+
+#[test]
+fn a_run_whose_geometric_multigrid_cannot_be_is_refused_before_its_first_step() {
+    let out = scratch("geometric-refused");
+    let settings = "solver.racp={ augmentation = 'exact_h', inner = 'geometric' }";
+    let arguments = [
+        "run",
+        "cycle",
+        "--out",
+        out.to_str().unwrap(),
+        "--set",
+        settings,
+    ];
+    let ran = fracas(&arguments);
+    assert_eq!(ran.status, 2, "{}", ran.stderr);
+    assert!(
+        ran.stderr.contains("exact_h needs all of A"),
+        "{}",
+        ran.stderr
+    );
+    let own = fracas(&["solve", "crossing", "--inner", "geometri"]);
+    assert_eq!(own.status, 2);
+    assert!(own.stderr.contains("geometric:k:f64"), "{}", own.stderr);
 }

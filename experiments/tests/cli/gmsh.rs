@@ -90,6 +90,15 @@ fn what_cannot_be_is_said_in_a_sentence_with_status_two() {
         "{}",
         geometric.stderr
     );
+    let inner = ["--set", "solver.inner='geometric'"];
+    let friction = ["--set", "fracture.fault.friction_angle='30 deg'"];
+    let ran = fracas(&[&["run", path], &inner[..], &friction].concat());
+    assert_eq!(ran.status, 2, "{}", ran.stderr);
+    assert!(
+        ran.stderr.contains("the mesh has no grid"),
+        "{}",
+        ran.stderr
+    );
     let typo = fracas(&["check", path, "--set", "fracture.fault.surface=falut"]);
     assert_eq!(typo.status, 2);
     assert!(

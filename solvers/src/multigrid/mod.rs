@@ -12,6 +12,7 @@
 //! | digits that a cycle in f32 loses | `noise` |
 //! | the coarsest level, functions that depend on each other left out | `semidefinite` |
 //! | f64 outside, f32 or f64 inside, free unknowns outside, all of them inside | `inverse` |
+//! | what a model builds a hierarchy from | `settings` |
 
 mod block_jacobi;
 mod bottom;
@@ -21,6 +22,7 @@ mod inverse;
 mod level;
 mod noise;
 mod semidefinite;
+mod settings;
 
 pub use block_jacobi::{BlockJacobi, NoInverse, Symmetric};
 pub use bottom::Bottom;
@@ -28,3 +30,4 @@ pub use cycle::{Cycle, Hierarchy};
 pub use inverse::{MultigridInverse, SomeHierarchy};
 pub use level::{Chebyshev, Level, Transfer};
 pub use semidefinite::Semidefinite;
+pub use settings::Geometric;

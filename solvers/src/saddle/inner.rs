@@ -5,6 +5,7 @@ use super::{AugmentationMatrix, RelaxationSummary, SaddleBlocks, schur};
 use crate::amg::{self, Amg, AmgInverse, Smoother};
 use crate::direct::DirectChoice;
 use crate::fsai::{Fsai, FsaiKind};
+use crate::multigrid::Geometric;
 use crate::registry::{NameTaken, Named, Registered, Registry};
 use crate::smoothers::{Jacobi, Ssor};
 use crate::{DofCoordinate, Prepare, SetupError};
@@ -33,6 +34,8 @@ pub enum InnerChoice {
     Fsai(Fsai),
     /// Algebraic multigrid of S_u.
     Amg(Amg),
+    /// Geometric multigrid of S_u on the grid of a scene; matrices alone have none.
+    Geometric(Geometric),
     /// Somebody else's.
     #[serde(untagged, skip_deserializing)]
     #[schemars(skip)]
@@ -70,7 +73,7 @@ pub trait InnerSolver: Named {
 static SOLVERS: Registry<dyn InnerSolver> = Registry::new("inner solver");
 
 /// Names of the house's inner solvers.
-const NAMES: [&str; 9] = [
+const NAMES: [&str; 10] = [
     "exact",
     "amg",
     "amg:gauss_seidel",
@@ -80,6 +83,7 @@ const NAMES: [&str; 9] = [
     "fsai:static",
     "jacobi",
     "ssor",
+    "geometric",
 ];
 
 /// An approximate inverse that is ready, with what is known of it.
@@ -165,7 +169,17 @@ impl InnerChoice {
                 Smoother::Chebyshev => "amg:chebyshev",
                 Smoother::Fsai => "amg:fsai",
             },
+            Self::Geometric(_) => "geometric",
             Self::Other(solver) => solver.0.name(),
+        }
+    }
+
+    /// The same in f64, where it is multigrid in f32.
+    pub fn in_double(self) -> Option<Self> {
+        match self {
+            Self::Amg(amg) => amg.in_double().map(Self::Amg),
+            Self::Geometric(geometric) => geometric.in_double().map(Self::Geometric),
+            _ => None,
         }
     }
 
@@ -174,7 +188,7 @@ impl InnerChoice {
     /// # Errors
     /// [`NameTaken`] where another solver has it.
     pub fn register(solver: &'static dyn InnerSolver) -> Result<Self, NameTaken> {
-        let own = NAMES.into_iter().chain(["geometric", "auto"]);
+        let own = NAMES.into_iter().chain(["auto"]);
         SOLVERS.register(solver, own).map(Self::Other)
     }
 
@@ -191,8 +205,10 @@ impl InnerChoice {
             let inverse = schur::exact_inverse(blocks, c, backend.solver()?.as_ref())?;
             return Ok(inverse.into());
         }
-        if let Self::Other(solver) = self {
-            return Ok(solver.0.prepare(blocks, c)?.into());
+        match self {
+            Self::Other(solver) => return Ok(solver.0.prepare(blocks, c)?.into()),
+            Self::Geometric(_) => return Err(no_grid()),
+            _ => {}
         }
         if let (Self::Amg(settings), true) = (self, c.is_sparse()) {
             // S_u = A + F Fᵀ is never assembled entry by entry
@@ -227,21 +243,33 @@ impl InnerChoice {
             Self::Ssor(settings) => plain(&settings),
             Self::Fsai(settings) => plain(&settings),
             Self::Amg(settings) => Ok(settings.build(a, coordinates)?.into()),
+            Self::Geometric(_) => Err(no_grid()),
             Self::Other(solver) => Ok(solver.0.of_matrix(a, coordinates)?.into()),
         }
     }
 }
 
+/// Of geometric multigrid where there are matrices alone.
+fn no_grid() -> SetupError {
+    SetupError::NotApplicable {
+        method: "geometric",
+        reason: "it needs the grid of a scene and assembles no A; matrices take amg".to_owned(),
+    }
+}
+
 impl fmt::Display for InnerChoice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
+        match self {
+            Self::Geometric(geometric) => geometric.fmt(f),
+            _ => f.write_str(self.name()),
+        }
     }
 }
 
 /// A name that is none of [`InnerChoice`]'s.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "unknown inner solver {found:?}: expected exact, amg, amg:gauss_seidel, amg:fsai, amg:chebyshev, fsai, fsai:static, jacobi or ssor{}",
+    "unknown inner solver {found:?}: expected exact, amg, amg:gauss_seidel, amg:fsai, amg:chebyshev, fsai, fsai:static, jacobi, ssor or geometric (behind it :v, :w or :k and :f64: geometric:k:f64){}",
     SOLVERS.names()
 )]
 pub struct UnknownInner {
@@ -263,12 +291,13 @@ impl FromStr for InnerChoice {
             "amg:gauss_seidel" => Ok(Self::Amg(Amg::with(Smoother::GaussSeidel))),
             "amg:fsai" => Ok(Self::Amg(Amg::with(Smoother::Fsai))),
             "amg:chebyshev" => Ok(Self::Amg(Amg::with(Smoother::Chebyshev))),
-            _ => match SOLVERS.find(name) {
-                Some(solver) => Ok(Self::Other(solver)),
-                None => Err(UnknownInner {
+            _ => {
+                let geometric = Geometric::of_name(name).map(Self::Geometric);
+                let other = || SOLVERS.find(name).map(Self::Other);
+                geometric.or_else(other).ok_or_else(|| UnknownInner {
                     found: name.to_owned(),
-                }),
-            },
+                })
+            }
         }
     }
 }

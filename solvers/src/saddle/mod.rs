@@ -27,6 +27,7 @@ pub(crate) mod samples;
 pub(crate) mod scaling;
 pub mod schur;
 pub mod simple;
+mod system;
 mod unit;
 
 pub use crate::DofCoordinate;
@@ -52,4 +53,5 @@ pub use probe::{Probed, probe};
 pub use racp::{Racp, RacpInverse};
 pub use relaxation::{REACH, RELAXATION, Relaxation, RelaxationSummary};
 pub use simple::{Correction, Simple, SimpleInverse};
+pub use system::{Assembled, ResidualNorms, SaddleSystem};
 pub use unit::unit_of_tractions;

@@ -7,6 +7,7 @@ use super::{
     RELAXATION, Relaxation, RelaxationSummary, SaddleBlocks,
 };
 use crate::direct::DirectChoice;
+use crate::multigrid::Geometric;
 use crate::{Prepare, SetupError};
 use fracas_operators::sparse::{Csr, SparseMatrix};
 use fracas_operators::{AdjointOperator, Layout, LinearOperator, Preconditioner, Properties};
@@ -161,13 +162,18 @@ impl Racp {
 }
 
 impl Racp {
+    /// Around geometric multigrid, for scenes on a grid.
+    pub fn geometric() -> Self {
+        Self {
+            inner: InnerChoice::Geometric(Geometric::default()),
+            ..Self::default()
+        }
+    }
+
     /// With multigrid in f64.
     #[must_use]
     pub fn in_double(self) -> Self {
-        let inner = match self.inner {
-            InnerChoice::Amg(amg) => InnerChoice::Amg(amg.in_double().unwrap_or(amg)),
-            other => other,
-        };
+        let inner = self.inner.in_double().unwrap_or(self.inner);
         Self { inner, ..self }
     }
 }

@@ -7,11 +7,11 @@ use crate::nonlinear::assembled::Assembled;
 use crate::nonlinear::kept::{Kept, Ready};
 use crate::nonlinear::krylov::{self, Asked, Ended, Solved};
 use crate::nonlinear::workspace::Resources;
-use crate::nonlinear::{ContactProblem, LinearFailure, Prepared, RunPreconditioner};
+use crate::nonlinear::{ContactProblem, LinearFailure, Prepared};
 use fracas_operators::{LinearOperator, Preconditioner};
 use fracas_solvers::Observer;
 use fracas_solvers::krylov::{Cg, KrylovChoice, System};
-use fracas_solvers::saddle::{AugmentationMatrix, Block, SaddleBlocks};
+use fracas_solvers::saddle::{AugmentationMatrix, Block, InnerChoice, Racp, SaddleBlocks};
 
 /// Iterations after which a preconditioner that was made for other springs is made anew. Unit: 1.
 const PATIENCE: usize = 40;
@@ -20,7 +20,7 @@ const PATIENCE: usize = 40;
 ///
 /// With stiff springs S of one contact state says little of another one.
 pub(in crate::nonlinear) struct SpringLinear {
-    settings: RunPreconditioner,
+    settings: Racp,
     max_krylov: usize,
     blocks: Option<SaddleBlocks>,
     assembled: Assembled,
@@ -30,7 +30,7 @@ pub(in crate::nonlinear) struct SpringLinear {
 }
 
 impl SpringLinear {
-    pub(in crate::nonlinear) fn new(settings: RunPreconditioner, max_krylov: usize) -> Self {
+    pub(in crate::nonlinear) fn new(settings: Racp, max_krylov: usize) -> Self {
         Self {
             settings,
             max_krylov,
@@ -159,32 +159,32 @@ impl SpringLinear {
     fn inverse(
         &mut self,
         problem: &ContactProblem<'_>,
-        settings: RunPreconditioner,
+        racp: Racp,
         c: &[Block],
         stiffness: &[f64],
         resources: &mut Resources,
     ) -> Result<Box<dyn Preconditioner<f64>>, LinearFailure> {
         let matrix = AugmentationMatrix::from_face_blocks(c.to_vec())?;
-        Ok(match settings {
-            RunPreconditioner::Assembled(racp) => {
+        Ok(match racp.inner {
+            InnerChoice::Geometric(geometric) => {
+                Box::new(resources.fallbacks.build(problem, geometric, &matrix)?)
+            }
+            inner => {
                 let blocks = match &mut self.blocks {
                     Some(blocks) => blocks,
                     none => none.insert(problem.stick_blocks()?),
                 };
                 let fallbacks = &mut resources.fallbacks;
-                let stuck: Vec<Spring> = stiffness.iter().map(|k| Spring::stuck(*k)).collect();
-                let stick = wanted(problem, &stuck, stiffness).c;
-                if stick != c {
-                    // a restart, which begins with other springs, finds the same plan
-                    let stick = AugmentationMatrix::from_face_blocks(stick)?;
-                    let inner = racp.inner;
-                    self.assembled.plan(inner, blocks, &stick, fallbacks);
+                if self.assembled.plans(inner) {
+                    let stuck: Vec<Spring> = stiffness.iter().map(|k| Spring::stuck(*k)).collect();
+                    let stick = wanted(problem, &stuck, stiffness).c;
+                    if stick != c {
+                        // a restart, which begins with other springs, finds the same plan; where that fails the build below plans
+                        let stick = AugmentationMatrix::from_face_blocks(stick)?;
+                        let _ = self.assembled.build(inner, blocks, &stick, fallbacks);
+                    }
                 }
-                self.assembled
-                    .build(racp.inner, blocks, &matrix, fallbacks)?
-            }
-            RunPreconditioner::MatrixFree(racp) => {
-                Box::new(resources.fallbacks.build(problem, racp, &matrix)?)
+                self.assembled.build(inner, blocks, &matrix, fallbacks)?
             }
         })
     }

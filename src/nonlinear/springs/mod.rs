@@ -19,9 +19,10 @@ use super::judge::{or_closing, slip_violation};
 use super::newton::{Attempt, Iterate};
 use super::stability::{AtLimits, Holding, SOLVED};
 use super::workspace::Resources;
-use super::{ContactProblem, Failure, Prepared, RunPreconditioner};
+use super::{ContactProblem, Failure, Prepared};
 use crate::contact::ContactState;
 use crate::scene::{AugmentedLagrangian, Method};
+use fracas_solvers::saddle::Racp;
 use fracas_solvers::{Observer, Step};
 use law::Spring;
 use linear::SpringLinear;
@@ -40,10 +41,7 @@ pub(super) struct SpringMethod {
 impl SpringMethod {
     /// What the scene asks for, `None` for Lagrange multipliers; the inner solver of the preconditioner is that of rock and
     /// springs.
-    pub(super) fn new(
-        problem: &ContactProblem<'_>,
-        preconditioner: RunPreconditioner,
-    ) -> Option<Self> {
+    pub(super) fn new(problem: &ContactProblem<'_>, preconditioner: Racp) -> Option<Self> {
         let solver = problem.body().solver;
         let (factor, max_updates) = match solver.method {
             Method::Lagrange => return None,

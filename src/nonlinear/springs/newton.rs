@@ -17,9 +17,11 @@ use fracas_solvers::{Observer, Step};
 /// Steps that are taken in full where a face changes its state or reverses its slip.
 const FULL: usize = 12;
 
-/// Steps that errors take at most from one judgement to the next: with tangents, and with those that leave weakening out, which
-/// converge by a factor a step.
-const EXTRA: [usize; 2] = [4, 60];
+/// Steps that errors take at most from one judgement to the next.
+const EXTRA: usize = 4;
+
+/// The same with tangents that leave weakening out, which converge by a factor a step.
+const EXTRA_LAGGED: usize = 60;
 
 /// Largest relative residual of a linear solve, and share of the asked residual for the last one. Unit: 1.
 ///
@@ -174,6 +176,7 @@ pub(super) fn newton(
             return Err(Failure::NotFinite { what });
         }
         since += 1;
+        let most = if faces.lagged { EXTRA_LAGGED } else { EXTRA };
         if residual <= asked {
             let Some(accuracy) = accuracy else { break };
             let (now, parts) = (at.iterate(u), (&at.springs[..], faces.stiffness));
@@ -193,7 +196,7 @@ pub(super) fn newton(
                     break;
                 }
             }
-        } else if since == EXTRA[usize::from(faces.lagged)] || residual > settings.tolerance {
+        } else if since == most || residual > settings.tolerance {
             // steps from there that rounding stops, or that lead to other states, are few
             if let (Some(accuracy), Some(last)) = (accuracy.as_mut(), judged.take()) {
                 let stops = residual <= settings.tolerance;
@@ -234,6 +237,7 @@ pub(super) fn newton(
             &mut correction,
             (resources, observer),
         );
+        let record = attempt.record([update, iteration], count(&at.states()), forcing, residual);
         let solved = match (solved, accuracy.as_ref().zip(judged.as_ref())) {
             // the residual has been small enough: what is left is rounding
             (
@@ -246,18 +250,8 @@ pub(super) fn newton(
             // an indefinite tangent
             (Err(LinearFailure::Breakdown(breakdown)), _) if weakens && !faces.lagged => {
                 log.linear.push(LinearRecord {
-                    step: attempt.step,
-                    attempt: attempt.attempt,
-                    active: update,
-                    newton: iteration,
-                    faces: count(&at.states()),
-                    krylov: "",
                     iterations: breakdown.iteration(),
-                    tolerance: forcing,
-                    relative_residual: f64::NAN,
-                    residual,
-                    step_length: 0.0,
-                    setup: false,
+                    ..record
                 });
                 faces.lagged = true;
                 at = evaluate(attempt, faces, u, &[]);
@@ -268,7 +262,6 @@ pub(super) fn newton(
         if solved.stopped {
             return Err(Failure::Stopped);
         }
-        let solved_for = count(&at.states());
         let (from, old_springs, mut length) = (u.to_vec(), std::mem::take(&mut at.springs), 1.0);
         let changed = |at: &Evaluation| {
             let mut pairs = at.springs.iter().zip(&old_springs);
@@ -300,20 +293,7 @@ pub(super) fn newton(
         }
         held = at.springs.iter().zip(&old_springs).map(hold).collect();
         before = size;
-        log.linear.push(LinearRecord {
-            step: attempt.step,
-            attempt: attempt.attempt,
-            active: update,
-            newton: iteration,
-            faces: solved_for,
-            krylov: solved.krylov,
-            iterations: solved.iterations,
-            tolerance: forcing,
-            relative_residual: solved.relative_residual,
-            residual,
-            step_length: length,
-            setup: solved.setup,
-        });
+        log.linear.push(record.solved(&solved, length));
     }
     Ok(Solution {
         at,

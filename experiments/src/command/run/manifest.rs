@@ -1,8 +1,9 @@
 //! `run.json`: what was run, with which settings, and how it ended.
 
 use crate::command::memory;
-use fracas::nonlinear::{RunPreconditioner, Simulation, State};
+use fracas::nonlinear::{Simulation, State};
 use fracas::scene::{Body, Scene, SolverSection, TimeSection};
+use fracas_solvers::saddle::Racp;
 use serde::Serialize;
 
 /// How a run stands.
@@ -40,7 +41,7 @@ pub(super) struct Manifest<'a> {
     time: Option<&'a TimeSection>,
     solver: SolverSection,
     /// In use, also where the scene leaves the choice.
-    preconditioner: RunPreconditioner,
+    preconditioner: Racp,
     /// Times that this process took f64 because f32 would have lost too much; why is in `log.jsonl`.
     precision_fallbacks: usize,
     /// Times that an inner solver could not be set up and another took its place; why is in `log.jsonl`.

@@ -1,9 +1,7 @@
 //! One iteration around what is set up, and its report.
 
-use super::equations::Equations;
 use super::precision::{self, Double, InDouble, Watch};
 use super::report::SolveReport;
-use super::residual::Residual;
 use super::stages::Stages;
 use super::{RightHandSide, Solve, Status, memory, output};
 use crate::command::progress::Progress;
@@ -11,7 +9,9 @@ use fracas_operators::Preconditioner;
 use fracas_operators::matrix_market::write_vector;
 use fracas_solvers::amg::Summary;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, System};
-use fracas_solvers::saddle::{Accurate, Cost, Measure, RelaxationSummary, SaddleBlocks};
+use fracas_solvers::saddle::{
+    Accurate, Cost, Measure, RelaxationSummary, SaddleBlocks, SaddleSystem,
+};
 use fracas_solvers::spectrum::Explanation;
 use std::io::Write;
 use std::time::Instant;
@@ -29,7 +29,7 @@ pub(super) type Explain<'a> = &'a dyn Fn(f64) -> anyhow::Result<Explanation>;
 
 /// Everything that is ready before the iteration.
 pub(super) struct Built<'a> {
-    pub(super) equations: &'a dyn Equations,
+    pub(super) equations: &'a dyn SaddleSystem,
     pub(super) preconditioner: &'a dyn Preconditioner<f64>,
     pub(super) hierarchy: Option<Summary>,
     pub(super) names: Names,
@@ -197,7 +197,7 @@ impl Solve {
 
         let cost = Cost::new(operator, preconditioner);
         let sharp = norms.entries().filter(|_| refinements > 0);
-        let residual = Residual::new(built.equations, &x, b, sharp);
+        let residual = built.equations.residual(&x, b, sharp);
         let [n_u, n_t, n_p] = built.equations.lengths();
         let mut report = SolveReport {
             outcome: "breakdown",

@@ -1,13 +1,12 @@
 //! A scene without an assembled A: RACP around geometric multigrid.
 
-use super::equations::MatrixFree;
 use super::iteration::{Built, Names};
 use super::precision::Double;
 use super::{Inner, Solve, Status, memory};
 use crate::command::progress::Progress;
 use anyhow::Context;
-use fracas::matrix_free::{MatrixFreeError, MatrixFreeRacp, MatrixFreeSaddle, RacpParts};
-use fracas_solvers::saddle::SaddleBlocks;
+use fracas::matrix_free::{MatrixFreeError, MatrixFreeSystem, RacpParts};
+use fracas_solvers::saddle::{Racp, SaddleBlocks};
 use std::io::Write;
 use std::time::Instant;
 
@@ -16,7 +15,7 @@ impl Solve {
     pub(super) fn matrix_free(
         &self,
         scene: &str,
-        racp: MatrixFreeRacp,
+        racp: Racp,
         mut inner: Inner,
         mut progress: Progress,
         out: &mut dyn Write,
@@ -26,9 +25,9 @@ impl Solve {
         let context = || format!("{scene} cannot be solved");
         let system = body.stick_system(assembly.stabilization(&body));
         let force = body.forces().with_context(context)?;
-        let magnitude = system.magnitude().with_context(context)?;
-        let unit = self.traction_unit.unwrap_or(magnitude.unit);
-        let saddle = MatrixFreeSaddle::in_traction_unit(&system, unit).with_context(context)?;
+        let equations = MatrixFreeSystem::new(&system, self.traction_unit).with_context(context)?;
+        let saddle = &equations.saddle;
+        let unit = saddle.unit();
         let own = saddle.rhs(&system, &force);
         drop(force);
         let [n_u, n_t] = saddle.layout().lengths;
@@ -43,12 +42,12 @@ impl Solve {
             hierarchy,
             lost,
             ..
-        } = match racp.ready(&saddle, &system, &mut progress) {
+        } = match RacpParts::new(&racp, saddle, &system, &mut progress) {
             Ok(ready) => ready,
             Err(error @ MatrixFreeError::Stopped) => return Err(error.into()),
             Err(error) => {
                 let method = inner.instead(error.into(), &mut progress)?;
-                return self.assembled(method, inner, progress, out);
+                return self.by(method, inner, progress, out);
             }
         };
         let fallbacks = usize::from(lost.is_some());
@@ -60,13 +59,12 @@ impl Solve {
         }
         // the operators carry what they need: the mesh has done its work
         drop(body);
-        let equations = MatrixFree { saddle, magnitude };
         let in_double = |progress: &mut Progress| -> anyhow::Result<Double> {
             // the body was given back: it is made again
             let body = assembly.mesh(scene, memory::MATRIX_FREE, progress)?;
             let system = body.stick_system(assembly.stabilization(&body));
             let racp = racp.in_double();
-            let ready = racp.ready(&equations.saddle, &system, progress)?;
+            let ready = RacpParts::new(&racp, saddle, &system, progress)?;
             Ok(Double {
                 preconditioner: Box::new(ready.inverse),
                 hierarchy: Some(ready.hierarchy),

@@ -1,22 +1,18 @@
 //! `fracas solve`: one linear system, its cost, its true residual.
 
-mod equations;
 mod iteration;
 mod matrix_free;
 mod precision;
 mod report;
-mod residual;
 mod stages;
 
-use super::method::{Asked, Method, Route};
+use super::method::{Asked, Method, without_entries};
 use super::progress::Progress;
 use super::source::{Source, System as Loaded};
 use super::{Status, explain, memory, output, rank};
 use clap::{Args, ValueEnum};
-use equations::Assembled;
-use fracas::matrix_free::MatrixFreeRacp;
 use fracas_solvers::krylov::KrylovChoice;
-use fracas_solvers::saddle::{Measure, Ready, SaddleMethod};
+use fracas_solvers::saddle::{Assembled, Measure, Ready, SaddleMethod};
 use fracas_solvers::spectrum::{Explanation, Solved};
 use iteration::{Built, Names};
 use precision::{Double, InDouble};
@@ -112,8 +108,6 @@ struct Inner {
     findings: Vec<String>,
     /// In turn.
     otherwise: Vec<SaddleMethod>,
-    /// Before these.
-    geometric: Option<MatrixFreeRacp>,
     /// Set-ups that failed.
     fallbacks: usize,
 }
@@ -133,15 +127,12 @@ impl Inner {
         }
         let next = self.otherwise.remove(0);
         let name = next.inner().map(|inner| inner.to_string());
-        self.tell(&name.unwrap_or_default(), &failure, progress);
-        Ok(next)
-    }
-
-    fn tell(&mut self, name: &str, failure: &anyhow::Error, progress: &mut Progress) {
+        let name = name.unwrap_or_default();
         let finding = format!("inner: {name} instead, because the set-up failed: {failure:#}");
         progress.say(&finding);
         self.findings.push(finding);
         self.fallbacks += 1;
+        Ok(next)
     }
 }
 
@@ -166,15 +157,22 @@ impl Solve {
                 .into_iter()
                 .collect(),
             otherwise: chosen.otherwise,
-            geometric: chosen.geometric,
             fallbacks: 0,
         };
-        match (chosen.route, self.source.scene()) {
-            (Route::MatrixFree(racp), Some(scene)) => {
-                self.matrix_free(scene, racp, inner, progress, out)
-            }
-            (Route::Assembled(method), _) => self.assembled(method, inner, progress, out),
-            (Route::MatrixFree(_), None) => anyhow::bail!("geometric multigrid needs a scene"),
+        self.by(chosen.method, inner, progress, out)
+    }
+
+    /// By this method: without an assembled A, or with one.
+    fn by(
+        &self,
+        method: SaddleMethod,
+        inner: Inner,
+        progress: Progress,
+        out: &mut dyn Write,
+    ) -> anyhow::Result<Status> {
+        match (without_entries(&method), self.source.scene()) {
+            (Some(racp), Some(scene)) => self.matrix_free(scene, racp, inner, progress, out),
+            _ => self.assembled(method, inner, progress, out),
         }
     }
 
@@ -220,11 +218,10 @@ impl Solve {
                 Err(error) => {
                     let scene = self.source.scene();
                     let error = rank::blamed(error, scene, body.as_ref()).into();
-                    if let (Some(racp), Some(scene)) = (inner.geometric.take(), scene) {
-                        inner.tell(&racp.inner.to_string(), &error, &mut progress);
-                        return self.matrix_free(scene, racp, inner, progress, out);
-                    }
                     method = inner.instead(error, &mut progress)?;
+                    if without_entries(&method).is_some() {
+                        return self.by(method, inner, progress, out);
+                    }
                 }
             }
         };
@@ -236,7 +233,11 @@ impl Solve {
             progress.say(&lost);
             findings.push(lost);
         }
-        let equations = Assembled::new(blocks, body.as_ref())?;
+        let strain = match &body {
+            Some(body) => body.strain_norm()?,
+            None => None,
+        };
+        let equations = Assembled::new(blocks, strain);
         let setup_s = start.elapsed().as_secs_f64();
         let explain = |solve_s: f64| -> anyhow::Result<Explanation> {
             Ok(Explanation::new(&Solved {

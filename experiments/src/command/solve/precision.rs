@@ -7,7 +7,7 @@ use fracas_operators::Preconditioner;
 use fracas_operators::vector::norm2;
 use fracas_solvers::amg::Summary;
 use fracas_solvers::krylov::{Breakdown, Outcome, Report};
-use fracas_solvers::saddle::{InnerChoice, Ready, SaddleBlocks, SaddleMethod};
+use fracas_solvers::saddle::{Ready, SaddleBlocks, SaddleMethod};
 use fracas_solvers::{Observer, SetupError, Step};
 use std::ops::ControlFlow;
 
@@ -43,10 +43,7 @@ pub(super) fn name_in_double(method: &SaddleMethod) -> Option<String> {
 
 /// The method with its inner solver in f64, where it has one in f32.
 pub(super) fn in_double(method: &SaddleMethod) -> Option<SaddleMethod> {
-    let Some(InnerChoice::Amg(amg)) = method.inner() else {
-        return None;
-    };
-    let double = InnerChoice::Amg(amg.in_double()?);
+    let double = method.inner()?.in_double()?;
     method.with_parts(None, Some(double)).ok()
 }
 

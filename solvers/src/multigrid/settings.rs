@@ -1,12 +1,12 @@
 //! Plain settings of geometric multigrid.
 
-use fracas_solvers::amg::Precision;
-use fracas_solvers::multigrid::Cycle;
+use super::Cycle;
+use crate::amg::Precision;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Geometric multigrid of S_u.
+/// Geometric multigrid of S_u, on grids that somebody else keeps: a model builds it from these.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Geometric {
@@ -49,6 +49,14 @@ impl Geometric {
                 precision,
                 ..Self::default()
             })
+        })
+    }
+
+    /// The same in f64, where it is in f32.
+    pub fn in_double(self) -> Option<Self> {
+        (self.precision == Precision::F32).then_some(Self {
+            precision: Precision::F64,
+            ..self
         })
     }
 
