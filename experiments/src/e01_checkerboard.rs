@@ -217,7 +217,7 @@ impl Experiment for Checkerboard {
 
     fn expect(&self) -> &'static str {
         "dim ker B = 2N−1 per component where the tips are not split; zero but β_h → 0 where every node is split; with the \
-         jump stabilization β_h is bounded below (deck: the kernel of the Schur complement is not empty; count derived)."
+         jump stabilization β_h is bounded below (SNA'25 lecture: the kernel of the Schur complement is not empty; count derived)."
     }
 
     fn run(&self, level: Level, observer: &mut dyn Observer) -> anyhow::Result<Findings> {

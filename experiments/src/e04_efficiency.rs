@@ -1,4 +1,4 @@
-//! e04: the deck's table of efficiency at its true sizes, with the rivals that it does not show.
+//! e04: the table of efficiency of the lecture (M. Ferronato, SNA'25) at its true sizes, with the rivals that it does not show.
 
 mod methods;
 
@@ -166,7 +166,7 @@ fn sizes_table() -> Table {
     )
 }
 
-/// The published cells of a row; they were measured for one right-hand side, which the deck does not name.
+/// The published cells of a row; they were measured for one right-hand side, which the lecture does not name.
 fn published(test: &Test, beside: Beside) -> [Cell; 3] {
     match beside.row(test) {
         Some(Some(row)) => [row.n_it.into(), row.c_app.into(), row.c_s.into()],
@@ -330,8 +330,8 @@ impl Experiment for Efficiency {
     }
 
     fn expect(&self) -> &'static str {
-        "RACP: n_it 17, 61, 89 and C_s 108, 318, 491 in the deck. MCP with multigrid: not applicable, 1443, more than 1000 \
-         iterations; MCP with FSAI: not applicable, more than 1000 iterations, 1129. The meshes of the deck are not public: \
+        "RACP: n_it 17, 61, 89 and C_s 108, 318, 491 in the lecture. MCP with multigrid: not applicable, 1443, more than 1000 \
+         iterations; MCP with FSAI: not applicable, more than 1000 iterations, 1129. The meshes of the lecture are not public: \
          sizes and character agree, geometry does not."
     }
 

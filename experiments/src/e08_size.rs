@@ -23,7 +23,7 @@ const SMOKE: [usize; 2] = [16, 24];
 /// From 0.1 to 9 million unknowns.
 const PAPER: [usize; 5] = [32, 48, 72, 96, 144];
 
-/// The size of the deck's largest system, 73.0 M displacements and 10.6 M tractions: a network of joints in bricks.
+/// The size of the lecture's largest system, 73.0 M displacements and 10.6 M tractions: a network of joints in bricks.
 const LARGEST: (&str, [usize; 3], &[&str]) = (
     "analogue_c",
     [272, 260, 288],
@@ -262,12 +262,12 @@ impl Experiment for Size {
     }
 
     fn question(&self) -> &'static str {
-        "What does an unknown cost in time and memory when A is never assembled, from a hundred thousand unknowns to the deck's 73 million?"
+        "What does an unknown cost in time and memory when A is never assembled, from a hundred thousand unknowns to the lecture's 73 million?"
     }
 
     fn setup(&self) -> &'static str {
         "`layered_crossing`, a cube of 8 m with stiff and soft layers, two fractures of 60° dip and a flat one that crosses them, \
-         from 32³ to 144³ cells; and, where memory allows, the deck's largest size on a network of joints (`analogue_c`, 272 × 260 × \
+         from 32³ to 144³ cells; and, where memory allows, the lecture's largest size on a network of joints (`analogue_c`, 272 × 260 × \
          288 cells). All faces in stick, jump stabilization, true relative residual 1e-8; FGMRES where its basis fits \
          into memory, SQMR where it does not. One and two threads; beside it RACP around algebraic multigrid of the assembled \
          matrix up to a million unknowns."

@@ -6,7 +6,7 @@ use fracas_solvers::Silent;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
 use fracas_solvers::saddle::{Cost, SaddleBlocks, SaddleOperator};
 
-/// Relative residual in the tables of the deck and of the experiments.
+/// Relative residual in the tables of the lecture and of the experiments.
 pub const TOLERANCE: f64 = 1e-8;
 
 /// Iterations after which a method counts as failed.

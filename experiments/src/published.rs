@@ -1,4 +1,4 @@
-//! The deck's tests A, B and C: sizes, and the table of efficiency.
+//! Tests A, B and C of the lecture (M. Ferronato, SNA'25): sizes, and the table of efficiency.
 
 /// What a published row says of a method that converged.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,7 +14,7 @@ pub struct Row {
 /// A published test and the scene that stands for it; the meshes are not public.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Test {
-    /// Letter of the deck.
+    /// Letter of the lecture.
     pub name: &'static str,
     /// Scene of the gallery.
     pub scene: &'static str,
@@ -33,7 +33,7 @@ pub struct Test {
 /// `C_s = n_it (1 + c_app)`, relative residual 1e-8.
 ///
 /// # Source
-/// The deck, slides on the conditioning and on the efficiency of tests A, B, C.
+/// The lecture, slides on the conditioning and on the efficiency of tests A, B, C.
 pub const TESTS: [Test; 3] = [
     Test {
         name: "A",

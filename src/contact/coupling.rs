@@ -40,7 +40,7 @@ struct Pushed {
 /// # Cost
 /// About 100 flops and 130 bytes per face and product.
 /// # Source
-/// Piecewise-constant tractions on Q1 hexahedra: Franceschini et al. 2020, CMAME 368, 113161; deck, block B1.
+/// Piecewise-constant tractions on Q1 hexahedra: Franceschini et al. 2020, CMAME 368, 113161; M. Ferronato, SNA'25 lecture, block B1.
 #[derive(Clone, Debug)]
 pub struct Coupling<R> {
     faces: Vec<Face<R>>,

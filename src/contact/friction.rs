@@ -3,7 +3,7 @@
 /// Linear weakening of the friction angle with slip: `φ(s) = φ_s − s (φ_s − φ_d)/d_c` up to `s = d_c`, then φ_d.
 ///
 /// # Source
-/// Deck (slip weakening).
+/// M. Ferronato, SNA'25 lecture (slip weakening).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weakening {
     /// Dynamic friction angle φ_d [rad].

@@ -38,7 +38,7 @@ pub struct FaceRows {
 /// `ω ∂τ_L/∂s m γᵀ/‖γ‖`, which is negative along the slip. The compliance ω gives them the unit of the jumps.
 ///
 /// # Source
-/// Deck (Karush–Kuhn–Tucker conditions, maximum plastic dissipation); derivatives as in the authors' open codes. Signs
+/// M. Ferronato, SNA'25 lecture (Karush–Kuhn–Tucker conditions, maximum plastic dissipation); derivatives as in the authors' open codes. Signs
 /// and ω are choices of this project.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaceLaw {

@@ -28,7 +28,7 @@ pub use lengths::{Lengths, Side, side_stiffness};
 /// # Units
 /// m³/Pa.
 /// # Source
-/// Form: deck (Franceschini et al. 2022a). Scaling: open implementations of the authors, s = 1.
+/// Form: M. Ferronato, SNA'25 lecture (Franceschini et al. 2022a). Scaling: open implementations of the authors, s = 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JumpStabilization {
     /// Dimensionless factor s on the stiffness; 1 balances the checkerboard exactly on uniform cubes.

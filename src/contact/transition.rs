@@ -36,7 +36,7 @@ pub struct Thresholds {
 /// The published 5 % of hysteresis, by which a sticking face may carry more than its limit, is left out.
 ///
 /// # Source
-/// Deck (active set); transitions as in the authors' open codes, which compare ‖t_T‖ itself.
+/// M. Ferronato, SNA'25 lecture (active set); transitions as in the authors' open codes, which compare ‖t_T‖ itself.
 pub fn next_state(state: ContactState, face: &FaceMeasure, tolerance: &Thresholds) -> ContactState {
     use ContactState::{NewSlip, Open, Slip, Stick};
     if state == Open {

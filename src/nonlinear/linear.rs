@@ -17,7 +17,6 @@ use crate::contact::ContactState;
 use crate::matrix_free::MatrixFreeError;
 use crate::scene::{FACTORIZED, RunInner};
 use fracas_operators::Preconditioner;
-use fracas_solvers::direct::DirectChoice;
 use fracas_solvers::krylov::{KrylovChoice, Sqmr, System, least};
 use fracas_solvers::saddle::{AugmentationChoice, Block, EnergyNorms, InnerChoice, Racp, probe};
 use fracas_solvers::{Observer, Step};
@@ -309,15 +308,10 @@ impl Linear {
                 (c, Box::new(s_u))
             }
             _ => {
-                let direct = match racp.inner {
-                    InnerChoice::Exact { backend } => backend,
-                    _ => DirectChoice::default(),
-                };
                 let blocks = problem.stick_blocks()?.into_traction_unit(unit);
                 if self.c.is_empty() {
-                    let c = racp
-                        .augmentation
-                        .compute(&blocks, direct.solver()?.as_ref())?;
+                    let direct = racp.inner.backend().solver()?;
+                    let c = racp.augmentation.compute(&blocks, direct.as_ref())?;
                     self.c = StickC::new(c.matrix);
                 }
                 let c = c(&self.c);

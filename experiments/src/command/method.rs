@@ -18,7 +18,7 @@ pub(super) struct Method {
     augmentation: Option<AugmentationChoice>,
     /// Solver of the displacement block, in methods that have one: exact, amg, amg:gauss_seidel, amg:fsai, amg:chebyshev,
     /// fsai, fsai:static, jacobi, ssor; for `solve` of a scene on a grid also geometric, which assembles no A (behind it :v, :w
-    /// or :k for another cycle, :f64 for f64 inside); auto takes geometric for such a scene and amg for a mesh from a file or
+    /// or :k for another cycle, :f64 for f64 inside); auto takes geometric for such a scene, and amg for a mesh from a file or
     /// a system folder.
     #[arg(long, value_name = "M")]
     inner: Option<Inner>,

@@ -20,6 +20,7 @@ mod reproduce;
 mod run;
 mod scene;
 mod schema;
+mod schema_page;
 mod sentence;
 mod solve;
 mod source;
@@ -59,7 +60,7 @@ enum Command {
     /// Experiments and scenes, a line each: id, question, expected answer.
     List,
     /// JSON Schema of the scene file.
-    Schema,
+    Schema(schema::Schema),
 }
 
 /// How a command ended, as its exit status.
@@ -133,7 +134,7 @@ impl Command {
             Self::Solve(command) => command.run(out),
             Self::Check(command) => command.run(out),
             Self::Export(command) => command.run(out),
-            Self::Schema => schema::run(out),
+            Self::Schema(command) => command.run(out),
             Self::List => list::run(out),
         }
     }

@@ -11,6 +11,7 @@ mod gmsh;
 mod memory;
 mod modes;
 mod output;
+mod pages;
 mod pipe;
 mod restart;
 mod run;

@@ -8,7 +8,7 @@ use serde::Serialize;
 /// twice. The unit of both is one product with 𝒜.
 ///
 /// # Source
-/// The deck, slide on the cost of an application.
+/// M. Ferronato, SNA'25 lecture, slide on the cost of an application.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Cost {
     /// Flops of one product with 𝒜.

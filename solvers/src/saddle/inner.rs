@@ -174,6 +174,14 @@ impl InnerChoice {
         }
     }
 
+    /// Who factorizes what the method has to factorize beside S_u.
+    pub fn backend(self) -> DirectChoice {
+        match self {
+            Self::Exact { backend } => backend,
+            _ => DirectChoice::default(),
+        }
+    }
+
     /// The same in f64, where it is multigrid in f32.
     pub fn in_double(self) -> Option<Self> {
         match self {

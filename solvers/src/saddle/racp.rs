@@ -6,7 +6,6 @@ use super::{
     AugmentationChoice, AugmentationMatrix, EliminatedInverse, Elimination, InnerChoice,
     RELAXATION, Relaxation, RelaxationSummary, SaddleBlocks,
 };
-use crate::direct::DirectChoice;
 use crate::multigrid::Geometric;
 use crate::{Prepare, SetupError};
 use fracas_operators::sparse::{Csr, SparseMatrix};
@@ -25,7 +24,7 @@ use std::time::Instant;
 /// [`relaxed`](Self::relaxed) makes it `W M⁻¹ Wᵀ` ([`Relaxation`]).
 ///
 /// # Source
-/// A. Franceschini, M. Ferronato, M. Frigo, C. Janna, CMAME 325 (2022) 114632; the deck.
+/// A. Franceschini, M. Ferronato, M. Frigo, C. Janna, CMAME 392 (2022) 114632.
 pub struct RacpInverse<S, B = Csr<f64>> {
     b: B,
     c: AugmentationMatrix,
@@ -184,11 +183,7 @@ impl SaddleSettings for Racp {
     }
 
     fn ready(&self, blocks: &SaddleBlocks) -> Result<Ready, SetupError> {
-        let direct = match self.inner {
-            InnerChoice::Exact { backend } => backend,
-            _ => DirectChoice::default(),
-        };
-        let direct = direct.solver()?;
+        let direct = self.inner.backend().solver()?;
         let racp = |blocks: &SaddleBlocks| {
             let start = Instant::now();
             let c = self.augmentation.compute(blocks, direct.as_ref())?.matrix;

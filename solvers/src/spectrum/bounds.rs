@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// Which statement holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Theorem {
-    /// The deck's theorem 2: H = 0, B2 = B1ᵀ.
+    /// Theorem 2 of M. Ferronato, SNA'25 lecture: H = 0, B2 = B1ᵀ.
     #[serde(rename = "H=0")]
     WithoutH,
     /// Its extension to symmetric H ≠ 0, B2 = B1ᵀ.
@@ -82,7 +82,7 @@ impl Bounds {
     /// `λ(β_u − λ) ≥ α_t²`, whose largest left side is β_u²/4; so no real eigenvalue lies below α_u.
     ///
     /// # Source
-    /// The deck, theorem 2.
+    /// M. Ferronato, SNA'25 lecture, theorem 2.
     pub fn printed(i: &Ingredients) -> Self {
         let (alpha_u, beta_u, alpha_t, beta_t) = (i.k.0, i.k.1, i.g.0, i.g.1);
         let discriminant = beta_u * beta_u - 4.0 * alpha_t * alpha_t;

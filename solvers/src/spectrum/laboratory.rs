@@ -8,7 +8,7 @@ use super::product::{Preconditioned, energy_scales};
 use super::report::{Eigenvalues, Method, Parts, SpectrumReport};
 use super::similarity::Similarity;
 use super::{Hypothesis, condition, field_of_values, hypotheses, iterative};
-use crate::direct::{DirectChoice, DirectSolver};
+use crate::direct::DirectSolver;
 use crate::eigen::dense;
 use crate::saddle::{
     AugmentationChoice, AugmentationMatrix, InnerChoice, RacpInverse, SaddleBlocks,
@@ -75,11 +75,7 @@ pub fn analyse(
     request: &SpectrumRequest,
     observer: &mut dyn Observer,
 ) -> Result<SpectrumReport, SetupError> {
-    let direct = match request.inner {
-        InnerChoice::Exact { backend } => backend,
-        _ => DirectChoice::default(),
-    }
-    .solver()?;
+    let direct = request.inner.backend().solver()?;
     let mut stages = Stages { observer, done: 0 };
     let augmentation = request.augmentation.compute(blocks, direct.as_ref())?;
     stages.next("augmentation");

@@ -10,7 +10,7 @@ use fracas_operators::{AdjointOperator, LinearOperator};
 /// `C = s γ I`, `γ = ‖B‖₂² / ‖A‖₂`, both norms by Lanczos to 1e-12.
 ///
 /// # Source
-/// The deck: the classical choice of augmented Lagrangians.
+/// M. Ferronato, SNA'25 lecture: the classical choice of augmented Lagrangians.
 pub(super) fn global(blocks: &SaddleBlocks, factor: f64) -> Result<AugmentationMatrix, SetupError> {
     let a = Csr::new(blocks.a.clone());
     let b = Csr::with_transpose(blocks.b1.clone());

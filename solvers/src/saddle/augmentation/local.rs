@@ -21,7 +21,7 @@ const DENSE_SUPPORT: usize = 240;
 /// One symmetric eigenvalue problem per distinct support, columns in parallel.
 ///
 /// # Source
-/// The deck, slide on the choice of C.
+/// M. Ferronato, SNA'25 lecture, slide on the choice of C.
 pub(super) fn local(
     a: &SparseMatrix<f64>,
     columns: &Columns,

@@ -1,4 +1,5 @@
 use super::*;
+use crate::direct::DirectChoice;
 use crate::saddle::Cost;
 use crate::saddle::samples::{random, two_chains};
 use fracas_operators::laws::{check_preconditioner, probe};

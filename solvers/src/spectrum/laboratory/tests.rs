@@ -2,6 +2,7 @@ mod indefinite;
 
 use super::*;
 use crate::Silent;
+use crate::direct::DirectChoice;
 use crate::saddle::samples::{random, sparse, trusses, two_chains};
 use crate::saddle::schur;
 use crate::smoothers::{Jacobi, Ssor};

@@ -1,6 +1,7 @@
 //! Systems of any code: A definite, singular and indefinite, H of either sign, B of any rank.
 
 use super::*;
+use crate::direct::DirectChoice;
 use faer::linalg::solvers::{FullPivLu, Solve};
 use fracas_operators::random::Random;
 
