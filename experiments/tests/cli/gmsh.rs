@@ -91,7 +91,8 @@ fn what_cannot_be_is_said_in_a_sentence_with_status_two() {
         geometric.stderr
     );
     let inner = ["--set", "solver.inner='geometric'"];
-    let friction = ["--set", "fracture.fault.friction_angle='30 deg'"];
+    let friction = ["fault", "crossing"].map(|f| format!("fracture.{f}.friction_angle='30 deg'"));
+    let friction = ["--set", &friction[0], "--set", &friction[1]];
     let ran = fracas(&[&["run", path], &inner[..], &friction].concat());
     assert_eq!(ran.status, 2, "{}", ran.stderr);
     assert!(
