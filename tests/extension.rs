@@ -2,6 +2,14 @@
 //! in some sixty lines, and the laboratory, `solve` and runs take it by its name: the examples hold.
 #![allow(clippy::unwrap_used)]
 
+use fracas::nonlinear::Simulation;
+use fracas::scene::named;
+use fracas_solvers::direct::DirectSolver;
+use fracas_solvers::saddle::{
+    AugmentationChoice, AugmentationMatrix, AugmentationRule, SaddleBlocks,
+};
+use fracas_solvers::{Named, SetupError, Silent};
+
 #[path = "../examples/own_augmentation.rs"]
 mod own_augmentation;
 #[path = "../examples/own_inner.rs"]
@@ -36,4 +44,70 @@ fn a_krylov_method_stands_on_the_bookkeeping_of_the_house() {
 #[test]
 fn a_scene_comes_from_code() {
     own_scene::main().unwrap();
+}
+
+/// `half_h`, given by its entries.
+#[derive(Debug)]
+struct ByEntries;
+
+impl Named for ByEntries {
+    fn name(&self) -> &'static str {
+        "half_h_by_entries"
+    }
+}
+
+impl AugmentationRule for ByEntries {
+    fn is_local(&self) -> bool {
+        false
+    }
+
+    fn compute(
+        &self,
+        blocks: &SaddleBlocks,
+        direct: &dyn DirectSolver,
+    ) -> Result<AugmentationMatrix, SetupError> {
+        let by_faces = AugmentationChoice::HalfH.compute(blocks, direct)?.matrix;
+        AugmentationMatrix::from_sparse(by_faces.entries())
+    }
+}
+
+/// Krylov iterations, tractions and slip at the end of a scene of the gallery that sticks, slips, opens and closes.
+fn run(solver: &str) -> (usize, Vec<f64>, Vec<f64>) {
+    let scene = named("cycle").unwrap().small_scene().unwrap();
+    let body = scene.with_overrides(&[solver]).unwrap().build().unwrap();
+    let mut simulation = Simulation::new(&body).unwrap();
+    let (mut state, mut krylov) = (simulation.initial_state(), 0);
+    while state.step == 0 || !simulation.is_finished(&state) {
+        let done = simulation.advance(&state, &mut Silent).unwrap();
+        krylov += done.linear.iter().map(|s| s.iterations).sum::<usize>();
+        state = done.state;
+    }
+    (krylov, state.t, state.slip)
+}
+
+#[test]
+fn a_c_of_faces_given_by_its_entries_makes_the_same_run() {
+    AugmentationChoice::register(&ByEntries).unwrap();
+    for inner in ["exact", "amg"] {
+        let with = |c: &str| {
+            run(&format!(
+                "solver.racp={{ augmentation='{c}', inner='{inner}' }}"
+            ))
+        };
+        let (krylov, t, slip) = with("half_h_by_entries");
+        let (expected, t_faces, slip_faces) = with("half_h");
+        // S_u from factors of [A B; Bᵀ −C] in place of its own, and sums in another order
+        assert!(
+            krylov.abs_diff(expected) * 50 <= expected,
+            "{inner}: {krylov}, {expected}"
+        );
+        for (a, b) in [(t, t_faces), (slip, slip_faces)] {
+            let far = a
+                .iter()
+                .zip(&b)
+                .fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
+            let size = b.iter().fold(0.0, |m: f64, b| m.max(b.abs()));
+            assert!(far <= 1e-6 * size, "{inner}: {far:e} of {size:e}");
+        }
+    }
 }
