@@ -288,6 +288,14 @@ pub enum SimulationError {
         "[solver] asks for geometric multigrid, and the mesh has no grid to coarsen; take inner = \"amg\""
     )]
     NoGrid,
+    /// A setting of geometric multigrid that makes no preconditioner.
+    #[error("[solver] racp: {key} of geometric has to be above 0, and is {value}")]
+    Geometric {
+        /// The setting.
+        key: &'static str,
+        /// As given.
+        value: f64,
+    },
     /// A C that geometric multigrid cannot have.
     #[error("[solver] racp: {0}")]
     Augmentation(SetupError),

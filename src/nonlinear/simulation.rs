@@ -47,7 +47,17 @@ impl<'a> Simulation<'a> {
         let problem = ContactProblem::new(body)?;
         let linear = Linear::new(&problem);
         let racp = linear.settings();
-        if let InnerChoice::Geometric(_) = racp.inner {
+        if let InnerChoice::Geometric(geometric) = racp.inner {
+            let settings = [
+                ("degree", geometric.degree as f64),
+                ("over_correction", geometric.over_correction),
+            ];
+            let wrong = settings
+                .into_iter()
+                .find(|(_, value)| value.is_nan() || *value <= 0.0);
+            if let Some((key, value)) = wrong {
+                return Err(SimulationError::Geometric { key, value });
+            }
             if body.mesh.grid.is_none() {
                 return Err(SimulationError::NoGrid);
             }

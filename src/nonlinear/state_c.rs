@@ -12,7 +12,7 @@ use fracas_solvers::saddle::{AugmentationMatrix, Block};
 pub(super) struct StickC {
     /// C of every face, and its inverse.
     faces: Vec<[Block; 2]>,
-    /// All of C, where it couples faces.
+    /// All of C, where it is a sparse one that couples faces; of a dense one runs take the diagonal.
     coupled: Option<AugmentationMatrix>,
 }
 
@@ -20,7 +20,7 @@ impl StickC {
     pub(super) fn new(c: AugmentationMatrix) -> Self {
         Self {
             faces: c.of_faces(),
-            coupled: (!c.is_by_faces()).then_some(c),
+            coupled: matches!(c, AugmentationMatrix::Custom(_)).then_some(c),
         }
     }
 

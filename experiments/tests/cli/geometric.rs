@@ -390,6 +390,19 @@ fn a_run_whose_geometric_multigrid_cannot_be_is_refused_before_its_first_step() 
         "{}",
         ran.stderr
     );
+    for (key, value) in [("over_correction", "-1.0"), ("degree", "0")] {
+        let settings = format!("solver.racp={{ inner = {{ geometric = {{ {key} = {value} }} }} }}");
+        let ran = fracas(&[
+            "run",
+            "cycle",
+            "--out",
+            out.to_str().unwrap(),
+            "--set",
+            &settings,
+        ]);
+        assert_eq!(ran.status, 2, "{}", ran.stderr);
+        assert!(ran.stderr.contains(key), "{}", ran.stderr);
+    }
     let own = fracas(&["solve", "crossing", "--inner", "geometri"]);
     assert_eq!(own.status, 2);
     assert!(own.stderr.contains("geometric:k:f64"), "{}", own.stderr);
