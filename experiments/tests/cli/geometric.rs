@@ -2,7 +2,7 @@
 //! and why, and what cannot be is refused in one sentence.
 #![allow(clippy::unwrap_used, reason = "a test that cannot read a report fails")]
 
-use crate::run::{fracas, scratch, system_folder, write};
+use crate::run::{Ran, fracas, scratch, system_folder, write};
 use fracas_operators::matrix_market::read_vector;
 use serde_json::Value;
 use std::path::Path;
@@ -347,22 +347,18 @@ fn what_cannot_be_is_refused_in_one_sentence() {
     assert!(spectrum.status == 2 && spectrum.stderr.contains("spectrum reads its entries"));
 }
 
+/// `run cycle` into this folder with these settings.
+fn run_cycle(out: &Path, settings: &[&str]) -> Ran {
+    let mut arguments = vec!["run", "cycle", "--out", out.to_str().unwrap()];
+    arguments.extend(settings.iter().flat_map(|set| ["--set", set]));
+    fracas(&arguments)
+}
+
 #[test]
 fn a_run_takes_geometric_multigrid_with_settings_of_its_own_as_by_its_name() {
     let history = |name: &str, solver: &str| {
         let out = scratch("geometric-racp").join(name);
-        let ran = fracas(&[
-            "run",
-            "cycle",
-            "--out",
-            out.to_str().unwrap(),
-            "--set",
-            solver,
-            "--set",
-            "mesh.y.cells=4",
-            "--set",
-            "mesh.z.cells=4",
-        ]);
+        let ran = run_cycle(&out, &[solver, "mesh.y.cells=4", "mesh.z.cells=4"]);
         assert_eq!(ran.status, 0, "{}", ran.stderr);
         std::fs::read_to_string(out.join("history.csv")).unwrap()
     };
@@ -374,34 +370,16 @@ fn a_run_takes_geometric_multigrid_with_settings_of_its_own_as_by_its_name() {
 #[test]
 fn a_run_whose_geometric_multigrid_cannot_be_is_refused_before_its_first_step() {
     let out = scratch("geometric-refused");
-    let settings = "solver.racp={ augmentation = 'exact_h', inner = 'geometric' }";
-    let arguments = [
-        "run",
-        "cycle",
-        "--out",
-        out.to_str().unwrap(),
-        "--set",
-        settings,
-    ];
-    let ran = fracas(&arguments);
-    assert_eq!(ran.status, 2, "{}", ran.stderr);
-    assert!(
-        ran.stderr.contains("exact_h needs all of A"),
-        "{}",
-        ran.stderr
-    );
-    for (key, value) in [("over_correction", "-1.0"), ("degree", "0")] {
-        let settings = format!("solver.racp={{ inner = {{ geometric = {{ {key} = {value} }} }} }}");
-        let ran = fracas(&[
-            "run",
-            "cycle",
-            "--out",
-            out.to_str().unwrap(),
-            "--set",
-            &settings,
-        ]);
+    let inner = |key: &str| format!("solver.racp={{ inner = {{ geometric = {{ {key} }} }} }}");
+    let dense = "solver.racp={ augmentation = 'exact_h', inner = 'geometric' }".to_owned();
+    for (settings, said) in [
+        (dense, "exact_h needs all of A"),
+        (inner("over_correction = -1.0"), "over_correction"),
+        (inner("degree = 0"), "degree"),
+    ] {
+        let ran = run_cycle(&out, &[&settings]);
         assert_eq!(ran.status, 2, "{}", ran.stderr);
-        assert!(ran.stderr.contains(key), "{}", ran.stderr);
+        assert!(ran.stderr.contains(said), "{}", ran.stderr);
     }
     let own = fracas(&["solve", "crossing", "--inner", "geometri"]);
     assert_eq!(own.status, 2);
