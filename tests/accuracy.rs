@@ -11,14 +11,15 @@ use fracas_operators::random::Random;
 use fracas_operators::sparse::SparseMatrix;
 use fracas_operators::{LinearOperator, Preconditioner};
 use fracas_solvers::Silent;
-use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
+use fracas_solvers::krylov::{Breakdown, Criteria, KrylovChoice, Outcome, System};
 use fracas_solvers::saddle::{
     Accurate, EnergyNorms, Measure, Racp, SaddleBlocks, SaddleMethod, SaddleOperator, StrainNorm,
     solve_accurately,
 };
 use std::borrow::Cow;
 
-const TOLERANCE: f64 = 1e-8;
+/// Tolerances, each for all four inner solvers in turn.
+const TOLERANCES: [f64; 4] = [1e-8, 1e-3, 1e-8, 1e-5];
 
 /// Systems tried where nobody asks for more.
 const CASES: u64 = 48;
@@ -189,7 +190,7 @@ struct Tried {
     truth: Option<[f64; 2]>,
 }
 
-fn tried(body: &Body, inner: &str) -> Option<Tried> {
+fn tried(body: &Body, inner: &str, tolerance: f64) -> Option<Tried> {
     let stabilization = Some(JumpStabilization::default());
     let system = body.stick_system(stabilization);
     let magnitude = system.magnitude().unwrap();
@@ -237,7 +238,7 @@ fn tried(body: &Body, inner: &str) -> Option<Tried> {
     let b = blocks.rhs();
     let krylov = KrylovChoice::default().flexible_for(&*m);
     let criteria = Criteria {
-        relative_tolerance: TOLERANCE,
+        relative_tolerance: tolerance,
         max_iterations: 600,
     };
     let mut x = vec![0.0; b.len()];
@@ -256,7 +257,7 @@ fn tried(body: &Body, inner: &str) -> Option<Tried> {
     );
     let truth = reference(&blocks, &b).map(|exact| {
         x.iter_mut().zip(&exact).for_each(|(x, exact)| *x -= exact);
-        EnergyNorms::relative(norms.error(&x), norms.solution(&exact))
+        EnergyNorms::relative(norms.error(&x), norms.solution(&exact), tolerance)
     });
     Some(Tried { accurate, truth })
 }
@@ -275,7 +276,8 @@ fn converged_means_accurate_and_refused_means_not() {
             .build()
             .unwrap();
         let inner = INNER[(seed % 4) as usize];
-        let Some(Tried { accurate, truth }) = tried(&body, inner) else {
+        let tolerance = TOLERANCES[(seed / 4 % 4) as usize];
+        let Some(Tried { accurate, truth }) = tried(&body, inner, tolerance) else {
             counts[0] += 1;
             println!("{seed} {inner}: no set-up");
             continue;
@@ -300,7 +302,7 @@ fn converged_means_accurate_and_refused_means_not() {
             truth.map_or("unknown".into(), errors),
         );
         println!(
-            "{seed} {inner}: {said}; {its} iterations, {} passes, errors {estimate}, true {exact}",
+            "{seed} {inner} {tolerance:.0e}: {said}; {its} iterations, {} passes, errors {estimate}, true {exact}",
             accurate.passes
         );
         let Some([u, t]) = truth else {
@@ -309,13 +311,27 @@ fn converged_means_accurate_and_refused_means_not() {
         };
         let worst = u.max(t);
         counts[if converged { 2 } else { 3 }] += 1;
-        if converged && worst > 10.0 * TOLERANCE {
+        if converged && worst > 10.0 * tolerance {
             wrong.push(format!(
-                "seed {seed}, {inner}: {said}, true errors {u:.1e} and {t:.1e}"
+                "seed {seed}, {inner}, {tolerance:.0e}: {said}, true errors {u:.1e} and {t:.1e}"
+            ));
+        }
+        let is_true = match &accurate.result {
+            Ok(report) => report.outcome == Outcome::IterationLimit,
+            Err(Breakdown::Inaccurate { error, .. }) => *error > tolerance && 10.0 * error > worst,
+            // x is far from solving anything
+            Err(Breakdown::Stagnation {
+                relative_residual, ..
+            }) => *relative_residual > 0.1 && worst > tolerance,
+            Err(_) => false,
+        };
+        if !converged && !is_true {
+            wrong.push(format!(
+                "seed {seed}, {inner}, {tolerance:.0e}: refused by '{said}', true errors {u:.1e} and {t:.1e}"
             ));
         }
         // where M is poor, a bound of the error may not be small though the error is
-        if !converged && worst < 0.1 * TOLERANCE {
+        if !converged && worst < 0.1 * tolerance {
             counts[4] += 1;
         }
     }

@@ -113,7 +113,7 @@ fn errors(text: &str, state: &State, exact: &State, springs: bool) -> [f64; 2] {
     };
     let (x, y) = (whole(state), whole(exact));
     let e: Vec<f64> = x.iter().zip(&y).map(|(x, y)| x - y).collect();
-    EnergyNorms::relative(norms.error(&e), exact.size)
+    EnergyNorms::relative(norms.error(&e), exact.size, TOLERANCE)
 }
 
 /// Runs of a family with this method beside their references.

@@ -27,7 +27,7 @@ impl<'s> Accuracy<'s> {
         asked.then(|| Self {
             attempt,
             norms: problem.norms(attempt.held.as_ref()),
-            judge: ErrorJudge::default(),
+            judge: ErrorJudge::new(problem.body().solver.tolerance),
             size: attempt.size,
             seen: false,
         })
@@ -43,7 +43,7 @@ impl<'s> Accuracy<'s> {
 
     /// Nothing is known of the solution from here on.
     pub(super) fn begin(&mut self) {
-        self.judge = ErrorJudge::default();
+        self.judge = ErrorJudge::new(self.attempt.problem.body().solver.tolerance);
     }
 
     /// The first iterate, with every closed face in stick, shows what the loads could do, also where the solution bears nothing.

@@ -96,7 +96,7 @@ pub enum Failure {
     },
     /// The residual is small and the error is not.
     #[error(
-        "accuracy: the {part} are wrong by {error:.1e}, asked {tolerance:.1e}, and rounding keeps the residual at {residual:.1e} of the largest force; less contrast of stiffness, flatness of cells or stiffness of springs helps, or a larger tolerance and state_tolerance in [solver]"
+        "accuracy: the {part} may be wrong by {error:.1e}, asked {tolerance:.1e}, and rounding keeps the residual at {residual:.1e} of the largest force; less contrast of stiffness, flatness of cells or stiffness of springs helps, or a larger tolerance and state_tolerance in [solver]"
     )]
     Inaccurate {
         /// `displacements` or `tractions`.

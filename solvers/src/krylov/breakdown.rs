@@ -81,9 +81,9 @@ pub enum Breakdown {
         /// As [`Report::smallest_ritz`](super::Report::smallest_ritz).
         smallest_ritz: Option<f64>,
     },
-    /// The residual met what was asked of it or no longer falls, the error did not: rounding is all that is left.
+    /// The residual met what was asked of it or no longer falls, and no error as small as the tolerance can be shown.
     #[error(
-        "{method}: the error of the {part} stays at {error:.1e} of their norm after {iteration} iterations (residual {relative_residual:.1e}·‖b‖): in f64 this system has no more digits"
+        "{method}: after {iteration} iterations the {part} may be wrong by {error:.1e} of their norm, and rounding keeps the residual at {relative_residual:.1e}·‖b‖: with this preconditioner f64 shows no smaller error"
     )]
     Inaccurate {
         /// The method.
@@ -92,7 +92,7 @@ pub enum Breakdown {
         iteration: usize,
         /// `displacements` or `tractions`.
         part: &'static str,
-        /// Relative to the norm of that part.
+        /// What M⁻¹r and the smallest Ritz value leave possible, relative to the norm of that part.
         error: f64,
         /// ‖b − A x‖₂ / ‖b‖₂ of the returned x.
         relative_residual: f64,

@@ -66,7 +66,7 @@ pub fn solve_accurately(
     let tolerance = criteria.relative_tolerance;
     let mut pass = *criteria;
     let mut totals = Totals::default();
-    let mut judge = ErrorJudge::default();
+    let mut judge = ErrorJudge::new(tolerance);
     let mut left = Remainder::new(system, norms);
     let (mut passes, mut refinements) = (0, 0);
     loop {
@@ -112,17 +112,19 @@ pub fn solve_accurately(
         };
         if is_doubtful && near && !ended && left.sharpen() {
             // errors before were those of other residuals
-            judge = ErrorJudge::default();
+            judge = ErrorJudge::new(tolerance);
             judged = left.judged(x, &mut judge, totals.smallest_ritz);
             is_last = remaining == 0;
         }
         if is_enough(&judged) || is_last {
+            let is_met =
+                matches!(&result, Ok(report) if report.outcome == Outcome::Converged) || rounding;
             let result = match result {
                 _ if is_enough(&judged) => Ok(totals.report(Outcome::Converged, left.relative)),
-                Ok(report) if report.outcome == Outcome::Converged && measure == Measure::Error => {
+                _ if is_met && measure == Measure::Error && judged.estimate.is_finite() => {
                     Err(Breakdown::Inaccurate {
                         method: method.name(),
-                        iteration: report.iterations,
+                        iteration: totals.iterations,
                         part: judged.part(),
                         error: judged.worst(),
                         relative_residual: left.relative,

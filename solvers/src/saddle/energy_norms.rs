@@ -10,8 +10,12 @@ use std::borrow::Cow;
 /// `√(vᵀKv)` of the displacements of a solution with the prescribed ones in their places; K = stiffness in full numbering.
 pub type StrainNorm<'a> = Box<dyn Fn(&[f64]) -> f64 + 'a>;
 
-/// Least share of the norm of (u, t) that a part is judged against, lest a part that vanishes be judged against rounding. Unit: 1.
+/// Most of the norm of (u, t) that a part which all but vanishes is judged against. Unit: 1.
 const LEAST_SHARE: f64 = 1e-6;
+
+/// Share of the norm of (u, t) that an error may have whatever the tolerance, lest a part that vanishes be judged against rounding:
+/// 45 times that of f64. Unit: 1.
+const ROUNDING: f64 = 1e-14;
 
 /// Spread of the diagonal of A that is too much for f32: 2²⁰ of its 2²⁴. Unit: 1.
 const SINGLE: f64 = 1_048_576.0;
@@ -140,9 +144,10 @@ impl<'a> EnergyNorms<'a> {
         [u, self.tractions(&x[self.n_u..])]
     }
 
-    /// `(‖e_u‖/‖u‖, ‖e_t‖/‖t‖)` of these norms; a part that all but vanishes counts as 1e-6 of both.
-    pub fn relative(error: [f64; 2], of: [f64; 2]) -> [f64; 2] {
-        let least = LEAST_SHARE * of[0].hypot(of[1]);
+    /// `(‖e_u‖/‖u‖, ‖e_t‖/‖t‖)` of these norms, where each is to be at most `tolerance`; a part that all but vanishes counts as
+    /// `min(1e-6, 1e-14/tolerance)` of both, so that an error of 1e-14 of both is always small enough.
+    pub fn relative(error: [f64; 2], of: [f64; 2], tolerance: f64) -> [f64; 2] {
+        let least = LEAST_SHARE.min(ROUNDING / tolerance) * of[0].hypot(of[1]);
         [0, 1].map(|part: usize| ratio(error[part], of[part].max(least)))
     }
 

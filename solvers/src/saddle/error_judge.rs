@@ -22,8 +22,9 @@ const GAIN: f64 = 0.5;
 /// Where M is poor, M⁻¹r may be too small by the eigenvalue θ of M⁻¹𝒜 nearest to zero: 1/|θ|, θ a Ritz value of the iteration, is
 /// a bound, and what a further pass changes shows the error before it. The geometric mean of both is taken, and no less than a tenth
 /// of the bound: a rule, not a theorem, tried over random systems (`tests/accuracy.rs`).
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct ErrorJudge {
+    tolerance: f64,
     last: Option<Pass>,
 }
 
@@ -78,6 +79,14 @@ struct Pass {
 }
 
 impl ErrorJudge {
+    /// Of a first iterate, on the way to errors of at most this tolerance.
+    pub fn new(tolerance: f64) -> Self {
+        Self {
+            tolerance,
+            last: None,
+        }
+    }
+
     /// Errors of x for `e = M⁻¹r`, relative to the norms `of` ([`EnergyNorms::solution`] of x or more); `ritz` is the Ritz value
     /// of M⁻¹𝒜 nearest to zero, where one is known.
     ///
@@ -91,7 +100,7 @@ impl ErrorJudge {
         ritz: Option<f64>,
     ) -> Judged {
         let size = norms.error(e);
-        let relative = EnergyNorms::relative(size, of);
+        let relative = EnergyNorms::relative(size, of, self.tolerance);
         let is_poor = ritz.is_none_or(|ritz| ritz < TRUSTED);
         let bound = ritz.map_or(f64::INFINITY, |ritz| TRUSTED / ritz);
         let factor = match (&self.last, is_poor) {
