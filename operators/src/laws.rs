@@ -1,11 +1,17 @@
 //! The laws that every operator and every preconditioner obeys, as functions that tests call with one list of both.
 //!
 //! Checked: shape, linearity, accumulation onto a non-zero `y` with `α ∉ {0, 1}`, `⟨Ax, y⟩ = ⟨x, Aᵀy⟩`, indifference
-//! to what `work` contains (it is poisoned with NaN), that exactly `work_len()` entries suffice, and that what is made of
-//! parts is no more linear than they are.
+//! to what `work` contains (it is poisoned with NaN), that exactly `work_len()` entries suffice, `flops()` against a scalar that
+//! counts, and that what is made of parts is no more linear than they are.
 
+use crate::tally::Tally;
 use crate::vector::{dot, norm2};
 use crate::{AdjointOperator, Dense, LinearOperator, Preconditioner, Properties, Real};
+use num_traits::Float;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+#[cfg(test)]
+mod broken;
 
 /// A broken law: which, for what, and by how much.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -21,9 +27,15 @@ pub struct Violation {
     pub tolerance: f64,
 }
 
-/// Deviation that rounding explains, relative to the size of the result: 2e5 units in the last place.
+/// Deviation that rounding explains in a product, relative to the size of the result: 500 units in the last place, so that in f32, too,
+/// a digit that is wrong by 1e-4 shows.
 fn tolerance<R: Real>() -> f64 {
-    2e5 * R::epsilon().to_f64_exact()
+    500.0 * R::epsilon().to_f64_exact()
+}
+
+/// The same for a solve, which amplifies rounding by the condition of what it solves: 2e5 units in the last place of f64, 2e4 of f32.
+fn tolerance_of_solves(digits: f64) -> f64 {
+    digits * if digits > 1e-10 { 2e4 } else { 2e5 }
 }
 
 /// A reproducible vector with entries of both signs and no pattern.
@@ -123,7 +135,20 @@ pub fn check_operator<R: Real>(
     let accumulated: Vec<R> = y0.iter().zip(&ax).map(|(y, ax)| *y + alpha * *ax).collect();
     judge.same("apply_add accumulates y + αAx", &y, &accumulated)?;
 
+    let refuses = |x: usize, y: usize| {
+        let (x, mut y) = (vec![R::zero(); x], vec![R::zero(); y]);
+        let mut work = vec![R::zero(); a.work_len()];
+        let product = AssertUnwindSafe(|| a.apply_add(R::one(), &x, &mut y, &mut work));
+        catch_unwind(product).is_err()
+    };
+    for (x, y) in [(cols + 1, rows), (cols, rows + 1)] {
+        let taken = f64::from(u8::from(!refuses(x, y)));
+        judge.small("vectors that do not fit are refused", taken, 1.0, 0.0)?;
+    }
+
     if let Some(oracle) = oracle {
+        let fits = f64::from(u8::from(oracle.shape() != a.shape()));
+        judge.small("has the shape of the dense oracle", fits, 1.0, 0.0)?;
         let mut exact = vec![R::zero(); rows];
         oracle.apply(&x, &mut exact, &mut []);
         judge.same("agrees with the dense oracle", &ax, &exact)?;
@@ -209,10 +234,11 @@ pub fn check_preconditioner<R: Real>(
             .zip(&zs)
             .map(|(a, b)| alpha * *a + beta * *b)
             .collect();
-        let rounding = match properties.single {
-            true => tolerance::<f32>().max(tolerance::<R>()),
-            false => tolerance::<R>(),
-        };
+        let own = R::epsilon().to_f64_exact();
+        let rounding = tolerance_of_solves(match properties.single {
+            true => own.max(f64::from(f32::EPSILON)),
+            false => own,
+        });
         judge.same_to(
             rounding,
             "M⁻¹(αr + βs) = αM⁻¹r + βM⁻¹s",
@@ -232,6 +258,36 @@ pub fn check_preconditioner<R: Real>(
         )?;
     }
     Ok(())
+}
+
+/// Checks `flops()` of a product against the operations of `y ← y + αAx`, to the share `slack` of them; run it on one thread.
+pub fn check_flops(
+    subject: &str,
+    a: &dyn LinearOperator<Tally>,
+    slack: f64,
+) -> Result<(), Violation> {
+    let (x, mut y) = (probe(a.shape().cols, 9), probe(a.shape().rows, 10));
+    let mut work = vec![Tally::nan(); a.work_len()];
+    let counted = Tally::count(|| a.apply_add(Tally::of(-1.75), &x, &mut y, &mut work));
+    flops_are(subject, a.flops(), counted, slack)
+}
+
+/// Checks `flops()` of a solve against the operations of `z ← M⁻¹r`, to the share `slack` of them; run it on one thread.
+pub fn check_flops_of_solve(
+    subject: &str,
+    m: &dyn Preconditioner<Tally>,
+    slack: f64,
+) -> Result<(), Violation> {
+    let (r, mut z) = (probe(m.size(), 11), probe(m.size(), 12));
+    let mut work = vec![Tally::nan(); m.work_len()];
+    let counted = Tally::count(|| m.solve(&r, &mut z, &mut work));
+    flops_are(subject, m.flops(), counted, slack)
+}
+
+fn flops_are(subject: &str, said: u64, counted: u64, slack: f64) -> Result<(), Violation> {
+    let difference = said.abs_diff(counted) as f64;
+    let law = "flops() is what a scalar counts";
+    Judge { subject }.small(law, difference, counted as f64, slack)
 }
 
 /// A part that says what it is told to say of itself, and is the identity.

@@ -26,6 +26,7 @@ pub mod shape;
 pub mod shared;
 pub mod simd;
 pub mod sparse;
+pub mod tally;
 pub mod timed;
 pub mod twofold;
 pub mod vector;

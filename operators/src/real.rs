@@ -1,10 +1,10 @@
-//! The scalars: `f64`, and `f32` inside preconditioners.
+//! The scalars: `f64`, and `f32` inside preconditioners; [`Tally`](crate::tally::Tally) counts for tests.
 
 use num_traits::{Float, FromPrimitive, NumAssign};
 use std::fmt::{Debug, Display, LowerExp};
 use std::iter::Sum;
 
-mod sealed {
+pub(crate) mod sealed {
     #[cfg(target_arch = "x86_64")]
     pub(crate) use crate::simd::Dispatch as Sealed;
 

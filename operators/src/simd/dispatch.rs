@@ -2,7 +2,7 @@
 
 use super::{Kernel, avx2, avx512};
 
-/// Implemented for `f64` and `f32` only.
+/// Implemented for `f64`, `f32`, and the scalar that counts.
 pub trait Dispatch: Sized {
     /// Runs on 512-bit registers.
     ///

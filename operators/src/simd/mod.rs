@@ -17,6 +17,12 @@ mod registers;
 #[cfg(target_arch = "x86_64")]
 pub(crate) use dispatch::Dispatch;
 
+/// Runs on the registers of any machine, whatever the scalar.
+#[cfg(target_arch = "x86_64")]
+pub(crate) fn run_portable<R: Real>(kernel: impl Kernel<R>) {
+    kernel.run::<portable::Array<R>>();
+}
+
 use crate::Real;
 use std::ops::{Add, Div, Mul, Sub};
 

@@ -1,0 +1,439 @@
+//! Claim: every operator and every preconditioner obeys the laws of its trait, in f64 and f32, with every instruction set and on one
+//! thread and two, allocates nothing, and says how many operations it takes.
+//!
+//! One list of each; `operators/src/laws/broken.rs` shows that every law can fail.
+#![allow(clippy::unwrap_used)]
+#![allow(unsafe_code, reason = "an allocator that counts")]
+
+use fracas::contact::{Coupling, JumpStabilization};
+use fracas::elasticity::{Bricks, Hexes, Restricted, stiffness};
+use fracas::matrix_free::{MatrixFreeSaddle, RacpParts};
+use fracas::nonlinear::ContactProblem;
+use fracas::scene::{Body, named};
+use fracas_operators::laws::{
+    check_adjoint, check_flops, check_flops_of_solve, check_operator, check_preconditioner, probe,
+};
+use fracas_operators::simd::Level;
+use fracas_operators::sparse::{Block3, Csr, Diagonal};
+use fracas_operators::tally::Tally;
+use fracas_operators::{
+    Adjoint, AdjointOperator, BlockOperator, Counted, Dense, Identity, Inverse, Layout,
+    LinearOperator, Preconditioner, Real, Timed,
+};
+use fracas_solvers::Silent;
+use fracas_solvers::direct::{DirectChoice, Kind};
+use fracas_solvers::fsai::{Fsai, FsaiInverse};
+use fracas_solvers::saddle::{
+    AugmentationChoice, Racp, SaddleBlocks, SaddleMethod, SaddleOperator, schur,
+};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::alloc::{GlobalAlloc, Layout as Bytes, System};
+use std::sync::Barrier;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// The system's allocator, with every allocation of every thread counted.
+struct Counting;
+
+static ALLOCATIONS: AtomicU64 = AtomicU64::new(0);
+
+// SAFETY: forwards to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Bytes) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::SeqCst);
+        // SAFETY: as the caller promises.
+        unsafe { System.alloc(layout) }
+    }
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Bytes) {
+        // SAFETY: as the caller promises.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Bytes, size: usize) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::SeqCst);
+        // SAFETY: as the caller promises.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+/// Pools of one thread and of two whose queues exist: a queue that grows allocates.
+fn pools() -> [ThreadPool; 2] {
+    [1, 2].map(|number| {
+        let pool = ThreadPoolBuilder::new()
+            .num_threads(number)
+            .build()
+            .unwrap();
+        let meeting = Barrier::new(number);
+        for _ in 0..100 {
+            pool.scope(|scope| {
+                for _ in 0..number {
+                    scope.spawn(|_| {
+                        meeting.wait();
+                    });
+                }
+            });
+        }
+        pool
+    })
+}
+
+/// Share of its operations by which the count of a kernel may be off, where elements at the boundary take more. Unit: 1.
+const PER_ELEMENT: f64 = 0.5;
+
+/// Bodies of bricks and of general hexahedra, cut by fractures.
+fn bodies() -> Vec<(&'static str, Body)> {
+    let crossing = ["mesh.x.cells=6", "mesh.y.cells=3", "mesh.z.cells=6"];
+    let scenes = [("crossing", &crossing[..]), ("inclined", &crossing[..])];
+    let built = scenes.map(|(name, size)| {
+        let scene = named(name).unwrap().scene().unwrap();
+        (name, scene.with_overrides(size).unwrap().build().unwrap())
+    });
+    built.into()
+}
+
+/// An operator under test.
+enum Subject<R: Real> {
+    Product(Box<dyn LinearOperator<R>>),
+    WithAdjoint(Box<dyn AdjointOperator<R>>),
+}
+
+impl<R: Real> Subject<R> {
+    fn product(&self) -> &dyn LinearOperator<R> {
+        match self {
+            Self::Product(a) => a,
+            Self::WithAdjoint(a) => a,
+        }
+    }
+}
+
+/// Name, operator, by how much its `flops()` may be off.
+type Listed<R> = (String, Subject<R>, f64);
+
+/// The list of operators, with entries of size one.
+fn operators<R: Real>(name: &str, body: &Body) -> Vec<Listed<R>> {
+    let mut list: Vec<Listed<R>> = Vec::new();
+    let mut with_adjoint = |kind: &str, a: Box<dyn AdjointOperator<R>>, slack: f64| {
+        let subject = Subject::WithAdjoint(a);
+        list.push((format!("{kind} of {name} in {}", R::NAME), subject, slack));
+    };
+    let rocks: Vec<_> = (body.materials.iter())
+        .map(|rock| fracas::elasticity::Elastic {
+            young: 1.0,
+            ..*rock
+        })
+        .collect();
+    let assembled = stiffness(&body.mesh, &rocks).unwrap();
+    let block3 = || assembled.cast::<R>();
+    let csr = || Csr::new(block3().to_csr());
+    let rows = assembled.shape().rows;
+    with_adjoint("Csr", Box::new(csr()), 0.0);
+    with_adjoint(
+        "Csr with its transpose",
+        Box::new(Csr::with_transpose(block3().to_csr())),
+        0.0,
+    );
+    for level in Level::supported() {
+        let named = |kind: &str| format!("{kind} with {level:?}");
+        with_adjoint(&named("Block3"), Box::new(block3().with_level(level)), 0.0);
+        let hexes = Hexes::<R>::with_level(&body.mesh, &rocks, level).unwrap();
+        with_adjoint(&named("Hexes"), Box::new(hexes), PER_ELEMENT);
+        if let Ok(bricks) = Bricks::<R>::with_level(&body.mesh, &rocks, level) {
+            with_adjoint(&named("Bricks"), Box::new(bricks), PER_ELEMENT);
+        }
+    }
+    let diagonal = Diagonal::new(probe::<R>(rows, 20));
+    with_adjoint("Diagonal", Box::new(diagonal), 0.0);
+    let dense = Dense::from_fn(fracas_operators::Shape::new(17, 29), |i, j| {
+        R::of(((3 * i + 7 * j) % 11) as f64 - 5.0)
+    });
+    with_adjoint("Dense", Box::new(dense.clone()), 0.2);
+    with_adjoint("Adjoint", Box::new(Adjoint(dense)), 0.2);
+    with_adjoint("Counted", Box::new(Counted::new(csr())), 0.0);
+    with_adjoint("Timed", Box::new(Timed::new(csr())), 0.0);
+    let coupling = || Coupling::<R>::new(&body.fractures, &body.constraints);
+    with_adjoint("Coupling", Box::new(coupling()), PER_ELEMENT);
+    with_adjoint(
+        "Adjoint of Coupling",
+        Box::new(Adjoint(coupling())),
+        PER_ELEMENT,
+    );
+    let restricted = || Restricted::new(block3(), body.constraints.clone());
+    with_adjoint("Restricted", Box::new(restricted()), 0.05);
+    let mut product = |kind: &str, a: Box<dyn LinearOperator<R>>, slack: f64| {
+        let subject = Subject::Product(a);
+        list.push((format!("{kind} of {name} in {}", R::NAME), subject, slack));
+    };
+    product("Inverse", Box::new(Inverse(Identity { n: rows })), 0.0);
+    product(
+        "grid of blocks",
+        Box::new(Grid::new(restricted(), coupling())),
+        PER_ELEMENT,
+    );
+    let system = body.stick_system(Some(JumpStabilization::default()));
+    let unit = system.magnitude().unwrap().unit;
+    let saddle = MatrixFreeSaddle::<R>::in_traction_unit(&system, unit).unwrap();
+    product("MatrixFreeSaddle", Box::new(saddle), PER_ELEMENT);
+    list
+}
+
+/// A [`BlockOperator`] that owns its blocks: `[A B; Bᵀ 0]`.
+struct Grid<R: Real> {
+    a: Restricted<Block3<R>>,
+    b: Coupling<R>,
+    transposed: Adjoint<Coupling<R>>,
+}
+
+impl<R: Real> Grid<R> {
+    fn new(a: Restricted<Block3<R>>, b: Coupling<R>) -> Self {
+        let transposed = Adjoint(b.clone());
+        Self { a, b, transposed }
+    }
+
+    fn whole(&self) -> BlockOperator<'_, R, 2> {
+        let shape = LinearOperator::<R>::shape(&self.b);
+        let layout = Layout::new(["u", "t"], [shape.rows, shape.cols]);
+        let one = R::one();
+        let blocks = [
+            [
+                Some((one, &self.a as &dyn LinearOperator<R>)),
+                Some((one, &self.b as _)),
+            ],
+            [Some((one, &self.transposed as _)), None],
+        ];
+        BlockOperator::new(layout, blocks)
+    }
+}
+
+impl<R: Real> LinearOperator<R> for Grid<R> {
+    fn shape(&self) -> fracas_operators::Shape {
+        self.whole().shape()
+    }
+    fn apply_add(&self, alpha: R, x: &[R], y: &mut [R], work: &mut [R]) {
+        self.whole().apply_add(alpha, x, y, work);
+    }
+    fn work_len(&self) -> usize {
+        self.whole().work_len()
+    }
+    fn flops(&self) -> u64 {
+        self.whole().flops()
+    }
+}
+
+/// Allocations of three products with `work_len()` entries.
+fn allocations(pool: &ThreadPool, work: &mut (dyn FnMut() + Send)) -> u64 {
+    pool.install(|| {
+        work();
+        let before = ALLOCATIONS.load(Ordering::SeqCst);
+        for _ in 0..3 {
+            work();
+        }
+        ALLOCATIONS.load(Ordering::SeqCst) - before
+    })
+}
+
+fn bits<R: Real>(values: &[R]) -> Vec<u64> {
+    let value = |v: &R| v.to_f64_exact().to_bits();
+    values.iter().map(value).collect()
+}
+
+fn hold_operators<R: Real>(pools: &[ThreadPool; 2], oracles: &[Dense<f64>], list: &[Listed<R>]) {
+    for ((name, subject, _), oracle) in list.iter().zip(oracles) {
+        let exact = Dense::from_columns(
+            oracle.shape(),
+            oracle.values().iter().map(|v| R::of(*v)).collect(),
+        );
+        let a = subject.product();
+        let shape = a.shape();
+        let mut seen: Option<Vec<u64>> = None;
+        for pool in pools {
+            let checked = pool.install(|| match subject {
+                Subject::Product(a) => check_operator(name, a, Some(&exact)),
+                Subject::WithAdjoint(a) => check_adjoint(name, a, Some(&exact)),
+            });
+            checked.unwrap();
+            let x = probe::<R>(shape.cols, 21);
+            let (mut y, mut work) = (vec![R::zero(); shape.rows], vec![R::nan(); a.work_len()]);
+            let made = allocations(pool, &mut || a.apply(&x, &mut y, &mut work));
+            assert_eq!(made, 0, "{name} allocates");
+            let own = bits(&y);
+            assert!(
+                seen.as_ref().is_none_or(|seen| *seen == own),
+                "{name}: bits depend on threads"
+            );
+            seen = Some(own);
+        }
+    }
+}
+
+#[test]
+fn all_laws_hold_for_all_operators_and_preconditioners() {
+    // one test, because the counter of allocations belongs to the whole process
+    let pools = pools();
+    std::panic::set_hook(Box::new(|info| {
+        // vectors that do not fit are refused by a panic
+        if !info.to_string().contains(" operator with x of length ") {
+            eprintln!("{info}");
+        }
+    }));
+    for (name, body) in bodies() {
+        let double = operators::<f64>(name, &body);
+        // another representation of the same map is what tells of a wrong one
+        let oracles: Vec<_> = (double.iter())
+            .map(|(_, subject, _)| Dense::of_operator(subject.product()))
+            .collect();
+        agree(&double, &oracles);
+        hold_operators(&pools, &oracles, &double);
+        hold_operators(&pools, &oracles, &operators::<f32>(name, &body));
+        pools[0].install(|| {
+            for (name, subject, slack) in operators::<Tally>(name, &body) {
+                check_flops(&name, subject.product(), slack).unwrap();
+            }
+        });
+        jacobians(&pools, &body);
+        preconditioners(&pools, name, &body);
+    }
+}
+
+/// The stiffness is one matrix, however it is applied.
+fn agree(list: &[Listed<f64>], oracles: &[Dense<f64>]) {
+    let stiffness = |name: &str| {
+        ["Csr", "Block3", "Hexes", "Bricks"]
+            .iter()
+            .any(|kind| name.starts_with(kind))
+    };
+    let mut all = list
+        .iter()
+        .zip(oracles)
+        .filter(|((name, _, _), _)| stiffness(name));
+    let (_, first) = all.next().unwrap();
+    for ((name, _, _), other) in all {
+        let size = first.max_abs();
+        let entries = first.values().iter().zip(other.values());
+        let largest = entries.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(largest <= 1e-13 * size, "{name}: {largest:e}");
+    }
+}
+
+/// Those of a contact problem: [`SaddleOperator`] and the Jacobian without an assembled A.
+fn jacobians(pools: &[ThreadPool; 2], body: &Body) {
+    let problem = ContactProblem::new(body).unwrap();
+    let blocks = problem.stick_blocks().unwrap();
+    let assembled = SaddleOperator::new(&blocks);
+    for pool in pools {
+        pool.install(|| check_operator("SaddleOperator", &assembled, None))
+            .unwrap();
+        pool.install(|| check_operator("saddle of a contact problem", problem.saddle(), None))
+            .unwrap();
+    }
+}
+
+fn preconditioners(pools: &[ThreadPool; 2], name: &str, body: &Body) {
+    let system = body.stick_system(Some(JumpStabilization::default()));
+    let unit = system.magnitude().unwrap().unit;
+    let blocks = body
+        .saddle_blocks(Some(JumpStabilization::default()))
+        .unwrap()
+        .into_traction_unit(unit);
+    let operator = SaddleOperator::new(&blocks);
+    let mut list: Vec<(String, Box<dyn Preconditioner<f64>>, bool)> = Vec::new();
+    for method in SaddleMethod::all() {
+        let inner: &[Option<&str>] = match method.inner() {
+            None => &[None],
+            Some(_) => &[
+                Some("exact"),
+                Some("amg"),
+                Some("amg:gauss_seidel:f64"),
+                Some("amg:chebyshev"),
+                Some("amg:fsai"),
+                Some("fsai"),
+                Some("fsai:static"),
+                Some("jacobi"),
+                Some("ssor"),
+            ],
+        };
+        for inner in inner {
+            let parsed = inner.and_then(|inner| inner.parse().ok());
+            let Ok(method) = method.with_parts(None, parsed) else {
+                continue;
+            };
+            // a singular A is refused by those that invert it
+            let Ok(ready) = method.ready(&blocks) else {
+                continue;
+            };
+            let of = inner
+                .map(|inner| format!(" around {inner}"))
+                .unwrap_or_default();
+            let is_inverse = method.name() == "direct";
+            list.push((
+                format!("{}{of} of {name}", method.name()),
+                ready.inverse,
+                is_inverse,
+            ));
+        }
+    }
+    assert!(list.len() > 12, "{} methods were set up", list.len());
+    if body.mesh.grid.is_some() {
+        let saddle = MatrixFreeSaddle::in_traction_unit(&system, unit).unwrap();
+        let parts = RacpParts::new(&Racp::geometric(), &saddle, &system, &mut Silent).unwrap();
+        list.push((
+            format!("geometric of {name}"),
+            Box::new(parts.inverse),
+            false,
+        ));
+    }
+    for choice in DirectChoice::BACKENDS {
+        // a build without SuiteSparse has one backend
+        let Ok(direct) = choice.solver() else {
+            continue;
+        };
+        let s_u = schur::primal_schur(&blocks.a, &blocks.b1, &c(&blocks)).unwrap();
+        let factors = direct
+            .analyze(&s_u, Kind::Spd)
+            .unwrap()
+            .factor(&s_u)
+            .unwrap();
+        let made = Csr::new(s_u);
+        for pool in pools {
+            let subject = format!("{choice} of S_u of {name}");
+            pool.install(|| check_preconditioner(&subject, &*factors, Some(&made), 1e-7))
+                .unwrap();
+        }
+    }
+    for (name, m, is_inverse) in &list {
+        let mut seen: Option<Vec<u64>> = None;
+        for pool in pools {
+            let matrix = is_inverse.then_some(&operator as &dyn LinearOperator<f64>);
+            pool.install(|| check_preconditioner(name, &**m, matrix, 1e-7))
+                .unwrap();
+            let r = probe::<f64>(m.size(), 22);
+            let (mut z, mut work) = (vec![0.0; m.size()], vec![f64::NAN; m.work_len()]);
+            let made = allocations(pool, &mut || m.solve(&r, &mut z, &mut work));
+            // factorizations of others allocate within
+            let quiet = !["exact", "direct", "mcp"]
+                .iter()
+                .any(|part| name.contains(part));
+            assert!(made == 0 || !quiet, "{name} allocates {made} times");
+            let own = bits(&z);
+            assert!(
+                seen.as_ref().is_none_or(|seen| *seen == own),
+                "{name}: bits depend on threads"
+            );
+            seen = Some(own);
+        }
+    }
+    let s_u = schur::primal_schur(&blocks.a, &blocks.b1, &c(&blocks)).unwrap();
+    pools[0].install(|| {
+        let fsai: FsaiInverse<Tally> = Fsai::default().build(&s_u).unwrap().cast();
+        check_flops_of_solve("FSAI", &fsai, 0.2).unwrap();
+        check_flops_of_solve("Identity", &Identity { n: 9 }, 0.0).unwrap();
+    });
+}
+
+fn c(blocks: &SaddleBlocks) -> fracas_solvers::saddle::AugmentationMatrix {
+    let direct = DirectChoice::default().solver().unwrap();
+    AugmentationChoice::LocalH
+        .compute(blocks, &*direct)
+        .unwrap()
+        .matrix
+}
