@@ -25,6 +25,7 @@ pub mod real;
 pub mod shape;
 pub mod shared;
 pub mod simd;
+pub mod small;
 pub mod sparse;
 pub mod tally;
 pub mod timed;

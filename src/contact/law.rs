@@ -1,8 +1,7 @@
 //! Residual and tangent of one face in a given state.
 
 use super::{ContactState, Friction};
-
-type Matrix3 = [[f64; 3]; 3];
+use fracas_operators::small::{Matrix3, diagonal};
 
 /// Where a face stands: traction and jump in its frame (n, t1, t2).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -21,9 +20,9 @@ pub struct FaceRows {
     /// r.
     pub residual: [f64; 3],
     /// ∂r/∂(jump), dimensionless.
-    pub by_jump: Matrix3,
+    pub by_jump: Matrix3<f64>,
     /// ∂r/∂(traction) [m/Pa].
-    pub by_traction: Matrix3,
+    pub by_traction: Matrix3<f64>,
 }
 
 /// The contact rows of a face:
@@ -64,9 +63,6 @@ impl FaceLaw {
             start,
         } = *point;
         let omega = self.compliance;
-        let diagonal = |d: [f64; 3]| -> Matrix3 {
-            std::array::from_fn(|i| std::array::from_fn(|j| if i == j { d[i] } else { 0.0 }))
-        };
         match state {
             ContactState::Stick => FaceRows {
                 residual: jump,

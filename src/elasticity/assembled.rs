@@ -3,6 +3,7 @@
 use super::{Constraints, Elastic, ElasticityError, check};
 use crate::mesh::HexMesh;
 use fracas_operators::LinearOperator;
+use fracas_operators::small::{Matrix3, add};
 use fracas_operators::sparse::{Block3, SparseMatrix};
 use rayon::prelude::*;
 
@@ -85,7 +86,7 @@ pub fn stiffness_of_rows(
         offsets[a + 1] += offsets[a];
     }
     let mut columns = vec![0u32; offsets[n]];
-    let mut blocks = vec![[0.0; 9]; offsets[n]];
+    let mut blocks = vec![[[0.0; 3]; 3]; offsets[n]];
     row_parts(&offsets, &mut columns, &mut blocks)
         .into_par_iter()
         .try_for_each_init(Vec::new, |scratch, part| {
@@ -117,14 +118,14 @@ pub fn stiffness_of_rows(
 struct RowPart<'a> {
     rows: std::ops::Range<usize>,
     columns: &'a mut [u32],
-    blocks: &'a mut [[f64; 9]],
+    blocks: &'a mut [Matrix3<f64>],
 }
 
 /// Splits the storage of all rows into parts of [`ROWS_PER_TASK`] rows.
 fn row_parts<'a>(
     offsets: &[usize],
     mut columns: &'a mut [u32],
-    mut blocks: &'a mut [[f64; 9]],
+    mut blocks: &'a mut [Matrix3<f64>],
 ) -> Vec<RowPart<'a>> {
     let n = offsets.len() - 1;
     (0..n)
@@ -150,7 +151,7 @@ fn assemble_row(
     materials: &[Elastic],
     around: &[u32],
     columns: &[u32],
-    blocks: &mut [[f64; 9]],
+    blocks: &mut [Matrix3<f64>],
 ) -> Result<(), ElasticityError> {
     for corner in around {
         let (e, a) = (*corner as usize / 8, *corner as usize % 8);
@@ -159,9 +160,7 @@ fn assemble_row(
         for (b, node) in mesh.elements[e].iter().enumerate() {
             let position = columns.partition_point(|column| column < node);
             let block = geometry.stiffness_block(a, b, material);
-            for (sum, value) in blocks[position].iter_mut().zip(block) {
-                *sum += value;
-            }
+            add(&mut blocks[position], 1.0, &block);
         }
     }
     Ok(())

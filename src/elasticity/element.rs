@@ -1,6 +1,7 @@
 //! The eight-node hexahedron: trilinear shape functions, 2×2×2 Gauss points, isotropic stiffness.
 
 use super::Elastic;
+use fracas_operators::small::Matrix3;
 
 /// Corners of the reference cube [−1, 1]³ in VTK order.
 pub const CORNERS: [[f64; 3]; 8] = [
@@ -189,23 +190,20 @@ impl Geometry {
         }
     }
 
-    /// 3×3 block (a, b) of the stiffness, row-major [N/m]:
+    /// 3×3 block (a, b) of the stiffness [N/m]:
     /// `K_ij = λ M_ij + G (M_ji + δ_ij Σ_k M_kk)` with `M_ij = ∫ ∂_i N_a ∂_j N_b`.
-    pub fn stiffness_block(&self, a: usize, b: usize, material: Elastic) -> [f64; 9] {
+    pub fn stiffness_block(&self, a: usize, b: usize, material: Elastic) -> Matrix3<f64> {
         let m = match self {
             Self::Brick(size) => brick_products(*size, a, b),
             Self::General(points) => points.products(a, b),
         };
         let (lambda, shear) = (material.lambda(), material.shear());
         let trace = m[0][0] + m[1][1] + m[2][2];
-        let mut block = [0.0; 9];
-        for i in 0..3 {
-            for j in 0..3 {
-                let delta = if i == j { trace } else { 0.0 };
-                block[3 * i + j] = lambda * m[i][j] + shear * (m[j][i] + delta);
-            }
-        }
-        block
+        let entry = |i: usize, j: usize| {
+            let delta = if i == j { trace } else { 0.0 };
+            lambda * m[i][j] + shear * (m[j][i] + delta)
+        };
+        std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
     }
 
     /// Diagonal of the block (a, a), with its bits: only the `M_ii` are integrated [N/m].
@@ -233,7 +231,7 @@ impl Geometry {
             for b in 0..8 {
                 let block = self.stiffness_block(a, b, material);
                 for i in 0..3 {
-                    k[3 * a + i][3 * b..3 * b + 3].copy_from_slice(&block[3 * i..3 * i + 3]);
+                    k[3 * a + i][3 * b..3 * b + 3].copy_from_slice(&block[i]);
                 }
             }
         }

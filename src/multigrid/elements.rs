@@ -6,11 +6,11 @@ use crate::elasticity::element::Geometry;
 use crate::elasticity::{Elastic, ElasticityError};
 use crate::mesh::HexMesh;
 use fracas_operators::shared::Colours;
-use fracas_solvers::multigrid::Symmetric;
+use fracas_operators::small::{Matrix3, Symmetric, add, transposed, upper};
 use std::borrow::Cow;
 
 /// Node blocks `[a][b]` of an element matrix.
-pub(super) type ElementBlocks = [[[f64; 9]; 8]; 8];
+pub(super) type ElementBlocks = [[Matrix3<f64>; 8]; 8];
 
 /// Relative difference up to which two edge lengths count as equal: what rounding makes of equal spacings. Unit: 1.
 const SAME_SIZE: f64 = 1e-9;
@@ -93,16 +93,16 @@ impl BrickCache {
             .iter_mut()
             .zip(shear.as_flattened())
         {
-            l.iter_mut().zip(s).for_each(|(l, s)| *l -= s);
+            add(l, -1.0, s);
         }
         (self.size, self.lambda, self.shear) = (size, vec![lambda], vec![shear]);
     }
 
     /// Block (a, b) of a brick.
-    fn block(&self, a: usize, b: usize, material: Elastic) -> [f64; 9] {
+    fn block(&self, a: usize, b: usize, material: Elastic) -> Matrix3<f64> {
         let (lambda, shear) = (material.lambda(), material.shear());
         let (l, s) = (&self.lambda[0][a][b], &self.shear[0][a][b]);
-        std::array::from_fn(|k| lambda * l[k] + shear * s[k])
+        std::array::from_fn(|i| std::array::from_fn(|j| lambda * l[i][j] + shear * s[i][j]))
     }
 }
 
@@ -115,7 +115,7 @@ impl Elements<'_> {
         place: [usize; 3],
         cache: &mut BrickCache,
         wanted: impl Iterator<Item = (usize, usize)>,
-        mut visit: impl FnMut(usize, usize, [f64; 9]),
+        mut visit: impl FnMut(usize, usize, Matrix3<f64>),
     ) -> Result<(), ElasticityError> {
         match self {
             Self::Bricks { kinds, materials } => {
@@ -151,12 +151,12 @@ impl Elements<'_> {
         place: [usize; 3],
         cache: &mut BrickCache,
     ) -> Result<ElementBlocks, ElasticityError> {
-        let mut blocks = [[[0.0; 9]; 8]; 8];
+        let mut blocks = [[[[0.0; 3]; 3]; 8]; 8];
         let upper = (0..8).flat_map(|a| (a..8).map(move |b| (a, b)));
         self.for_blocks(grid, element, place, cache, upper, |a, b, block| {
             blocks[a][b] = block;
             if a != b {
-                blocks[b][a] = std::array::from_fn(|k| block[3 * (k % 3) + k / 3]);
+                blocks[b][a] = transposed(&block);
             }
         })?;
         Ok(blocks)
@@ -185,9 +185,10 @@ impl Elements<'_> {
                     let done = self.for_blocks(grid, e, place, &mut cache, own, |a, _, block| {
                         // SAFETY: a node of this layer.
                         let to = unsafe { diagonal.part(grid.elements[e][a] as usize, 1) };
-                        for (to, k) in to[0].iter_mut().zip([0, 1, 2, 4, 5, 8]) {
-                            *to += block[k];
-                        }
+                        to[0]
+                            .iter_mut()
+                            .zip(upper(&block))
+                            .for_each(|(to, v)| *to += v);
                     });
                     if let Err(error) = done {
                         // the lowest layer's error may not come first; any names an inverted element

@@ -5,26 +5,19 @@ use super::interpolation::weights;
 use super::remainder::{Rows, Step};
 use crate::contact::Coupling;
 use crate::mesh::{FaceSide, FractureFace, FractureMesh};
+use fracas_operators::small::{Matrix3, Symmetric, cast, diagonal, times, upper};
 use fracas_operators::{AdjointOperator, LinearOperator, Real};
-use fracas_solvers::multigrid::Symmetric;
 use fracas_solvers::saddle::AugmentationMatrix;
 
-/// A 3×3 block by rows.
-type Block = [[f64; 3]; 3];
-
 /// The inverse block of every face, divided by `scale`.
-pub(super) fn inverse_blocks(c: &AugmentationMatrix, scale: f64) -> Option<Vec<Block>> {
+pub(super) fn inverse_blocks(c: &AugmentationMatrix, scale: f64) -> Option<Vec<Matrix3<f64>>> {
     match c {
         AugmentationMatrix::Diagonal { c } => {
-            let block = |c: &[f64]| {
-                let mut block = [[0.0; 3]; 3];
-                (0..3).for_each(|k| block[k][k] = 1.0 / (c[k] * scale));
-                block
-            };
-            Some(c.chunks_exact(3).map(block).collect())
+            let block = |c: &[f64; 3]| diagonal(c.map(|c| 1.0 / (c * scale)));
+            Some(c.as_chunks().0.iter().map(block).collect())
         }
         AugmentationMatrix::FaceBlocks { inverse, .. } => {
-            let scaled = |b: &Block| b.map(|row| row.map(|v| v / scale));
+            let scaled = |b: &Matrix3<f64>| b.map(|row| row.map(|v| v / scale));
             Some(inverse.iter().map(scaled).collect())
         }
         AugmentationMatrix::Dense { .. } | AugmentationMatrix::Custom(_) => None,
@@ -35,14 +28,14 @@ pub(super) fn inverse_blocks(c: &AugmentationMatrix, scale: f64) -> Option<Vec<B
 #[derive(Debug)]
 pub(super) struct FractureTerm<R> {
     b: Coupling<R>,
-    c_inverse: Vec<[[R; 3]; 3]>,
+    c_inverse: Vec<Matrix3<R>>,
 }
 
 impl<R: Real> FractureTerm<R> {
-    pub(super) fn new(fractures: &FractureMesh, nodes: usize, c_inverse: &[Block]) -> Self {
+    pub(super) fn new(fractures: &FractureMesh, nodes: usize, c_inverse: &[Matrix3<f64>]) -> Self {
         Self {
             b: Coupling::in_full_numbering(fractures, nodes),
-            c_inverse: c_inverse.iter().map(|b| b.map(|r| r.map(R::of))).collect(),
+            c_inverse: c_inverse.iter().map(cast).collect(),
         }
     }
 
@@ -53,9 +46,8 @@ impl<R: Real> FractureTerm<R> {
         let (t, work) = work.split_at_mut(self.work_len());
         t.fill(R::zero());
         self.b.apply_adjoint_add(alpha, x, t, work);
-        for (t, c) in t.chunks_exact_mut(3).zip(&self.c_inverse) {
-            let s = [t[0], t[1], t[2]];
-            (0..3).for_each(|k| t[k] = c[k][0] * s[0] + c[k][1] * s[1] + c[k][2] * s[2]);
+        for (t, c) in t.as_chunks_mut().0.iter_mut().zip(&self.c_inverse) {
+            *t = times(c, t);
         }
         self.b.apply_add(R::one(), t, y, work);
     }
@@ -69,15 +61,14 @@ impl<R: Real> FractureTerm<R> {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.c_inverse.len() * size_of::<[[R; 3]; 3]>() + self.b.bytes()
+        self.c_inverse.len() * size_of::<Matrix3<R>>() + self.b.bytes()
     }
 }
 
 /// `M = Eᵀ C⁻¹ E` in global axes, E the frame by rows.
-fn in_global_axes(face: &FractureFace, c_inverse: &Block) -> [f64; 9] {
+fn in_global_axes(face: &FractureFace, c_inverse: &Matrix3<f64>) -> Matrix3<f64> {
     let e = &face.frame;
-    std::array::from_fn(|n| {
-        let (i, j) = (n / 3, n % 3);
+    let entry = |i: usize, j: usize| {
         let mut sum = 0.0;
         for k in 0..3 {
             for l in 0..3 {
@@ -85,17 +76,18 @@ fn in_global_axes(face: &FractureFace, c_inverse: &Block) -> [f64; 9] {
             }
         }
         sum
-    })
+    };
+    std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
 }
 
 /// Adds the diagonal blocks of `B C⁻¹Bᵀ`.
 pub(super) fn add_diagonals(
     fractures: &FractureMesh,
-    c_inverse: &[Block],
+    c_inverse: &[Matrix3<f64>],
     diagonal: &mut [Symmetric<f64>],
 ) {
     for (face, c_inverse) in fractures.faces.iter().zip(c_inverse) {
-        let m = in_global_axes(face, c_inverse);
+        let m = upper(&in_global_axes(face, c_inverse));
         for a in 0..4 {
             let (minus, plus) = (face.minus.nodes[a], face.plus.nodes[a]);
             if minus == plus {
@@ -104,8 +96,7 @@ pub(super) fn add_diagonals(
             let square = face.node_areas[a] * face.node_areas[a];
             for node in [minus, plus] {
                 let to = diagonal[node as usize].iter_mut();
-                to.zip([0, 1, 2, 4, 5, 8])
-                    .for_each(|(to, k)| *to += square * m[k]);
+                to.zip(m).for_each(|(to, m)| *to += square * m);
             }
         }
     }
@@ -136,7 +127,7 @@ pub(super) fn add_faces(
     rows: &mut Rows,
     step: Step<'_>,
     fractures: &FractureMesh,
-    c_inverse: &[Block],
+    c_inverse: &[Matrix3<f64>],
 ) {
     let mut jump: Vec<(u32, [f64; 3])> = Vec::new();
     for (face, c_inverse) in fractures.faces.iter().zip(c_inverse) {
@@ -146,7 +137,7 @@ pub(super) fn add_faces(
         let m = in_global_axes(face, c_inverse);
         for (row, g) in &jump {
             for (column, h) in &jump {
-                let block = std::array::from_fn(|n| g[n / 3] * m[n] * h[n % 3]);
+                let block = std::array::from_fn(|i| std::array::from_fn(|j| g[i] * m[i][j] * h[j]));
                 rows.add(*row as usize, *column, &block);
             }
         }

@@ -17,10 +17,11 @@ use super::{Geometric, GeometricError};
 use crate::elasticity::{Bricks, Elastic, Hexes};
 use crate::system::StickSystem;
 use fracas_operators::simd::Level as Instructions;
+use fracas_operators::small::{Matrix3, Symmetric, upper};
 use fracas_operators::sparse::Block3;
 use fracas_operators::{AdjointOperator, LinearOperator, Real};
 use fracas_solvers::amg::LevelSummary;
-use fracas_solvers::multigrid::{Hierarchy, Level, NoInverse, Symmetric};
+use fracas_solvers::multigrid::{Hierarchy, Level, NoInverse};
 use std::borrow::Cow;
 
 /// Levels beyond which a grid cannot have been halved.
@@ -248,7 +249,7 @@ impl Current<'_> {
             ));
         };
         let bricks = self.bricks(materials);
-        let stored = remainder.block_count() * (size_of::<[R; 9]>() + size_of::<u32>())
+        let stored = remainder.block_count() * (size_of::<Matrix3<R>>() + size_of::<u32>())
             + size_of_val(remainder.offsets());
         let bytes = stored + bricks.as_ref().map_or(0, Bricks::bytes);
         let remainder = remainder.cast();
@@ -309,10 +310,8 @@ fn add_diagonal_blocks(matrix: &Block3<f64>, diagonal: &mut [Symmetric<f64>]) {
     for (i, to) in diagonal.iter_mut().enumerate() {
         let range = matrix.offsets()[i]..matrix.offsets()[i + 1];
         if let Ok(at) = matrix.columns()[range.clone()].binary_search(&(i as u32)) {
-            let block = &matrix.blocks()[range.start + at];
-            for (to, k) in to.iter_mut().zip([0, 1, 2, 4, 5, 8]) {
-                *to += block[k];
-            }
+            let block = upper(&matrix.blocks()[range.start + at]);
+            to.iter_mut().zip(block).for_each(|(to, v)| *to += v);
         }
     }
 }

@@ -8,6 +8,7 @@ use super::interpolation::{Owners, weights};
 use super::pattern::Pattern;
 use crate::elasticity::ElasticityError;
 use fracas_operators::shared::Colours;
+use fracas_operators::small::{Matrix3, add};
 use fracas_operators::sparse::Block3;
 
 /// A level and the way to the next one.
@@ -27,21 +28,19 @@ pub(super) struct Step<'a> {
 /// soft ones its free motions, which carry `(h/L)²/contrast` of its stiffness.
 pub(super) struct Rows {
     pub(super) pattern: Pattern,
-    pub(super) blocks: Vec<[f64; 9]>,
+    pub(super) blocks: Vec<Matrix3<f64>>,
 }
 
 impl Rows {
     pub(super) fn new(pattern: Pattern) -> Self {
-        let blocks = vec![[0.0; 9]; pattern.columns.len()];
+        let blocks = vec![[[0.0; 3]; 3]; pattern.columns.len()];
         Self { pattern, blocks }
     }
 
     /// Adds to block (row, column), which the pattern holds.
-    pub(super) fn add(&mut self, row: usize, column: u32, block: &[f64; 9]) {
+    pub(super) fn add(&mut self, row: usize, column: u32, block: &Matrix3<f64>) {
         let at = self.pattern.place(row, column);
-        for (to, v) in self.blocks[at].iter_mut().zip(block) {
-            *to += v;
-        }
+        add(&mut self.blocks[at], 1.0, block);
     }
 
     /// Adds `Σ P_eᵀ K_e P_e` over the fine elements with a matrix in coarse elements that are no bricks.
@@ -75,9 +74,7 @@ impl Rows {
                         let columns = &pattern.columns[range];
                         for (block, column) in row.iter().zip(corners) {
                             let at = columns.partition_point(|c| c < column);
-                            for (to, v) in to[at].iter_mut().zip(block) {
-                                *to += v;
-                            }
+                            add(&mut to[at], 1.0, block);
                         }
                     }
                 }
@@ -91,7 +88,7 @@ impl Rows {
         let coarse = &step.coarsening.coarse;
         let mut slot = vec![u32::MAX; coarse.nodes];
         let mut columns: Vec<u32> = Vec::new();
-        let mut images: Vec<[f64; 9]> = Vec::new();
+        let mut images: Vec<Matrix3<f64>> = Vec::new();
         let parents = |node: usize| {
             let corners = coarse.elements[step.owners.element[node] as usize];
             let weights = step.owners.weights(coarse, node);
@@ -107,13 +104,9 @@ impl Rows {
                     if *slot == u32::MAX {
                         *slot = columns.len() as u32;
                         columns.push(column);
-                        images.push([0.0; 9]);
+                        images.push([[0.0; 3]; 3]);
                     }
-                    let image = &mut images[*slot as usize];
-                    image
-                        .iter_mut()
-                        .zip(block)
-                        .for_each(|(to, v)| *to += weight * v);
+                    add(&mut images[*slot as usize], weight, block);
                 }
             }
             if columns.is_empty() {
@@ -121,7 +114,11 @@ impl Rows {
             }
             for (row, weight) in parents(i) {
                 for (column, image) in columns.iter().zip(&images) {
-                    self.add(row as usize, *column, &image.map(|v| weight * v));
+                    self.add(
+                        row as usize,
+                        *column,
+                        &image.map(|row| row.map(|v| weight * v)),
+                    );
                 }
             }
             columns.drain(..).for_each(|c| slot[c as usize] = u32::MAX);
@@ -139,15 +136,8 @@ impl Rows {
             for at in begin..end {
                 let column = self.pattern.columns[at];
                 let mut block = self.blocks[at];
-                let (r, c) = (fixed[i], fixed[column as usize]);
-                if r | c != 0 {
-                    for k in 0..9 {
-                        if (r >> (k / 3) | c >> (k % 3)) & 1 == 1 {
-                            block[k] = 0.0;
-                        }
-                    }
-                }
-                if block.iter().any(|v| *v != 0.0) {
+                mask(&mut block, fixed[i], fixed[column as usize]);
+                if block != [[0.0; 3]; 3] {
                     self.pattern.columns[kept] = column;
                     self.blocks[kept] = block;
                     kept += 1;
@@ -182,7 +172,7 @@ fn galerkin(
         parent,
         starts,
     } = step.coarsening;
-    let mut sum = [[[0.0; 9]; 8]; 8];
+    let mut sum = [[[[0.0; 3]; 3]; 8]; 8];
     let place = coarse.place(cell);
     let mut outcome = Ok(());
     for_each_fine(place, starts, |at| {
@@ -193,10 +183,12 @@ fn galerkin(
             match step.elements.matrix(step.fine, e, at, cache) {
                 Err(error) => outcome = Err(error),
                 Ok(mut k) => {
-                    mask(
-                        &mut k,
-                        step.fine.elements[e].map(|n| step.fixed[n as usize]),
-                    );
+                    let fixed = step.fine.elements[e].map(|n| step.fixed[n as usize]);
+                    if fixed != [0; 8] {
+                        (0..64).for_each(|n| {
+                            mask(&mut k[n / 8][n % 8], fixed[n / 8], fixed[n % 8]);
+                        });
+                    }
                     let w = STEPS.map(|up| {
                         let local = [0, 1, 2].map(|d: usize| at[d] - starts[d][place[d]] + up[d]);
                         weights(step.owners.shares(place, local))
@@ -209,17 +201,15 @@ fn galerkin(
     outcome.map(|()| sum)
 }
 
-/// Zeros in rows and columns of fixed components.
-fn mask(k: &mut ElementBlocks, fixed: [u8; 8]) {
-    if fixed == [0; 8] {
+/// Zeros in the rows and columns of a block whose components are fixed.
+fn mask(block: &mut Matrix3<f64>, rows: u8, columns: u8) {
+    if rows | columns == 0 {
         return;
     }
-    for a in 0..8 {
-        for b in 0..8 {
-            for n in 0..9 {
-                if (fixed[a] >> (n / 3) | fixed[b] >> (n % 3)) & 1 == 1 {
-                    k[a][b][n] = 0.0;
-                }
+    for (i, row) in block.iter_mut().enumerate() {
+        for (j, v) in row.iter_mut().enumerate() {
+            if (rows >> i | columns >> j) & 1 == 1 {
+                *v = 0.0;
             }
         }
     }
@@ -229,17 +219,18 @@ fn mask(k: &mut ElementBlocks, fixed: [u8; 8]) {
 fn add_congruent(sum: &mut ElementBlocks, k: &ElementBlocks, w: &[[f64; 8]; 8]) {
     for a in 0..8 {
         // K W, one row of it
-        let mut row = [[0.0; 9]; 8];
+        let mut row = [[[0.0; 3]; 3]; 8];
         for b in 0..8 {
             for (to, w) in row.iter_mut().zip(w[b]) {
                 if w != 0.0 {
-                    to.iter_mut().zip(k[a][b]).for_each(|(to, v)| *to += w * v);
+                    add(to, w, &k[a][b]);
                 }
             }
         }
         for (to, w) in sum.iter_mut().zip(w[a]) {
             if w != 0.0 {
-                for (to, v) in to.as_flattened_mut().iter_mut().zip(row.as_flattened()) {
+                let row = row.as_flattened().as_flattened();
+                for (to, v) in to.as_flattened_mut().as_flattened_mut().iter_mut().zip(row) {
                     *to += w * v;
                 }
             }

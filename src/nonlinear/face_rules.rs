@@ -2,7 +2,7 @@
 
 use super::jacobian::FaceTangent;
 
-pub(super) type Matrix3 = [[f64; 3]; 3];
+pub(super) type Matrix3 = fracas_operators::small::Matrix3<f64>;
 
 /// Share of a jump row below which it counts as a law for its own traction. Unit: 1.
 const NO_JUMP: f64 = 1e-3;

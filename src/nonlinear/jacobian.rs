@@ -3,6 +3,7 @@
 use crate::contact::Coupling;
 use crate::elasticity::Restricted;
 use fracas_operators::operator::assert_product;
+use fracas_operators::small::{Matrix3, times};
 use fracas_operators::sparse::Csr;
 use fracas_operators::{AdjointOperator, Layout, LinearOperator, Shape};
 
@@ -10,9 +11,9 @@ use fracas_operators::{AdjointOperator, Layout, LinearOperator, Shape};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct FaceTangent {
     /// D = ∂r/∂g.
-    pub(super) by_jump: [[f64; 3]; 3],
+    pub(super) by_jump: Matrix3<f64>,
     /// L = −s² A_f ∂r/∂t.
-    pub(super) law: [[f64; 3]; 3],
+    pub(super) law: Matrix3<f64>,
 }
 
 impl FaceTangent {
@@ -53,11 +54,6 @@ impl ContactJacobian<'_> {
     }
 }
 
-/// `M v`.
-fn times(m: &[[f64; 3]; 3], v: &[f64]) -> [f64; 3] {
-    m.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
-}
-
 impl LinearOperator<f64> for ContactJacobian<'_> {
     fn shape(&self) -> Shape {
         Shape::square(self.layout().len())
@@ -85,12 +81,11 @@ impl LinearOperator<f64> for ContactJacobian<'_> {
                 if let Some(h) = self.h {
                     h.apply_add(-1.0, x_t, jump, work);
                 }
-                for (f, face) in faces.iter().enumerate() {
-                    let d = times(&face.by_jump, &jump[3 * f..][..3]);
-                    let l = times(&face.law, &x_t[3 * f..][..3]);
-                    for k in 0..3 {
-                        y_t[3 * f + k] += alpha * (d[k] - l[k]);
-                    }
+                let (jump, x_t) = (jump.as_chunks().0, x_t.as_chunks().0);
+                let y_t = y_t.as_chunks_mut::<3>().0.iter_mut();
+                for (((face, jump), x), y) in faces.iter().zip(jump).zip(x_t).zip(y_t) {
+                    let (d, l) = (times(&face.by_jump, jump), times(&face.law, x));
+                    (0..3).for_each(|k| y[k] += alpha * (d[k] - l[k]));
                 }
             }
         }

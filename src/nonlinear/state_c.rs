@@ -3,6 +3,7 @@
 use super::face_rules::{FaceRule, Matrix3};
 use super::jacobian::FaceTangent;
 use fracas_operators::Preconditioner;
+use fracas_operators::small::times;
 use fracas_operators::sparse::Triplets;
 use fracas_solvers::SetupError;
 use fracas_solvers::saddle::{AugmentationMatrix, Block};
@@ -95,7 +96,7 @@ impl Coupled {
 
     fn project(&self, v: &mut [f64]) {
         for (e, v) in self.kept.iter().zip(v.as_chunks_mut().0) {
-            *v = times(e, *v);
+            *v = times(e, v);
         }
     }
 
@@ -134,11 +135,6 @@ fn projected(
         }
     }
     AugmentationMatrix::from_sparse(triplets.to_csr())
-}
-
-/// `M v` for the three components of a face.
-pub(super) fn times(m: &Matrix3, v: [f64; 3]) -> [f64; 3] {
-    m.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
 }
 
 /// C per face.

@@ -1,8 +1,9 @@
 //! RACP of a body whose faces stick, slip or are open.
 
 use super::face_rules::FaceRule;
-use super::state_c::{Coupled, times};
+use super::state_c::Coupled;
 use crate::contact::Coupling;
+use fracas_operators::small::times;
 use fracas_operators::sparse::Csr;
 use fracas_operators::{AdjointOperator, Layout, LinearOperator, Preconditioner, Properties};
 use fracas_solvers::saddle::Relaxation;
@@ -59,7 +60,7 @@ impl<'a> StateInverse<'a> {
         }
         let rows = r.chunks_exact(3).zip(z.chunks_exact_mut(3));
         for (rule, (r, z)) in self.rules.iter().zip(rows) {
-            z.copy_from_slice(&times(&rule.g, three(r)));
+            z.copy_from_slice(&times(&rule.g, &three(r)));
         }
     }
 }
@@ -81,7 +82,7 @@ impl Preconditioner<f64> for StateInverse<'_> {
         let (y_k, work) = work.split_at_mut(x_t.len());
         // x_k = Wᵀ x_k, y_k = C⁻¹ x_k
         for (f, rule) in self.rules.iter().enumerate() {
-            x_k[3 * f..][..3].copy_from_slice(&times(&rule.kept, three(&x_t[3 * f..])));
+            x_k[3 * f..][..3].copy_from_slice(&times(&rule.kept, &three(&x_t[3 * f..])));
         }
         if let Some(w) = &self.relaxation {
             w.apply_transpose(|r, z, work| self.kept_solve(r, z, work), x_k, work);
@@ -89,7 +90,7 @@ impl Preconditioner<f64> for StateInverse<'_> {
         self.kept_solve(x_k, y_k, work);
         // y_t = y_k + Λ⁻¹ x_l
         for (f, rule) in self.rules.iter().enumerate() {
-            let l = times(&rule.law, three(&x_t[3 * f..]));
+            let l = times(&rule.law, &three(&x_t[3 * f..]));
             (0..3).for_each(|i| y_t[3 * f + i] = y_k[3 * f + i] + l[i]);
         }
         // y_u = S̃_u⁻¹ (x_u + B y_t)
@@ -107,8 +108,8 @@ impl Preconditioner<f64> for StateInverse<'_> {
         for (f, rule) in self.rules.iter().enumerate() {
             let k = three(&y_k[3 * f..]);
             let (l, m) = (
-                times(&rule.law, three(&x_t[3 * f..])),
-                times(&rule.friction, k),
+                times(&rule.law, &three(&x_t[3 * f..])),
+                times(&rule.friction, &k),
             );
             (0..3).for_each(|i| y_t[3 * f + i] = k[i] - l[i] - m[i]);
         }

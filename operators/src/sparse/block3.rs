@@ -3,6 +3,7 @@
 use super::SparseMatrix;
 use crate::operator::assert_product;
 use crate::simd::{Kernel, Lanes, Level, MAX_WIDTH, prefetch};
+use crate::small::{Matrix3, cast};
 use crate::vector::for_row_ranges;
 use crate::{AdjointOperator, LinearOperator, Real, Shape};
 
@@ -15,7 +16,7 @@ pub struct Block3<R> {
     offsets: Vec<usize>,
     columns: Vec<u32>,
     /// One block more than stored, zero, so that a register may be loaded from the start of any block.
-    blocks: Vec<[R; 9]>,
+    blocks: Vec<Matrix3<R>>,
     cols: usize,
     level: Level,
 }
@@ -32,12 +33,12 @@ impl<R: Real> Block3<R> {
     pub fn from_raw(
         offsets: Vec<usize>,
         columns: Vec<u32>,
-        mut blocks: Vec<[R; 9]>,
+        mut blocks: Vec<Matrix3<R>>,
         cols: usize,
     ) -> Self {
         assert_eq!(columns.len(), blocks.len());
         assert_eq!(offsets.last().copied(), Some(columns.len()));
-        blocks.push([R::zero(); 9]);
+        blocks.push([[R::zero(); 3]; 3]);
         Self {
             offsets,
             columns,
@@ -74,17 +75,17 @@ impl<R: Real> Block3<R> {
     }
 
     /// Blocks, row after row, each row-major.
-    pub fn blocks(&self) -> &[[R; 9]] {
+    pub fn blocks(&self) -> &[Matrix3<R>] {
         &self.blocks[..self.columns.len()]
     }
 
     /// Entries (column, value) of one scalar row, zeros inside blocks included.
     pub fn row(&self, row: usize) -> impl Iterator<Item = (usize, R)> + '_ {
         let range = self.offsets[row / 3]..self.offsets[row / 3 + 1];
-        let r = 3 * (row % 3);
+        let r = row % 3;
         range.flat_map(move |k| {
             let (block, j) = (&self.blocks[k], 3 * self.columns[k] as usize);
-            (0..3).map(move |c| (j + c, block[r + c]))
+            (0..3).map(move |c| (j + c, block[r][c]))
         })
     }
 
@@ -93,11 +94,7 @@ impl<R: Real> Block3<R> {
         Block3 {
             offsets: self.offsets.clone(),
             columns: self.columns.clone(),
-            blocks: self
-                .blocks
-                .iter()
-                .map(|b| b.map(|v| S::of(v.to_f64_exact())))
-                .collect(),
+            blocks: self.blocks.iter().map(cast).collect(),
             cols: self.cols,
             level: self.level,
         }
@@ -149,7 +146,7 @@ impl<R: Real> AdjointOperator<R> for Block3<R> {
             for k in self.offsets[row]..self.offsets[row + 1] {
                 let (b, j) = (&self.blocks[k], 3 * self.columns[k] as usize);
                 for c in 0..3 {
-                    y[j + c] += alpha * (b[c] * x_i[0] + b[3 + c] * x_i[1] + b[6 + c] * x_i[2]);
+                    y[j + c] += alpha * (b[0][c] * x_i[0] + b[1][c] * x_i[1] + b[2][c] * x_i[2]);
                 }
             }
         }
@@ -170,7 +167,7 @@ impl<R: Real> Kernel<R> for Rows<'_, R> {
     #[inline(always)]
     fn run<L: Lanes<R>>(self) {
         let matrix = self.matrix;
-        let values = matrix.blocks.as_flattened();
+        let values = matrix.blocks.as_flattened().as_flattened();
         let zero = L::splat(R::zero());
         for (i, y) in self.y.chunks_exact_mut(3).enumerate() {
             let range = matrix.offsets[self.first + i]..matrix.offsets[self.first + i + 1];
@@ -217,7 +214,7 @@ mod tests {
             .for_each(|row| offsets.push(offsets[offsets.len() - 1] + row.len()));
         let columns = rows.concat();
         let values = probe::<R>(9 * columns.len(), 11);
-        let blocks = values.as_chunks::<9>().0.to_vec();
+        let blocks = values.as_chunks::<3>().0.as_chunks::<3>().0.to_vec();
         Block3::from_raw(offsets, columns, blocks, 5)
     }
 
@@ -248,6 +245,9 @@ mod tests {
         assert_eq!(Dense::of_operator(&csr), oracle(&matrix));
         assert_eq!(matrix.blocks().len(), matrix.block_count());
         let single = matrix.cast::<f32>();
-        assert_eq!(single.blocks()[3], matrix.blocks()[3].map(|v| v as f32));
+        assert_eq!(
+            single.blocks()[3],
+            matrix.blocks()[3].map(|row| row.map(|v| v as f32))
+        );
     }
 }

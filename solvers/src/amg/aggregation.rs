@@ -5,6 +5,7 @@ use super::reach::Reach;
 use super::rows::{Pattern, chunks};
 use super::sweeps::SweepMatrix;
 use fracas_operators::Real;
+use fracas_operators::small::Matrix3;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -88,9 +89,10 @@ impl Strong {
     ) -> Self {
         let nodes = a.rows() / group;
         let scales = scales(a, group);
-        let square = |i: usize, j: usize, block: &[R; 9]| {
+        let square = |i: usize, j: usize, block: &Matrix3<R>| {
             let [rows, columns] = [scales[i], scales[j]];
-            let entry = |k: usize| block[k].to_f64_exact() * rows[k / 3] * columns[k % 3];
+            let entry =
+                |k: usize| block[k / 3][k % 3].to_f64_exact() * rows[k / 3] * columns[k % 3];
             (0..9).map(|k| entry(k).powi(2)).sum::<f64>()
         };
         let diagonal: Vec<f64> = (0..nodes)
@@ -162,8 +164,8 @@ impl Strong {
 fn scales<R: Real>(a: &SweepMatrix<R>, group: usize) -> Vec<[f64; 3]> {
     let of_row = |i: usize| {
         let own = a.diagonal(i);
-        [0, 4, 8].map(|k| {
-            let scale = own[k].to_f64_exact().sqrt().recip();
+        [0, 1, 2].map(|k: usize| {
+            let scale = own[k][k].to_f64_exact().sqrt().recip();
             match group {
                 1 => 1.0,
                 _ if scale.is_finite() => scale,
@@ -223,7 +225,7 @@ pub(super) fn aggregate<R: Real>(a: &SweepMatrix<R>, strong: &Strong, group: usi
 
 /// True when a node is coupled to any other.
 fn has_neighbours<R: Real>(a: &SweepMatrix<R>, group: usize, node: usize) -> bool {
-    let zero = [R::zero(); 9];
+    let zero = [[R::zero(); 3]; 3];
     (node * group..(node + 1) * group).any(|i| {
         a.row(i)
             .any(|(j, block)| j / group != node && *block != zero)

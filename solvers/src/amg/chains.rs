@@ -4,6 +4,7 @@ use super::reach::Reach;
 use super::sweeps::SweepMatrix;
 use super::{Amg, Smoother};
 use fracas_operators::Real;
+use fracas_operators::small::norm_squared;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt;
@@ -90,21 +91,17 @@ impl fmt::Display for Smoothing {
 
 /// Share of the nodes with a neighbour that is a link.
 fn chained<R: Real>(a: &SweepMatrix<R>, reach: &Reach<'_>) -> f64 {
-    let square = |block: &[R; 9]| {
-        let values = block.iter().map(|v| v.to_f64_exact());
-        values.map(|v| v * v).sum::<f64>()
-    };
     let sizes: Vec<f64> = (0..a.rows())
         .into_par_iter()
-        .map(|i| square(a.diagonal(i)))
+        .map(|i| norm_squared(a.diagonal(i)))
         .collect();
     let is_link = |i: usize| {
         let flat = reach.has_far(a, i);
         a.row(i).any(|(j, block)| {
             // squares on both sides
             let limit = LINK.powi(4) * sizes[i] * sizes[j];
-            let size = square(block);
-            let trace = block[0] + block[4] + block[8];
+            let size = norm_squared(block);
+            let trace = block[0][0] + block[1][1] + block[2][2];
             let volume = size >= (VOLUME * trace.to_f64_exact()).powi(2);
             j != i && size * size >= limit && (volume || !flat)
         })

@@ -2,13 +2,13 @@
 
 use super::Amg;
 use super::aggregation::Aggregates;
-use super::block;
 use super::galerkin::{self, Patterns};
 use super::prolongation::Prolongation;
 use super::rows::Pattern;
-use super::sweeps::SweepMatrix;
+use super::sweeps::{SINGULAR, SweepMatrix};
 use super::transfer::{Transfer, TransferPattern};
 use fracas_operators::Real;
+use fracas_operators::small::{Matrix3, equilibrated_inverse, transposed};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
@@ -45,7 +45,7 @@ impl Frame {
     pub(super) fn values<S: Real, R: Real, const N: usize>(
         &self,
         a: &SweepMatrix<S>,
-        defect: &[[f64; 9]],
+        defect: &[Matrix3<f64>],
         blocks: Vec<[[R; N]; 3]>,
     ) -> Result<Values<R>, NotPositive> {
         let p = Prolongation {
@@ -105,7 +105,7 @@ pub(super) trait Coarsener<const N: usize, const K: usize>: Sized + Send + Sync 
     fn values<S: Real, R: Real>(
         &self,
         a: &SweepMatrix<S>,
-        defect: &[[f64; 9]],
+        defect: &[Matrix3<f64>],
         lambda_max: f64,
     ) -> Result<Values<R>, NotPositive>;
 
@@ -128,8 +128,8 @@ pub(super) struct NotPositive(pub(super) usize);
 struct Task<'a> {
     nodes: Range<usize>,
     columns: &'a mut [u32],
-    blocks: &'a mut [[f64; 9]],
-    inverses: &'a mut [[f64; 9]],
+    blocks: &'a mut [Matrix3<f64>],
+    inverses: &'a mut [Matrix3<f64>],
 }
 
 /// K×K blocks cut into 3×3 ones; those left of the diagonal are taken from the right. Unknowns without a column in P get a
@@ -148,8 +148,8 @@ fn coarse_matrix<const K: usize>(
     }
     let entries = parts * parts * nodes.len();
     let mut columns = vec![0; entries];
-    let mut blocks = vec![[0.0; 9]; entries];
-    let mut inverses = vec![[0.0; 9]; rows];
+    let mut blocks = vec![[[0.0; 3]; 3]; entries];
+    let mut inverses = vec![[[0.0; 3]; 3]; rows];
     let mut tasks = Vec::with_capacity(pattern.rows() / NODES_PER_TASK + 1);
     let (mut all_columns, mut all_blocks) = (&mut columns[..], &mut blocks[..]);
     for (k, own_inverses) in inverses.chunks_mut(parts * NODES_PER_TASK).enumerate() {
@@ -196,7 +196,8 @@ fn coarse_matrix<const K: usize>(
             }
             for part in 0..parts {
                 let row = 3 * (parts * i + part);
-                let inverse = block::inverse(&three(&diagonal, part, part));
+                let inverse =
+                    equilibrated_inverse(three(&diagonal, part, part), [true; 3], SINGULAR);
                 inverses[parts * (i - first) + part] = inverse.map_err(|c| row + c)?;
             }
         }
@@ -218,10 +219,6 @@ fn find(pattern: &Pattern, i: usize, j: usize) -> usize {
     pattern.offsets[i] + place
 }
 
-fn transposed<const K: usize>(block: &[[f64; K]; K]) -> [[f64; K]; K] {
-    std::array::from_fn(|r| std::array::from_fn(|c| block[c][r]))
-}
-
 /// The diagonal block of a node, symmetric to the last bit and without a zero row.
 fn diagonal<const K: usize>(pattern: &Pattern, nodes: &[[[f64; K]; K]], i: usize) -> [[f64; K]; K] {
     let stored = &nodes[find(pattern, i, i)];
@@ -237,8 +234,8 @@ fn diagonal<const K: usize>(pattern: &Pattern, nodes: &[[[f64; K]; K]], i: usize
 }
 
 /// A 3×3 part of a block.
-fn three<const K: usize>(node: &[[f64; K]; K], part: usize, other: usize) -> [f64; 9] {
-    std::array::from_fn(|k| node[3 * part + k / 3][3 * other + k % 3])
+fn three<const K: usize>(node: &[[f64; K]; K], part: usize, other: usize) -> Matrix3<f64> {
+    std::array::from_fn(|r| std::array::from_fn(|c| node[3 * part + r][3 * other + c]))
 }
 
 #[cfg(test)]

@@ -38,7 +38,12 @@ impl<R: Real> Coarsest<R> {
     /// Factorizes.
     pub(super) fn new<S: Real>(a: &SweepMatrix<S>) -> Result<Self, NoInverse> {
         let scale: Vec<f64> = (0..3 * a.rows())
-            .map(|i| a.diagonal(i / 3)[4 * (i % 3)].to_f64_exact().sqrt().recip())
+            .map(|i| {
+                a.diagonal(i / 3)[i % 3][i % 3]
+                    .to_f64_exact()
+                    .sqrt()
+                    .recip()
+            })
             .collect();
         // a unit diagonal makes "singular" a matter of digits
         if scale.len() <= DENSE {
@@ -79,7 +84,7 @@ impl<R: Real> Coarsest<R> {
             row.clear();
             for (j, block) in a.row(i / 3) {
                 for c in 0..3 {
-                    let value = block[3 * (i % 3) + c].to_f64_exact();
+                    let value = block[i % 3][c].to_f64_exact();
                     row.push(((3 * j + c) as u32, value * scale[i] * scale[3 * j + c]));
                 }
             }
@@ -175,7 +180,7 @@ impl<R> std::fmt::Debug for Coarsest<R> {
 fn for_each_entry<S: Real>(a: &SweepMatrix<S>, mut visit: impl FnMut(usize, usize, f64)) {
     for i in 0..a.rows() {
         for (j, block) in a.row(i) {
-            for (k, value) in block.iter().enumerate() {
+            for (k, value) in block.as_flattened().iter().enumerate() {
                 visit(3 * i + k / 3, 3 * j + k % 3, value.to_f64_exact());
             }
         }

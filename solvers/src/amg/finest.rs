@@ -1,11 +1,11 @@
 //! The finest level: A, or S_u = A + F Fᵀ, in 3×3 node blocks.
 
-use super::block;
 use super::node_map::{NONE, NodeMap};
 use super::rows::Pattern;
-use super::sweeps::SweepMatrix;
+use super::sweeps::{SINGULAR, SweepMatrix};
 use crate::SetupError;
 use crate::smoothers::entries::finite_entries;
+use fracas_operators::small::{Matrix3, cast, equilibrated_inverse};
 use fracas_operators::sparse::SparseMatrix;
 use fracas_operators::{Real, Shape};
 use rayon::prelude::*;
@@ -22,7 +22,7 @@ pub(super) struct Finest<R> {
     pub(super) scale: f64,
     /// What rounding to R takes from the row sums: `Σ_j (A_ij − Ã_ij)`. Added to the diagonal in coarse products, it keeps
     /// the energy of translations right to double precision.
-    pub(super) defect: Vec<[f64; 9]>,
+    pub(super) defect: Vec<Matrix3<f64>>,
 }
 
 /// `A + F Fᵀ`, assembled node by node; F is absent for a plain A.
@@ -138,16 +138,16 @@ impl<'a> Sum<'a> {
         pattern: Pattern,
     ) -> Result<Finest<R>, SetupError> {
         let scale = self.scale();
-        let mut blocks = vec![[R::zero(); 9]; pattern.columns.len()];
+        let mut blocks = vec![[[R::zero(); 3]; 3]; pattern.columns.len()];
         let slots = map.slots();
         let outside = AtomicUsize::new(usize::MAX);
-        let scratch = || (vec![0_u32; map.nodes()], Vec::<[f64; 9]>::new());
+        let scratch = || (vec![0_u32; map.nodes()], Vec::<Matrix3<f64>>::new());
         pattern.fill(&mut blocks, scratch, |nodes, part, (place, row)| {
             let start = pattern.offsets[nodes.start];
             for node in nodes {
                 let columns = pattern.row(node);
                 row.clear();
-                row.resize(columns.len(), [0.0; 9]);
+                row.resize(columns.len(), [[0.0; 3]; 3]);
                 for (k, j) in columns.iter().enumerate() {
                     place[*j as usize] = k as u32;
                 }
@@ -157,7 +157,7 @@ impl<'a> Sum<'a> {
                             let slot = slots[j] as usize;
                             let at = place[slot / 3] as usize;
                             if columns.get(at) == Some(&(slot as u32 / 3)) {
-                                row[at][3 * c + slot % 3] += value;
+                                row[at][c][slot % 3] += value;
                             } else {
                                 outside.fetch_min(*i as usize, Ordering::Relaxed);
                             }
@@ -165,14 +165,14 @@ impl<'a> Sum<'a> {
                     }
                 }
                 let own = &mut row[place[node] as usize];
-                let largest = own[0].max(own[4]).max(own[8]);
+                let largest = own[0][0].max(own[1][1]).max(own[2][2]);
                 for (c, i) in map.of_node(node).iter().enumerate() {
                     if *i == NONE {
-                        own[4 * c] = largest;
+                        own[c][c] = largest;
                     }
                 }
                 for (target, block) in part[pattern.offsets[node] - start..].iter_mut().zip(&*row) {
-                    *target = block.map(|v| R::of(v / scale));
+                    *target = block.map(|row| row.map(|v| R::of(v / scale)));
                 }
             }
         });
@@ -199,22 +199,27 @@ impl<'a> Sum<'a> {
     }
 
     /// `Σ_j (A_ij − Ã_ij)` of every node row, Ã the stored blocks.
-    fn defect<R: Real>(&self, map: &NodeMap, stored: &SweepMatrix<R>, scale: f64) -> Vec<[f64; 9]> {
+    fn defect<R: Real>(
+        &self,
+        map: &NodeMap,
+        stored: &SweepMatrix<R>,
+        scale: f64,
+    ) -> Vec<Matrix3<f64>> {
         let slots = map.slots();
         let of_row = |node: usize| {
-            let mut defect = [0.0; 9];
+            let mut defect: Matrix3<f64> = [[0.0; 3]; 3];
             for (c, i) in map.of_node(node).iter().enumerate() {
                 if *i != NONE {
-                    let sum = &mut defect[3 * c..][..3];
+                    let sum = &mut defect[c];
                     self.for_each(*i as usize, |j, v| sum[slots[j] as usize % 3] += v / scale);
                     for (_, block) in stored.row(node) {
-                        (0..3).for_each(|k| sum[k] -= block[3 * c + k].to_f64_exact());
+                        (0..3).for_each(|k| sum[k] -= block[c][k].to_f64_exact());
                     }
                 }
             }
             for (c, i) in map.of_node(node).iter().enumerate() {
                 if *i == NONE {
-                    (0..3).for_each(|k| defect[3 * k + c] = 0.0);
+                    (0..3).for_each(|k| defect[k][c] = 0.0);
                 }
             }
             defect
@@ -226,14 +231,14 @@ impl<'a> Sum<'a> {
 /// Inverse diagonal blocks; `unknown(row)` names the unknown of a scalar row in errors.
 fn inverses<R: Real>(
     pattern: &Pattern,
-    blocks: &[[R; 9]],
+    blocks: &[Matrix3<R>],
     unknown: impl Fn(usize) -> usize + Sync,
-) -> Result<Vec<[R; 9]>, SetupError> {
+) -> Result<Vec<Matrix3<R>>, SetupError> {
     let of_row = |i: usize| {
         let k = pattern.row(i).partition_point(|j| (*j as usize) < i);
-        let own = blocks[pattern.offsets[i] + k].map(R::to_f64_exact);
-        let inverse = block::inverse(&own).map_err(|c| {
-            if own[4 * c] > 0.0 {
+        let own = cast(&blocks[pattern.offsets[i] + k]);
+        let inverse = equilibrated_inverse(own, [true; 3], SINGULAR).map_err(|c| {
+            if own[c][c] > 0.0 {
                 SetupError::NotPositiveDefinite {
                     block: BLOCK,
                     row: unknown(3 * i + c) + 1,
@@ -243,12 +248,12 @@ fn inverses<R: Real>(
                 SetupError::BadDiagonal {
                     block: BLOCK,
                     row: unknown(3 * i + c) + 1,
-                    value: own[4 * c],
+                    value: own[c][c],
                     method: "amg",
                 }
             }
         })?;
-        Ok(inverse.map(R::of))
+        Ok(cast(&inverse))
     };
     let rows = 0..pattern.rows();
     let all: Option<Vec<_>> = rows

@@ -4,6 +4,7 @@ use super::sweeps::SweepMatrix;
 use crate::SetupError;
 use crate::fsai::{Fsai, FsaiInverse};
 use fracas_operators::Real;
+use fracas_operators::small::Matrix3;
 use fracas_operators::sparse::{Csr, SparseMatrix};
 
 /// Steps of the adaptive pattern, one entry each. Flat cells of 1:100, ν = 0.49, RACP on 6 thousand and 46 thousand unknowns:
@@ -28,7 +29,7 @@ pub(super) fn smoother<S: Real, R: Real>(a: &SweepMatrix<S>) -> Result<FsaiInver
 fn scalar<S: Real>(a: &SweepMatrix<S>) -> SparseMatrix<f64> {
     let n = 3 * a.rows();
     let (mut offsets, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
-    let mut row: Vec<(usize, &[S; 9])> = Vec::new();
+    let mut row: Vec<(usize, &Matrix3<S>)> = Vec::new();
     for i in 0..a.rows() {
         row.clear();
         row.extend(a.row(i));
@@ -36,7 +37,7 @@ fn scalar<S: Real>(a: &SweepMatrix<S>) -> SparseMatrix<f64> {
         for r in 0..3 {
             for (j, block) in &row {
                 for c in 0..3 {
-                    let value = block[3 * r + c].to_f64_exact();
+                    let value = block[r][c].to_f64_exact();
                     if value != 0.0 {
                         columns.push((3 * j + c) as u32);
                         values.push(value);

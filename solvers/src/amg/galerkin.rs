@@ -1,11 +1,12 @@
 //! The coarse matrix.
 
-use super::prolongation::{Prolongation, add_product};
+use super::prolongation::Prolongation;
 use super::rows::{Pattern, ROWS_PER_TASK};
 use super::sweeps::SweepMatrix;
 use super::transfer::TransferPattern;
 use fracas_operators::Real;
 use fracas_operators::simd::{Kernel, Lanes, Level};
+use fracas_operators::small::{Matrix3, add_product, add_transposed_product};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -75,7 +76,7 @@ impl Patterns {
 /// added in a fixed order.
 pub(super) fn product<S: Real, R: Real, const K: usize>(
     a: &SweepMatrix<S>,
-    defect: &[[f64; 9]],
+    defect: &[Matrix3<f64>],
     p: Prolongation<'_, R, K>,
     patterns: &Patterns,
 ) -> Vec<[[f64; K]; K]> {
@@ -155,7 +156,7 @@ impl<const K: usize> Partial<K> {
 
 struct Accumulate<'a, S, R, const K: usize> {
     a: &'a SweepMatrix<S>,
-    defect: &'a [[f64; 9]],
+    defect: &'a [Matrix3<f64>],
     p: Prolongation<'a, R, K>,
     patterns: &'a Patterns,
     rows: Range<usize>,
@@ -209,23 +210,6 @@ impl<S: Real, R: Real, const K: usize> Kernel<f64> for Accumulate<'_, S, R, K> {
                     }
                     add_transposed_product(&mut sums[t], p_i, image);
                 }
-            }
-        }
-    }
-}
-
-/// `c ← c + pᵀ x` for 3×K blocks p, x.
-#[inline(always)]
-fn add_transposed_product<R: Real, const K: usize>(
-    c: &mut [[f64; K]; K],
-    p: &[[R; K]; 3],
-    x: &[[f64; K]; 3],
-) {
-    for r in 0..K {
-        for k in 0..3 {
-            let p_kr = p[k][r].to_f64_exact();
-            for j in 0..K {
-                c[r][j] += p_kr * x[k][j];
             }
         }
     }

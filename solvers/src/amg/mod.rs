@@ -20,7 +20,6 @@
 //! | V, W, K | `cycle` |
 
 mod aggregation;
-mod block;
 mod chains;
 mod classical;
 mod coarse;

@@ -9,6 +9,7 @@ use super::reach::Reach;
 use super::sweeps::SweepMatrix;
 use super::tentative::Tentative;
 use fracas_operators::Real;
+use fracas_operators::small::Matrix3;
 
 /// Entries of a coarse matrix over those of the fine one above which the prolongation stays unsmoothed: where fractures cut
 /// the rock into pieces of a few elements, smoothing across them fills the coarse matrix and gains little. Unit: 1.
@@ -108,7 +109,7 @@ impl<const K: usize> Coarsener<K, K> for SmoothedAggregation<K> {
     fn values<S: Real, R: Real>(
         &self,
         a: &SweepMatrix<S>,
-        defect: &[[f64; 9]],
+        defect: &[Matrix3<f64>],
         lambda_max: f64,
     ) -> Result<Values<R>, NotPositive> {
         let (aggregates, pattern) = (&self.frame.aggregates, &self.frame.transfer.p);

@@ -5,11 +5,15 @@ use super::schedule::Schedule;
 use fracas_operators::Real;
 use fracas_operators::shared::Shared;
 use fracas_operators::simd::{Kernel, Lanes, Level, MAX_WIDTH, prefetch};
+use fracas_operators::small::{Matrix3, cast, times};
 use fracas_operators::vector::{for_each_task, for_row_ranges};
 use rayon::prelude::*;
 
 /// Rows that are asked for ahead of their use, the same part of each: 3 KiB of f32 of a 3-D stiffness.
 const ROWS_AHEAD: usize = 3;
+
+/// Pivot of a diagonal block with unit diagonal below which it counts as singular. Unit: 1.
+pub(super) const SINGULAR: f64 = 1e-12;
 
 /// Block rows that one task multiplies.
 const ROWS_PER_TASK: usize = 256;
@@ -24,9 +28,9 @@ pub(super) struct SweepMatrix<R> {
     diagonals: Vec<usize>,
     columns: Vec<u32>,
     /// One block more than stored, zero, so that a register may be loaded from the start of any block.
-    blocks: Vec<[R; 9]>,
+    blocks: Vec<Matrix3<R>>,
     /// D⁻¹.
-    inverse: Vec<[R; 9]>,
+    inverse: Vec<Matrix3<R>>,
     schedule: Schedule,
     level: Level,
 }
@@ -34,9 +38,9 @@ pub(super) struct SweepMatrix<R> {
 /// Puts a row into the order L, D, U; gives the place of D.
 fn order_row<R: Real>(
     i: usize,
-    (columns, blocks): (&mut [u32], &mut [[R; 9]]),
+    (columns, blocks): (&mut [u32], &mut [Matrix3<R>]),
     schedule: &Schedule,
-    row: &mut Vec<(u32, [R; 9])>,
+    row: &mut Vec<(u32, Matrix3<R>)>,
 ) -> usize {
     row.clear();
     row.extend(columns.iter().copied().zip(blocks.iter().copied()));
@@ -69,8 +73,8 @@ impl<R: Real> SweepMatrix<R> {
     pub(super) fn new(
         offsets: Vec<usize>,
         mut columns: Vec<u32>,
-        mut blocks: Vec<[R; 9]>,
-        inverse: Vec<[R; 9]>,
+        mut blocks: Vec<Matrix3<R>>,
+        inverse: Vec<Matrix3<R>>,
     ) -> Self {
         let rows = offsets.len() - 1;
         let schedule = Schedule::new(&offsets, &columns);
@@ -95,7 +99,7 @@ impl<R: Real> SweepMatrix<R> {
                     *diagonal = offsets[i] + order_row(i, own, &schedule, row);
                 }
             });
-        blocks.push([R::zero(); 9]);
+        blocks.push([[R::zero(); 3]; 3]);
         Self {
             offsets,
             diagonals,
@@ -109,10 +113,7 @@ impl<R: Real> SweepMatrix<R> {
 
     /// The same matrix in another precision.
     pub(super) fn cast<S: Real>(&self) -> SweepMatrix<S> {
-        let cast = |blocks: &[[R; 9]]| {
-            let one = |b: &[R; 9]| b.map(|v| S::of(v.to_f64_exact()));
-            blocks.par_iter().map(one).collect()
-        };
+        let cast = |blocks: &[Matrix3<R>]| blocks.par_iter().map(cast).collect();
         SweepMatrix {
             offsets: self.offsets.clone(),
             diagonals: self.diagonals.clone(),
@@ -136,7 +137,7 @@ impl<R: Real> SweepMatrix<R> {
 
     /// Block columns and blocks of a row, in the order L, D, U.
     #[inline(always)]
-    pub(super) fn row(&self, i: usize) -> impl Iterator<Item = (usize, &[R; 9])> {
+    pub(super) fn row(&self, i: usize) -> impl Iterator<Item = (usize, &Matrix3<R>)> {
         let range = self.offsets[i]..self.offsets[i + 1];
         self.columns[range.clone()]
             .iter()
@@ -150,12 +151,12 @@ impl<R: Real> SweepMatrix<R> {
     }
 
     /// Diagonal block of a row.
-    pub(super) fn diagonal(&self, i: usize) -> &[R; 9] {
+    pub(super) fn diagonal(&self, i: usize) -> &Matrix3<R> {
         &self.blocks[self.diagonals[i]]
     }
 
     /// Inverse diagonal block of a row.
-    pub(super) fn inverse(&self, i: usize) -> &[R; 9] {
+    pub(super) fn inverse(&self, i: usize) -> &Matrix3<R> {
         &self.inverse[i]
     }
 
@@ -213,9 +214,9 @@ impl<R: Real> SweepMatrix<R> {
     /// `z ← D⁻¹ r`.
     pub(super) fn diagonal_solve(&self, r: &[R], z: &mut [R]) {
         for_row_ranges(0, 3 * ROWS_PER_TASK, z, &|start, part| {
-            for (k, z) in part.chunks_exact_mut(3).enumerate() {
-                let i = start / 3 + k;
-                z.copy_from_slice(&times(&self.inverse[i], &r[3 * i..]));
+            let (r, inverse) = (&r[start..].as_chunks().0, &self.inverse[start / 3..]);
+            for ((z, r), inverse) in part.as_chunks_mut().0.iter_mut().zip(*r).zip(inverse) {
+                *z = times(inverse, r);
             }
         });
     }
@@ -283,16 +284,6 @@ impl<R: Real> SweepMatrix<R> {
     }
 }
 
-/// `B v` for a row-major 3×3 block.
-#[inline(always)]
-fn times<R: Real>(b: &[R; 9], v: &[R]) -> [R; 3] {
-    [
-        b[0] * v[0] + b[1] * v[1] + b[2] * v[2],
-        b[3] * v[0] + b[4] * v[1] + b[5] * v[2],
-        b[6] * v[0] + b[7] * v[1] + b[8] * v[2],
-    ]
-}
-
 /// Nine products of each block, summed lane by lane: `b_{rc} x_c` in lane 3r + c.
 struct Sums<L, R> {
     low: L,
@@ -355,7 +346,7 @@ impl<R: Real> Kernel<R> for Chunk<'_, R> {
     #[inline(always)]
     fn run<L: Lanes<R>>(self) {
         let matrix = self.matrix;
-        let values = matrix.blocks.as_flattened();
+        let values = matrix.blocks.as_flattened().as_flattened();
         for k in 0..self.rows.len() {
             let i = if self.backward {
                 self.rows.end - 1 - k
@@ -399,7 +390,7 @@ impl<R: Real, F: Fn(usize, [R; 3]) -> [R; 3]> Kernel<R> for Rows<'_, R, F> {
     #[inline(always)]
     fn run<L: Lanes<R>>(self) {
         let matrix = self.matrix;
-        let values = matrix.blocks.as_flattened();
+        let values = matrix.blocks.as_flattened().as_flattened();
         for (k, y) in self.y.chunks_exact_mut(3).enumerate() {
             let i = self.first + k;
             let ahead = 9 * matrix.ahead(i, false);

@@ -2,19 +2,14 @@
 
 use super::groups::Groups;
 use fracas_operators::Real;
+use fracas_operators::small::{PLACE, Symmetric, equilibrated_inverse, symmetric_times, upper};
 use fracas_operators::sparse::Block3;
 
 /// Nodes that one task updates.
 const NODES_PER_TASK: usize = 4096;
 
 /// Pivot of a block with unit diagonal below which it counts as singular. Unit: 1.
-const SINGULAR: f64 = 1e-6;
-
-/// A symmetric 3×3 block by its upper part: xx, xy, xz, yy, yz, zz.
-pub type Symmetric<R> = [R; 6];
-
-/// Where the upper part of a symmetric block keeps the entry (i, j).
-const PLACE: [[usize; 3]; 3] = [[0, 1, 2], [1, 3, 4], [2, 4, 5]];
+pub(super) const SINGULAR: f64 = 1e-6;
 
 /// A diagonal block without an inverse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -63,7 +58,10 @@ impl<R: Real> BlockJacobi<R> {
             if !block.iter().all(is_finite) {
                 return Err(overflow);
             }
-            let inverse = inverse(block, free).ok_or(NoInverse::Indefinite { node })?;
+            let full = PLACE.map(|row| row.map(|k| block[k]));
+            let inverse = equilibrated_inverse(full, free, SINGULAR)
+                .map_err(|_| NoInverse::Indefinite { node })?;
+            let inverse = upper(&inverse);
             match inverse.iter().all(is_finite) {
                 true => Ok(inverse.map(R::of)),
                 false => Err(overflow),
@@ -175,63 +173,15 @@ fn pass<R: Real>(
         d.as_chunks_mut::<3>().0,
         x.as_chunks_mut::<3>().0,
     );
-    let image = |b: &Symmetric<R>, r: &[R; 3]| {
-        [
-            b[0] * r[0] + b[1] * r[1] + b[2] * r[2],
-            b[1] * r[0] + b[3] * r[1] + b[4] * r[2],
-            b[2] * r[0] + b[4] * r[1] + b[5] * r[2],
-        ]
-    };
     if x.is_empty() {
         for ((b, r), d) in inverse.iter().zip(r).zip(d) {
-            update(d, &mut [], image(b, r));
+            update(d, &mut [], symmetric_times(b, r));
         }
     } else {
         for (((b, r), d), x) in inverse.iter().zip(r).zip(d).zip(x) {
-            update(d, x, image(b, r));
+            update(d, x, symmetric_times(b, r));
         }
     }
-}
-
-/// The inverse on the free components, zero elsewhere; `None` if it is not positive definite there.
-fn inverse(b: &Symmetric<f64>, free: [bool; 3]) -> Option<Symmetric<f64>> {
-    let components = [0, 1, 2].into_iter().filter(|i| free[*i]);
-    let mut scale = [0.0; 3];
-    for i in components {
-        let diagonal = b[PLACE[i][i]];
-        if !(diagonal > 0.0 && diagonal.is_finite()) {
-            return None;
-        }
-        scale[i] = diagonal.sqrt().recip();
-    }
-    // L Lᵀ of the block scaled to a unit diagonal, with ones for what is fixed; then W = L⁻¹ row by row
-    let (mut l, mut w) = ([[0.0; 3]; 3], [[0.0_f64; 3]; 3]);
-    for i in 0..3 {
-        for j in 0..=i {
-            let unit = if i == j && !free[i] { 1.0 } else { 0.0 };
-            let mut v = unit + b[PLACE[i][j]] * scale[i] * scale[j];
-            (0..j).for_each(|k| v -= l[i][k] * l[j][k]);
-            if i > j {
-                l[i][j] = v / l[j][j];
-            } else if v > SINGULAR {
-                l[i][i] = f64::sqrt(v);
-            } else {
-                return None;
-            }
-        }
-        w[i][i] = 1.0 / l[i][i];
-        for j in 0..i {
-            w[i][j] = -(j..i).map(|k| l[i][k] * w[k][j]).sum::<f64>() / l[i][i];
-        }
-    }
-    let mut out = [0.0; 6];
-    for i in 0..3 {
-        for j in i..3 {
-            let sum: f64 = (j..3).map(|k| w[k][i] * w[k][j]).sum();
-            out[PLACE[i][j]] = scale[i] * scale[j] * sum;
-        }
-    }
-    Some(out)
 }
 
 #[cfg(test)]

@@ -5,9 +5,10 @@
 //! in 3×3 blocks then smooths nothing; one in blocks of all corners of the piece does not see the basis.
 #![allow(unsafe_code, reason = "writes of tasks that share no entry")]
 
-use super::block_jacobi::Symmetric;
+use super::block_jacobi::SINGULAR;
 use fracas_operators::Real;
 use fracas_operators::shared::Shared;
+use fracas_operators::small::{Matrix3, PLACE, Symmetric, invert_equilibrated, norm_squared};
 use fracas_operators::sparse::Block3;
 use rayon::prelude::*;
 
@@ -16,9 +17,6 @@ const TOGETHER: f64 = 0.6;
 
 /// Nodes of the largest group: the corners of a piece.
 const LARGEST: usize = 8;
-
-/// Pivot of a matrix with unit diagonal below which it counts as singular. Unit: 1.
-const SINGULAR: f64 = 1e-6;
 
 /// Groups that one task updates.
 const GROUPS_PER_TASK: usize = 256;
@@ -48,10 +46,12 @@ impl<R: Real> Groups<R> {
             ..Self::default()
         };
         let members = together(diagonal, couplings);
-        let inverses: Vec<Option<Vec<f64>>> = members
-            .par_iter()
-            .map(|nodes| inverse(matrix(nodes, diagonal, couplings, fixed)))
-            .collect();
+        let inverse = |nodes: &Vec<u32>| {
+            let (mut block, mut scale) = matrix(nodes, diagonal, couplings, fixed);
+            let done = invert_equilibrated(&mut block, &mut scale, SINGULAR);
+            done.is_ok().then_some(block)
+        };
+        let inverses: Vec<Option<Vec<f64>>> = members.par_iter().map(inverse).collect();
         for (nodes, inverse) in members.iter().zip(inverses) {
             // nearly singular, or beyond the range of R: its nodes stay alone
             let Some(inverse) = inverse else { continue };
@@ -123,7 +123,7 @@ impl<R: Real> Groups<R> {
 }
 
 /// The blocks beside the diagonal of row i.
-fn row(a: &Block3<f64>, i: usize) -> impl Iterator<Item = (usize, &[f64; 9])> {
+fn row(a: &Block3<f64>, i: usize) -> impl Iterator<Item = (usize, &Matrix3<f64>)> {
     let range = a.offsets()[i]..a.offsets()[i + 1];
     let columns = a.columns()[range.clone()].iter().map(|j| *j as usize);
     columns
@@ -140,8 +140,8 @@ fn together(diagonal: &[Symmetric<f64>], couplings: &Block3<f64>) -> Vec<Vec<u32
     };
     let sizes: Vec<f64> = diagonal.iter().map(size).collect();
     let strong = |i: usize| {
-        let of_pair = |(j, block): (usize, &[f64; 9])| {
-            let s = block.iter().map(square).sum::<f64>();
+        let of_pair = |(j, block): (usize, &Matrix3<f64>)| {
+            let s = norm_squared(block);
             let strength = s * s / (sizes[i] * sizes[j]);
             (j > i && strength >= TOGETHER.powi(4)).then_some((strength, i, j))
         };
@@ -179,93 +179,42 @@ fn together(diagonal: &[Symmetric<f64>], couplings: &Block3<f64>) -> Vec<Vec<u32
     members
 }
 
-/// The diagonal block of a group, by rows; unit rows and columns for fixed components, which the flag marks.
+/// The diagonal block of a group, by rows, zero in rows and columns of fixed components, and 0 for these, 1 for the others.
 fn matrix(
     nodes: &[u32],
     diagonal: &[Symmetric<f64>],
     couplings: &Block3<f64>,
     fixed: &[u32],
-) -> (Vec<f64>, Vec<bool>) {
+) -> (Vec<f64>, Vec<f64>) {
     let n = 3 * nodes.len();
     let mut m = vec![0.0; n * n];
-    for (a, node) in nodes.iter().enumerate() {
-        let d = diagonal[*node as usize];
-        for (k, v) in [d[0], d[1], d[2], d[1], d[3], d[4], d[2], d[4], d[5]]
-            .into_iter()
-            .enumerate()
-        {
-            m[(3 * a + k / 3) * n + 3 * a + k % 3] = v;
+    let mut set = |a: usize, b: usize, block: Matrix3<f64>| {
+        for (r, row) in block.iter().enumerate() {
+            m[(3 * a + r) * n + 3 * b..][..3].copy_from_slice(row);
         }
+    };
+    for (a, node) in nodes.iter().enumerate() {
+        let own = &diagonal[*node as usize];
+        set(a, a, PLACE.map(|row| row.map(|k| own[k])));
         for (j, block) in row(couplings, *node as usize) {
             if let Ok(b) = nodes.binary_search(&(j as u32)) {
-                for (k, v) in block.iter().enumerate() {
-                    m[(3 * a + k / 3) * n + 3 * b + k % 3] = *v;
-                }
+                set(a, b, *block);
             }
         }
     }
     let dof = |i: usize| 3 * nodes[i / 3] + (i % 3) as u32;
-    let is_fixed: Vec<bool> = (0..n)
-        .map(|i| fixed.binary_search(&dof(i)).is_ok())
-        .collect();
-    for i in 0..n {
-        for j in 0..n {
-            // the mean of both triangles: they were rounded apart
-            let mean = 0.5 * (m[i * n + j] + m[j * n + i]);
-            let kept = if is_fixed[i] || is_fixed[j] {
-                0.0
-            } else {
-                mean
-            };
-            if j <= i {
-                m[i * n + j] = kept;
-                m[j * n + i] = kept;
-            }
-        }
-    }
-    (m, is_fixed)
-}
-
-/// The inverse over free components, zero elsewhere; `None` if it is not positive definite.
-fn inverse((m, is_fixed): (Vec<f64>, Vec<bool>)) -> Option<Vec<f64>> {
-    let n = is_fixed.len();
-    let mut scale = vec![0.0; n];
-    for i in (0..n).filter(|i| !is_fixed[*i]) {
-        let d = m[i * n + i];
-        if !(d > 0.0 && d.is_finite()) {
-            return None;
-        }
-        scale[i] = d.sqrt().recip();
-    }
-    // L Lᵀ of the matrix scaled to a unit diagonal, W = L⁻¹
-    let (mut l, mut w) = (vec![0.0; n * n], vec![0.0; n * n]);
+    let is_free = |i: usize| fixed.binary_search(&dof(i)).is_err();
+    let free: Vec<f64> = (0..n).map(|i| f64::from(u8::from(is_free(i)))).collect();
     for i in 0..n {
         for j in 0..=i {
-            let unit = if i == j && is_fixed[i] { 1.0 } else { 0.0 };
-            let mut v = unit + m[i * n + j] * scale[i] * scale[j];
-            (0..j).for_each(|k| v -= l[i * n + k] * l[j * n + k]);
-            if i > j {
-                l[i * n + j] = v / l[j * n + j];
-            } else if v > SINGULAR {
-                l[i * n + i] = f64::sqrt(v);
-            } else {
-                return None;
-            }
-        }
-        w[i * n + i] = 1.0 / l[i * n + i];
-        for j in 0..i {
-            let sum: f64 = (j..i).map(|k| l[i * n + k] * w[k * n + j]).sum();
-            w[i * n + j] = -sum / l[i * n + i];
+            // the mean of both triangles: they were rounded apart
+            let mean = 0.5 * (m[i * n + j] + m[j * n + i]);
+            let kept = if free[i] * free[j] == 0.0 { 0.0 } else { mean };
+            m[i * n + j] = kept;
+            m[j * n + i] = kept;
         }
     }
-    let mut out = vec![0.0; n * n];
-    for i in 0..n {
-        for j in 0..n {
-            let sum: f64 = (i.max(j)..n).map(|k| w[k * n + i] * w[k * n + j]).sum();
-            out[i * n + j] = scale[i] * scale[j] * sum;
-        }
-    }
-    Some(out)
+    (m, free)
 }
 
 #[cfg(test)]
@@ -298,7 +247,7 @@ mod tests {
         };
         let blocks = (0..16).map(|k| {
             let v = value(k / 4, k % 4);
-            [v, 0.0, 0.0, 0.0, v, 0.0, 0.0, 0.0, v]
+            fracas_operators::small::diagonal([v; 3])
         });
         let columns = (0..16).map(|k| k % 4).collect();
         let a = Block3::from_raw(vec![0, 4, 8, 12, 16], columns, blocks.collect(), 4);
@@ -318,7 +267,7 @@ mod tests {
             // principal block of the group, the identity for node 3
             let product: f64 = (0..4)
                 .filter(|j| (i / 3 < 3) == (*j < 3))
-                .map(|j| a.blocks()[4 * (i / 3) + j][0] * z[3 * j + i % 3])
+                .map(|j| a.blocks()[4 * (i / 3) + j][0][0] * z[3 * j + i % 3])
                 .sum();
             assert!((product - r[i]).abs() < 1e-12, "row {i}");
         }
@@ -334,7 +283,7 @@ mod tests {
         assert_eq!(z[4], 0.0);
         let product: f64 = [0, 2]
             .iter()
-            .map(|j| a.blocks()[*j][0] * z[3 * j + 1])
+            .map(|j| a.blocks()[*j][0][0] * z[3 * j + 1])
             .sum();
         assert!((product - 1.0).abs() < 1e-12);
     }
@@ -360,10 +309,10 @@ mod tests {
     #[test]
     fn no_group_is_larger_than_its_limit() {
         let n = 40;
-        let blocks: Vec<[f64; 9]> = (0..n * n)
+        let blocks: Vec<Matrix3<f64>> = (0..n * n)
             .map(|k| {
                 let v = if k / n == k % n { 1.0 } else { 0.9 };
-                [v, 0.0, 0.0, 0.0, v, 0.0, 0.0, 0.0, v]
+                fracas_operators::small::diagonal([v; 3])
             })
             .collect();
         let columns = (0..n * n).map(|k| (k % n) as u32).collect();

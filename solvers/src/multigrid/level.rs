@@ -1,7 +1,8 @@
 //! A level: its operator, its smoother, its way down.
 
-use super::block_jacobi::{BlockJacobi, NoInverse, Symmetric};
+use super::block_jacobi::{BlockJacobi, NoInverse};
 use crate::amg::lambda::largest_generalized;
+use fracas_operators::small::Symmetric;
 use fracas_operators::sparse::Block3;
 use fracas_operators::vector::axpy;
 use fracas_operators::{LinearOperator, Real};

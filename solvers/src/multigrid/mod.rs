@@ -24,7 +24,7 @@ mod noise;
 mod semidefinite;
 mod settings;
 
-pub use block_jacobi::{BlockJacobi, NoInverse, Symmetric};
+pub use block_jacobi::{BlockJacobi, NoInverse};
 pub use bottom::Bottom;
 pub use cycle::{Cycle, Hierarchy};
 pub use inverse::{MultigridInverse, SomeHierarchy};

@@ -2,6 +2,7 @@
 
 use super::entries::{BLOCK, positive_diagonal, relaxation, rows};
 use crate::{Prepare, SetupError};
+use fracas_operators::small::{Matrix3, times};
 use fracas_operators::sparse::SparseMatrix;
 use fracas_operators::{Preconditioner, Properties};
 use schemars::JsonSchema;
@@ -55,8 +56,8 @@ impl Prepare<SparseMatrix<f64>, f64> for Jacobi {
 pub enum JacobiInverse {
     /// `ω / a_ii`.
     Point(Vec<f64>),
-    /// Inverse 3×3 blocks times ω, row-major.
-    Node(Vec<[f64; 9]>),
+    /// Inverse 3×3 blocks times ω.
+    Node(Vec<Matrix3<f64>>),
 }
 
 impl JacobiInverse {
@@ -75,10 +76,11 @@ impl JacobiInverse {
             }),
             JacobiBlock::Node => (0..a.rows() / 3)
                 .map(|node| {
-                    let block = std::array::from_fn(|k| {
-                        let (i, j) = (3 * node + k / 3, 3 * node + k % 3);
-                        a.get(i, j).copied().unwrap_or(0.0)
-                    });
+                    let entry = |i: usize, j: usize| {
+                        let value = a.get(3 * node + i, 3 * node + j);
+                        value.copied().unwrap_or(0.0)
+                    };
+                    let block = std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)));
                     scaled_inverse(block, settings.omega).map_err(|minor| {
                         SetupError::NotPositiveDefinite {
                             block: BLOCK,
@@ -96,28 +98,23 @@ impl JacobiInverse {
 }
 
 /// `ω B⁻¹ = ω adj(B)/det(B)`, or the size of the first leading minor that rounding cannot tell from zero.
-fn scaled_inverse(b: [f64; 9], omega: f64) -> Result<[f64; 9], usize> {
-    let minor = |i: usize, j: usize, k: usize, l: usize| b[i] * b[l] - b[j] * b[k];
-    let cofactors = [
-        minor(4, 5, 7, 8),
-        -minor(1, 2, 7, 8),
-        minor(1, 2, 4, 5),
-        -minor(3, 5, 6, 8),
-        minor(0, 2, 6, 8),
-        -minor(0, 2, 3, 5),
-        minor(3, 4, 6, 7),
-        -minor(0, 1, 6, 7),
-        minor(0, 1, 3, 4),
-    ];
-    let determinant = b[0] * cofactors[0] + b[1] * cofactors[3] + b[2] * cofactors[6];
+fn scaled_inverse(b: Matrix3<f64>, omega: f64) -> Result<Matrix3<f64>, usize> {
+    // cofactor of (i, j), rows and columns in cyclic order
+    let cofactor = |i: usize, j: usize| {
+        let (i1, i2, j1, j2) = ((i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3);
+        b[i1][j1] * b[i2][j2] - b[i1][j2] * b[i2][j1]
+    };
+    let determinant: f64 = (0..3).map(|k| b[0][k] * cofactor(0, k)).sum();
     let rounding = 10.0 * f64::EPSILON;
-    if cofactors[8] <= rounding * b[0] * b[4] {
+    if cofactor(2, 2) <= rounding * b[0][0] * b[1][1] {
         return Err(2);
     }
-    if determinant <= rounding * b[0] * b[4] * b[8] {
+    if determinant <= rounding * b[0][0] * b[1][1] * b[2][2] {
         return Err(3);
     }
-    Ok(cofactors.map(|c| omega * c / determinant))
+    Ok(std::array::from_fn(|i| {
+        std::array::from_fn(|j| omega * cofactor(j, i) / determinant)
+    }))
 }
 
 impl Preconditioner<f64> for JacobiInverse {
@@ -137,10 +134,9 @@ impl Preconditioner<f64> for JacobiInverse {
                 }
             }
             Self::Node(inverse) => {
-                for ((z, r), d) in z.chunks_exact_mut(3).zip(r.chunks_exact(3)).zip(inverse) {
-                    for i in 0..3 {
-                        z[i] = d[3 * i] * r[0] + d[3 * i + 1] * r[1] + d[3 * i + 2] * r[2];
-                    }
+                let (z, r) = (z.as_chunks_mut().0, r.as_chunks().0);
+                for ((z, r), d) in z.iter_mut().zip(r).zip(inverse) {
+                    *z = times(d, r);
                 }
             }
         }

@@ -5,6 +5,7 @@ use super::independent_set::{FINE, Splitting};
 use super::interpolation::Interpolation;
 use super::least_squares::Modes;
 use crate::amg::tentative::orthonormalise;
+use fracas_operators::small::{Matrix3, add_product};
 use fracas_operators::vector::{axpy, dot, xpby};
 use rayon::prelude::*;
 
@@ -28,7 +29,7 @@ const CONVERGED: f64 = 1e-10;
 /// Comput. 45 (2023).
 pub(super) fn minimise<const K: usize>(
     a: &NodeBlocks,
-    inverse: &[[f64; 9]],
+    inverse: &[Matrix3<f64>],
     splitting: &Splitting,
     modes: &Modes<K>,
     p: &mut Interpolation,
@@ -36,27 +37,51 @@ pub(super) fn minimise<const K: usize>(
 ) {
     let mut x = std::mem::take(&mut p.blocks);
     let space = Constrained::new(a, inverse, splitting, modes, p);
-    let [mut r, mut z, mut d, mut q] = [0; 4].map(|_| vec![[0.0; 9]; x.len()]);
+    let [mut r, mut z, mut d, mut q] = [0; 4].map(|_| vec![[[0.0; 3]; 3]; x.len()]);
     // R = −Π(A P)
     space.product(&x, &mut r);
-    r.as_flattened_mut().iter_mut().for_each(|v| *v = -*v);
+    r.as_flattened_mut()
+        .as_flattened_mut()
+        .iter_mut()
+        .for_each(|v| *v = -*v);
     space.precondition(&r, &mut z);
     d.copy_from_slice(&z);
-    let mut rho = dot(r.as_flattened(), z.as_flattened());
+    let mut rho = dot(
+        r.as_flattened().as_flattened(),
+        z.as_flattened().as_flattened(),
+    );
     let rounding = CONVERGED * CONVERGED * rho;
     for _ in 0..steps {
         space.product(&d, &mut q);
-        let curvature = dot(d.as_flattened(), q.as_flattened());
+        let curvature = dot(
+            d.as_flattened().as_flattened(),
+            q.as_flattened().as_flattened(),
+        );
         // nothing left to gain, or a direction without energy
         if curvature <= 0.0 || rho <= rounding {
             break;
         }
         let alpha = rho / curvature;
-        axpy(alpha, d.as_flattened(), x.as_flattened_mut());
-        axpy(-alpha, q.as_flattened(), r.as_flattened_mut());
+        axpy(
+            alpha,
+            d.as_flattened().as_flattened(),
+            x.as_flattened_mut().as_flattened_mut(),
+        );
+        axpy(
+            -alpha,
+            q.as_flattened().as_flattened(),
+            r.as_flattened_mut().as_flattened_mut(),
+        );
         space.precondition(&r, &mut z);
-        let next = dot(r.as_flattened(), z.as_flattened());
-        xpby(z.as_flattened(), next / rho, d.as_flattened_mut());
+        let next = dot(
+            r.as_flattened().as_flattened(),
+            z.as_flattened().as_flattened(),
+        );
+        xpby(
+            z.as_flattened().as_flattened(),
+            next / rho,
+            d.as_flattened_mut().as_flattened_mut(),
+        );
         rho = next;
     }
     p.blocks = x;
@@ -65,7 +90,7 @@ pub(super) fn minimise<const K: usize>(
 /// Changes of P that keep `P V_c`.
 struct Constrained<'a, const K: usize> {
     a: &'a NodeBlocks,
-    inverse: &'a [[f64; 9]],
+    inverse: &'a [Matrix3<f64>],
     splitting: &'a Splitting,
     offsets: &'a [usize],
     columns: &'a [u32],
@@ -76,7 +101,7 @@ struct Constrained<'a, const K: usize> {
 impl<'a, const K: usize> Constrained<'a, K> {
     fn new(
         a: &'a NodeBlocks,
-        inverse: &'a [[f64; 9]],
+        inverse: &'a [Matrix3<f64>],
         splitting: &'a Splitting,
         modes: &Modes<K>,
         p: &'a Interpolation,
@@ -97,9 +122,9 @@ impl<'a, const K: usize> Constrained<'a, K> {
     }
 
     /// `q ← Π(A d)` on fine rows, zero on coarse ones.
-    fn product(&self, d: &[[f64; 9]], q: &mut [[f64; 9]]) {
+    fn product(&self, d: &[Matrix3<f64>], q: &mut [Matrix3<f64>]) {
         for_rows(self.offsets, q, &|i, out| {
-            out.fill([0.0; 9]);
+            out.fill([[0.0; 3]; 3]);
             if self.splitting.number[i] != FINE {
                 return;
             }
@@ -126,11 +151,11 @@ impl<'a, const K: usize> Constrained<'a, K> {
     }
 
     /// `z ← D⁻¹ r`.
-    fn precondition(&self, r: &[[f64; 9]], z: &mut [[f64; 9]]) {
+    fn precondition(&self, r: &[Matrix3<f64>], z: &mut [Matrix3<f64>]) {
         for_rows(self.offsets, z, &|i, out| {
             let own = self.offsets[i]..self.offsets[i + 1];
             for (z, r) in out.iter_mut().zip(&r[own]) {
-                *z = [0.0; 9];
+                *z = [[0.0; 3]; 3];
                 add_product(z, &self.inverse[i], r);
             }
         });
@@ -138,29 +163,17 @@ impl<'a, const K: usize> Constrained<'a, K> {
 }
 
 /// `Z_i ← Z_i (I − Q Qᵀ)` for the blocks of one row and the basis Q of their modes.
-fn project<const K: usize>(basis: &[[[f64; K]; 3]], row: &mut [[f64; 9]]) {
+fn project<const K: usize>(basis: &[[[f64; K]; 3]], row: &mut [Matrix3<f64>]) {
     for r in 0..3 {
         let mut along = [0.0; K];
         for (block, q) in row.iter().zip(basis) {
             for c in 0..3 {
-                (0..K).for_each(|k| along[k] += block[3 * r + c] * q[c][k]);
+                (0..K).for_each(|k| along[k] += block[r][c] * q[c][k]);
             }
         }
         for (block, q) in row.iter_mut().zip(basis) {
             for c in 0..3 {
-                block[3 * r + c] -= (0..K).map(|k| along[k] * q[c][k]).sum::<f64>();
-            }
-        }
-    }
-}
-
-/// `y ← y + A x` for row-major 3×3 blocks.
-#[inline(always)]
-pub(super) fn add_product(y: &mut [f64; 9], a: &[f64; 9], x: &[f64; 9]) {
-    for r in 0..3 {
-        for k in 0..3 {
-            for c in 0..3 {
-                y[3 * r + c] += a[3 * r + k] * x[3 * k + c];
+                block[r][c] -= (0..K).map(|k| along[k] * q[c][k]).sum::<f64>();
             }
         }
     }

@@ -1,11 +1,12 @@
 //! P by nodes.
 
+use fracas_operators::small::Matrix3;
 use rayon::prelude::*;
 
 /// Rows that one task computes.
 const ROWS_PER_TASK: usize = 256;
 
-/// P in 3×3 blocks, row-major: rows are fine nodes, columns coarse nodes.
+/// P in 3×3 blocks: rows are fine nodes, columns coarse nodes.
 #[derive(Clone, Debug)]
 pub(super) struct Interpolation {
     /// Where the rows begin (fine nodes + 1).
@@ -13,14 +14,14 @@ pub(super) struct Interpolation {
     /// Coarse nodes, ascending within a row.
     pub(super) columns: Vec<u32>,
     /// P_ij.
-    pub(super) blocks: Vec<[f64; 9]>,
+    pub(super) blocks: Vec<Matrix3<f64>>,
 }
 
 /// Coarse node and block.
-pub(super) type Entry = (u32, [f64; 9]);
+pub(super) type Entry = (u32, Matrix3<f64>);
 
 /// The identity.
-pub(super) const IDENTITY: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+pub(super) const IDENTITY: Matrix3<f64> = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 impl Interpolation {
     /// Rows in parallel: `row(scratch, i, out)` pushes the blocks of row i onto an empty list.
@@ -67,7 +68,7 @@ impl Interpolation {
     }
 
     /// Coarse nodes and blocks of a row.
-    pub(super) fn row(&self, i: usize) -> impl Iterator<Item = (usize, &[f64; 9])> {
+    pub(super) fn row(&self, i: usize) -> impl Iterator<Item = (usize, &Matrix3<f64>)> {
         let range = self.offsets[i]..self.offsets[i + 1];
         let columns = self.columns[range.clone()].iter().map(|j| *j as usize);
         columns.zip(&self.blocks[range])

@@ -5,6 +5,7 @@ use super::interpolation::{Entry, IDENTITY, Interpolation};
 use super::pseudo_inverse::pseudo_inverse;
 use super::strength::Strength;
 use crate::amg::tentative::orthonormalise;
+use fracas_operators::small::{Matrix3, norm_squared};
 
 /// Connections between a fine node and the coarse ones it interpolates from: at most 2, up to 4 where these do not do.
 /// Source: the group's published multigrid.
@@ -130,16 +131,12 @@ impl<const K: usize> Search<K> {
                 break;
             }
         }
-        let norm = out
-            .iter()
-            .flat_map(|entry| entry.1)
-            .map(|v| v * v)
-            .sum::<f64>()
-            .sqrt();
+        let squares = out.iter().map(|entry| norm_squared(&entry.1));
+        let norm = squares.sum::<f64>().sqrt();
         let shrink = (LARGEST / norm).min(1.0);
         for (j, block) in out.iter_mut() {
             *j = splitting.number[*j as usize];
-            block.iter_mut().for_each(|v| *v *= shrink);
+            (block.as_flattened_mut().iter_mut()).for_each(|v| *v *= shrink);
         }
     }
 
@@ -174,8 +171,8 @@ impl<const K: usize> Search<K> {
         out.clear();
         let mut norm = 0.0;
         for ((j, w), rows) in weighted() {
-            let block: [f64; 9] = std::array::from_fn(|k| w * dot(&y[k / 3], &rows[k % 3]));
-            norm += block.iter().map(|v| v * v).sum::<f64>();
+            let block: Matrix3<f64> = y.map(|y| std::array::from_fn(|k| w * dot(&y, &rows[k])));
+            norm += norm_squared(&block);
             out.push((*j, block));
         }
         let (mut missing, mut all) = (0.0, 0.0);

@@ -8,6 +8,7 @@ use crate::amg::node_map::NONE;
 use crate::amg::rows::Pattern;
 use crate::amg::sweeps::SweepMatrix;
 use fracas_operators::Real;
+use fracas_operators::small::{Matrix3, cast, norm_squared};
 
 /// Coarse nodes are fine ones, chosen and interpolated without thresholds from the settings. Planned are the coarse nodes and
 /// the least-squares P; its energy is minimised for each matrix.
@@ -40,9 +41,10 @@ impl<const K: usize> Coarsener<3, K> for Classical<K> {
             return None;
         }
         let p = &start.interpolation;
-        let square = |b: &[f64; 9]| b.iter().map(|v| v * v).sum::<f64>();
         let closest = |i: usize| {
-            let strongest = p.row(i).max_by(|x, y| square(x.1).total_cmp(&square(y.1)));
+            let strongest = p
+                .row(i)
+                .max_by(|x, y| norm_squared(x.1).total_cmp(&norm_squared(y.1)));
             strongest.map_or(NONE, |(j, _)| j as u32)
         };
         let closest = Aggregates {
@@ -72,15 +74,13 @@ impl<const K: usize> Coarsener<3, K> for Classical<K> {
     fn values<S: Real, R: Real>(
         &self,
         a: &SweepMatrix<S>,
-        defect: &[[f64; 9]],
+        defect: &[Matrix3<f64>],
         _lambda_max: f64,
     ) -> Result<Values<R>, NotPositive> {
         let nodes = NodeBlocks::of_level(a);
-        let inverse: Vec<[f64; 9]> = (0..a.rows())
-            .map(|i| a.inverse(i).map(S::to_f64_exact))
-            .collect();
+        let inverse: Vec<Matrix3<f64>> = (0..a.rows()).map(|i| cast(a.inverse(i))).collect();
         let p = self.start.minimised(&nodes, &inverse, &self.modes);
-        let blocks = p.blocks.iter().map(by_rows).collect();
+        let blocks = p.blocks.iter().map(cast).collect();
         self.frame.values(a, defect, blocks)
     }
 
@@ -96,8 +96,4 @@ impl<const K: usize> Coarsener<3, K> for Classical<K> {
             + size_of_val(&*self.modes)
             + self.frame.bytes()
     }
-}
-
-fn by_rows<R: Real>(b: &[f64; 9]) -> [[R; 3]; 3] {
-    std::array::from_fn(|r| std::array::from_fn(|c| R::of(b[3 * r + c])))
 }

@@ -22,6 +22,7 @@ mod tests;
 pub(super) use level::Classical;
 
 use super::rows::Pattern;
+use fracas_operators::small::Matrix3;
 use independent_set::Splitting;
 use interpolation::Interpolation;
 use least_squares::Modes;
@@ -63,7 +64,7 @@ impl Start {
     fn minimised<const K: usize>(
         &self,
         a: &NodeBlocks,
-        inverse: &[[f64; 9]],
+        inverse: &[Matrix3<f64>],
         modes: &Modes<K>,
     ) -> Interpolation {
         let mut p = self.interpolation.clone();

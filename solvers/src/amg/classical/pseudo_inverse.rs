@@ -1,5 +1,7 @@
 //! Pseudo-inverses of Gram matrices of modes.
 
+use fracas_operators::small::symmetric_eigen;
+
 /// Eigenvalue of a Gram matrix, relative to the largest, below which it is taken for zero. Unit: 1.
 const RANK: f64 = 1e-11;
 
@@ -15,42 +17,6 @@ pub(super) fn pseudo_inverse<const K: usize>(n: [[f64; K]; K]) -> [[f64; K]; K] 
                 .sum()
         })
     })
-}
-
-/// Eigenvalues and eigenvectors (columns) of a symmetric matrix by cyclic Jacobi rotations.
-fn symmetric_eigen<const K: usize>(mut a: [[f64; K]; K]) -> ([f64; K], [[f64; K]; K]) {
-    let mut v: [[f64; K]; K] =
-        std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
-    // quadratic convergence: six sweeps reach rounding for any matrix of this size
-    for _ in 0..10 {
-        let mut rotated = false;
-        for p in 0..K {
-            for q in p + 1..K {
-                let size = f64::EPSILON * (a[p][p] * a[q][q]).abs().sqrt();
-                if a[p][q].abs() <= size.max(f64::MIN_POSITIVE) {
-                    continue;
-                }
-                rotated = true;
-                let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-                let t = theta.signum() / (theta.abs() + theta.hypot(1.0));
-                let c = 1.0 / t.hypot(1.0);
-                let s = t * c;
-                for row in &mut a {
-                    (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
-                }
-                for k in 0..K {
-                    (a[p][k], a[q][k]) = (c * a[p][k] - s * a[q][k], s * a[p][k] + c * a[q][k]);
-                }
-                for row in &mut v {
-                    (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
-                }
-            }
-        }
-        if !rotated {
-            break;
-        }
-    }
-    (std::array::from_fn(|i| a[i][i]), v)
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::NodeBlocks;
 use crate::amg::rows::Pattern;
+use fracas_operators::small::norm_squared;
 
 /// Strongest neighbours that a node keeps. Source: the group's published multigrid.
 const KEPT: usize = 40;
@@ -16,10 +17,6 @@ pub(super) struct Strength {
     offsets: Vec<usize>,
     neighbours: Vec<u32>,
     weights: Vec<f64>,
-}
-
-fn norm(block: &[f64; 9]) -> f64 {
-    block.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
 impl Strength {
@@ -37,11 +34,11 @@ impl Strength {
 
     fn above(a: &NodeBlocks, bonds: Option<&Pattern>, relative: f64, kept: usize) -> Self {
         let n = a.len();
-        let own: Vec<f64> = (0..n).map(|i| norm(a.diagonal(i))).collect();
+        let own: Vec<f64> = (0..n).map(|i| norm_squared(a.diagonal(i)).sqrt()).collect();
         let strong = |i: usize| {
             let own = &own;
             a.row(i).filter_map(move |(j, block)| {
-                let weight = norm(block) / (own[i] * own[j]).sqrt();
+                let weight = norm_squared(block).sqrt() / (own[i] * own[j]).sqrt();
                 let bonded = bonds.is_none_or(|b| b.row(i).binary_search(&(j as u32)).is_ok());
                 (j != i && weight > 0.0 && bonded).then_some((j, weight))
             })

@@ -9,6 +9,7 @@ use crate::krylov::oracle::cg_iterations;
 use crate::{DofCoordinate, SetupError};
 use faer::linalg::solvers::DenseSolveCore;
 use fracas_operators::laws::{check_preconditioner, probe};
+use fracas_operators::small::{Matrix3, norm_squared};
 use fracas_operators::sparse::{Csr, SparseMatrix, Triplets};
 use fracas_operators::vector::dot;
 use fracas_operators::{LinearOperator, Preconditioner};
@@ -32,11 +33,11 @@ fn by_nodes(a: &SparseMatrix<f64>) -> NodeBlocks {
         columns.sort_unstable();
         columns.dedup();
         let start = nodes.blocks.len();
-        nodes.blocks.resize(start + columns.len(), [0.0; 9]);
+        nodes.blocks.resize(start + columns.len(), [[0.0; 3]; 3]);
         for (r, entries) in rows.iter().enumerate() {
             for (j, value) in entries {
                 let place = columns.partition_point(|c| (*c as usize) < j / 3);
-                nodes.blocks[start + place][3 * r + j % 3] = *value;
+                nodes.blocks[start + place][r][j % 3] = *value;
             }
         }
         nodes.columns.extend(columns);
@@ -65,7 +66,7 @@ struct Coarse {
 
 fn coarsen<const K: usize>(
     a: &NodeBlocks,
-    inverse: &[[f64; 9]],
+    inverse: &[Matrix3<f64>],
     bonds: Option<&Pattern>,
     modes: &[[[f64; K]; 3]],
 ) -> Coarse {
@@ -76,13 +77,13 @@ fn coarsen<const K: usize>(
     }
 }
 
-fn inverses(a: &NodeBlocks) -> Vec<[f64; 9]> {
+fn inverses(a: &NodeBlocks) -> Vec<Matrix3<f64>> {
     let of_node = |i: usize| {
         let b = a.diagonal(i);
-        let inverse = faer::Mat::from_fn(3, 3, |r, c| b[3 * r + c])
+        let inverse = faer::Mat::from_fn(3, 3, |r, c| b[r][c])
             .partial_piv_lu()
             .inverse();
-        std::array::from_fn(|k| inverse[(k / 3, k % 3)])
+        std::array::from_fn(|r| std::array::from_fn(|c| inverse[(r, c)]))
     };
     (0..a.len()).map(of_node).collect()
 }
@@ -94,7 +95,7 @@ fn scalar(p: &Interpolation, coarse: usize) -> SparseMatrix<f64> {
         for r in 0..3 {
             for (j, block) in p.row(i) {
                 columns.extend((0..3).map(|c| (3 * j + c) as u32));
-                values.extend(&block[3 * r..3 * r + 3]);
+                values.extend(&block[r]);
             }
             offsets.push(columns.len());
         }
@@ -174,18 +175,13 @@ fn coarse_nodes_are_independent_and_maximal() {
 fn missed(p: &Interpolation, nodes: &[u32], modes: &Modes6) -> (f64, f64) {
     let (mut worst, mut largest) = (0.0f64, 0.0f64);
     for i in 0..p.len() {
-        let norm = p
-            .row(i)
-            .flat_map(|(_, b)| b)
-            .map(|v| v * v)
-            .sum::<f64>()
-            .sqrt();
+        let norm = p.row(i).map(|(_, b)| norm_squared(b)).sum::<f64>().sqrt();
         largest = largest.max(norm);
         for r in 0..3 {
             for k in 0..6 {
-                let term = |(j, b): (usize, &[f64; 9])| {
+                let term = |(j, b): (usize, &Matrix3<f64>)| {
                     let v = &modes[nodes[j] as usize];
-                    (0..3).map(|c| b[3 * r + c] * v[c][k]).sum::<f64>()
+                    (0..3).map(|c| b[r][c] * v[c][k]).sum::<f64>()
                 };
                 let sum: f64 = p.row(i).map(term).sum();
                 let size = modes[i].iter().map(|row| row[k].abs()).fold(1.0, f64::max);
@@ -277,8 +273,8 @@ fn held_components_and_lonely_nodes_are_not_interpolated() {
                 let row = node == i / 3;
                 let column = Some(j) == number;
                 let values = (0..3).map(|k| match (row, column) {
-                    (true, _) => block[3 * (i % 3) + k],
-                    (_, true) => block[3 * k + i % 3],
+                    (true, _) => block[i % 3][k],
+                    (_, true) => block[k][i % 3],
                     _ => 0.0,
                 });
                 assert!(values.into_iter().all(|v| v.abs() < 1e-12));
@@ -334,7 +330,7 @@ fn energy_falls_with_every_step_to_the_constrained_minimum() {
                     let part: f64 = (0..row.len()).map(|k| row[k] * svd.U()[(k, *m)]).sum();
                     (0..row.len()).for_each(|k| rest[k] -= part * svd.U()[(k, *m)]);
                 }
-                let size = nodes.diagonal(i)[0];
+                let size = nodes.diagonal(i)[0][0];
                 assert!(
                     rest.iter().all(|v| v.abs() < 1e-5 * size),
                     "{name} {i} {rest:?}"
@@ -360,6 +356,7 @@ fn one_and_two_threads_give_the_same_bits() {
         let bits: Vec<u64> = coarse
             .interpolation
             .blocks
+            .as_flattened()
             .as_flattened()
             .iter()
             .map(|v| v.to_bits())

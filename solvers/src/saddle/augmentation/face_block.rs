@@ -2,11 +2,13 @@
 
 use super::super::SaddleBlocks;
 use super::AugmentationMatrix;
-use super::block::{Block, cholesky3, diagonal_block};
+use super::block::Block;
+use super::matrix::ZERO_PIVOT;
 use super::support::{Columns, for_restricted};
 use crate::SetupError;
 use crate::eigen::dense;
 use faer::Mat;
+use fracas_operators::small::{cholesky, diagonal};
 use fracas_operators::sparse::SparseMatrix;
 use rayon::prelude::*;
 
@@ -94,10 +96,10 @@ fn coupling(a: &SparseMatrix<f64>, columns: &Columns, face: usize) -> Result<Blo
             block[i][i] = 1.0;
         }
     }
-    Ok(if cholesky3(&block).is_ok() {
+    Ok(if cholesky(&block, ZERO_PIVOT).is_ok() {
         block
     } else {
-        diagonal_block([block[0][0], block[1][1], block[2][2]])
+        diagonal([block[0][0], block[1][1], block[2][2]])
     })
 }
 

@@ -1,14 +1,12 @@
 //! C as a matrix: products, solves, its square root and its spectrum.
 
-use super::block::{
-    Block, blocks_add, cholesky3, diagonal_block, inverse_transpose, inverse3,
-    product_with_transpose,
-};
+use super::block::{Block, blocks_add, inverse_factor, inverse3};
 use super::custom::{Custom, face_blocks};
 use crate::SetupError;
 use crate::eigen::dense;
 use faer::Mat;
 use fracas_operators::operator::assert_product;
+use fracas_operators::small::{diagonal, gram};
 use fracas_operators::sparse::{SparseMatrix, Triplets};
 use fracas_operators::vector::for_row_ranges;
 use fracas_operators::{LinearOperator, Shape};
@@ -104,10 +102,9 @@ impl AugmentationMatrix {
             },
             Self::FaceBlocks { c, inverse } => {
                 let factors = c.iter().enumerate().map(|(face, block)| {
-                    let l =
-                        cholesky3(block).map_err(|row| not_positive_definite(3 * face + row))?;
-                    let f = inverse_transpose(&l);
-                    Ok(product_with_transpose(&f))
+                    let w = inverse_factor(block);
+                    w.map(gram)
+                        .map_err(|row| not_positive_definite(3 * face + row))
                 });
                 *inverse = factors.collect::<Result<_, SetupError>>()?;
                 Ok(())
@@ -201,10 +198,10 @@ impl AugmentationMatrix {
             let blocks = face_blocks(&c.entries()).into_iter();
             return blocks.map(|c| [c, inverse3(&c)]).collect();
         }
-        let diagonal = self.diagonal_entries();
-        let faces = diagonal.as_chunks().0.iter();
+        let entries = self.diagonal_entries();
+        let faces = entries.as_chunks().0.iter();
         faces
-            .map(|c| [diagonal_block(*c), diagonal_block(c.map(|c| 1.0 / c))])
+            .map(|c| [diagonal(*c), diagonal(c.map(|c| 1.0 / c))])
             .collect()
     }
 
@@ -265,12 +262,11 @@ impl AugmentationMatrix {
                 .for_each(|(i, c)| triplets.add_triplet(i, i, 1.0 / c.sqrt())),
             Self::FaceBlocks { c, .. } => {
                 for (face, block) in c.iter().enumerate() {
-                    let l =
-                        cholesky3(block).map_err(|row| not_positive_definite(3 * face + row))?;
-                    let f = inverse_transpose(&l);
+                    let w = inverse_factor(block)
+                        .map_err(|row| not_positive_definite(3 * face + row))?;
                     for i in 0..3 {
                         (i..3).for_each(|j| {
-                            triplets.add_triplet(3 * face + i, 3 * face + j, f[i][j])
+                            triplets.add_triplet(3 * face + i, 3 * face + j, w[j][i])
                         });
                     }
                 }

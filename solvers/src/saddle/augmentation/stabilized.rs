@@ -1,7 +1,6 @@
 //! Augmentations that dominate the stabilization H.
 
 use super::super::SaddleBlocks;
-use super::block::diagonal_block;
 use super::exact::schur_complement;
 use super::face_block::{ROUNDING, add_stabilization};
 use super::local::local;
@@ -9,6 +8,7 @@ use super::support::Columns;
 use super::{AugmentationMatrix, Block};
 use crate::SetupError;
 use crate::direct::DirectSolver;
+use fracas_operators::small::diagonal;
 use fracas_operators::sparse::SparseMatrix;
 
 /// Share of H in `half_h`, and the largest in `fitted_h`. Unit: 1. `H ≤ 2 blkdiag H`: the relaxation of H is of degree one.
@@ -53,7 +53,7 @@ pub(super) fn with_share(
         return row_by_row(local, h, theta);
     }
     let block = |(face, local): (usize, &[f64])| {
-        let mut block = diagonal_block([local[0], local[1], local[2]]);
+        let mut block = diagonal([local[0], local[1], local[2]]);
         add_stabilization(&mut block, h, face, theta(face));
         block
     };
