@@ -9,10 +9,9 @@ use fracas_operators::laws::{check_preconditioner, probe};
 use fracas_operators::vector::dot;
 use fracas_operators::{LinearOperator, Preconditioner, sparse::Csr};
 use fracas_solvers::Silent;
-use fracas_solvers::amg::Precision;
 use fracas_solvers::direct::DirectChoice;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
-use fracas_solvers::multigrid::Cycle;
+use fracas_solvers::multigrid::{Cycle, Precision};
 use fracas_solvers::saddle::{
     AugmentationChoice, AugmentationMatrix, RELAXATION, RacpInverse, SaddleBlocks, SaddleOperator,
     schur,

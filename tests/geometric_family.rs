@@ -12,9 +12,10 @@ use fracas_operators::Preconditioner;
 use fracas_operators::random::Random;
 use fracas_operators::sparse::Csr;
 use fracas_solvers::Silent;
-use fracas_solvers::amg::{Amg, Precision};
+use fracas_solvers::amg::Amg;
 use fracas_solvers::direct::DirectChoice;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
+use fracas_solvers::multigrid::Precision;
 use fracas_solvers::saddle::{
     AugmentationChoice, AugmentationMatrix, InnerChoice, RELAXATION, Racp, RacpInverse,
     SaddleBlocks, SaddleMethod, SaddleOperator,

@@ -8,9 +8,10 @@ use fracas_operators::laws::probe;
 use fracas_operators::sparse::Csr;
 use fracas_operators::{LinearOperator, Preconditioner};
 use fracas_solvers::Silent;
-use fracas_solvers::amg::{Amg, Cycle};
+use fracas_solvers::amg::Amg;
 use fracas_solvers::direct::DirectChoice;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
+use fracas_solvers::multigrid::Cycle;
 use fracas_solvers::saddle::{
     AugmentationChoice, InnerChoice, RELAXATION, RacpInverse, SaddleOperator,
 };

@@ -8,9 +8,10 @@ use fracas_operators::laws::{check_preconditioner, probe};
 use fracas_operators::sparse::{SparseMatrix, Triplets};
 use fracas_operators::vector::dot;
 use fracas_operators::{LinearOperator, Preconditioner, sparse::Csr};
-use fracas_solvers::amg::{Amg, AmgInverse, Coarsening, Cycle, Precision, Smoother};
+use fracas_solvers::amg::{Amg, Coarsening};
 use fracas_solvers::direct::DirectChoice;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
+use fracas_solvers::multigrid::{Cycle, MultigridInverse, Precision, Smoother};
 use fracas_solvers::saddle::{
     AugmentationChoice, DofCoordinate, InnerChoice, RacpInverse, SaddleBlocks, SaddleOperator,
     schur,
@@ -146,7 +147,7 @@ fn one_and_two_threads_give_the_same_bits_and_f32_the_digits_of_f32() {
             .build()
             .unwrap();
         pool.install(|| {
-            let m: AmgInverse = settings.build(&s_u, blocks.coordinates.as_deref()).unwrap();
+            let m: MultigridInverse = settings.build(&s_u, blocks.coordinates.as_deref()).unwrap();
             let r = probe::<f64>(m.size(), 3);
             let mut z = vec![0.0; m.size()];
             m.solve(&r, &mut z, &mut vec![0.0; m.work_len()]);

@@ -7,9 +7,10 @@ use fracas::scene::named;
 use fracas_operators::laws::{check_preconditioner, probe};
 use fracas_operators::sparse::{Csr, SparseMatrix, Triplets};
 use fracas_operators::{LinearOperator, Preconditioner};
-use fracas_solvers::amg::{Amg, Coarsening, Precision, Smoother};
+use fracas_solvers::amg::{Amg, Coarsening};
 use fracas_solvers::direct::DirectChoice;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
+use fracas_solvers::multigrid::{Precision, Smoother};
 use fracas_solvers::saddle::{AugmentationChoice, SaddleBlocks};
 use fracas_solvers::{SetupError, Silent};
 

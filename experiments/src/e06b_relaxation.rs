@@ -8,9 +8,10 @@ use crate::report::{Cell, Check, Experiment, Findings, Level, Table};
 use fracas::contact::JumpStabilization;
 use fracas::scene::{GalleryScene, named};
 use fracas_operators::sparse::Csr;
-use fracas_solvers::amg::{Amg, Smoother};
+use fracas_solvers::amg::Amg;
 use fracas_solvers::direct::{DirectChoice, DirectSolver};
 use fracas_solvers::krylov::KrylovChoice;
+use fracas_solvers::multigrid::Smoother;
 use fracas_solvers::saddle::{
     AugmentationChoice, InnerChoice, RELAXATION, Racp, RacpInverse, RelaxationSummary,
     SaddleBlocks, SaddleMethod,

@@ -7,7 +7,7 @@ mod sample;
 use crate::clock::REPETITIONS;
 use crate::plot::{Axis, Figure, Mark, Series};
 use crate::report::{Cell, Check, Experiment, Findings, Level, Table};
-use fracas_solvers::amg::Precision;
+use fracas_solvers::multigrid::Precision;
 use fracas_solvers::{Observer, Step};
 use run::{Method, Reference, Row, body, reference, rows};
 use sample::Sample;

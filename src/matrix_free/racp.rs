@@ -5,7 +5,7 @@ use crate::contact::Coupling;
 use crate::elasticity::ElasticityError;
 use crate::multigrid::{GeometricError, GeometricInverse, Lost};
 use crate::system::StickSystem;
-use fracas_solvers::amg::Summary;
+use fracas_solvers::multigrid::Summary;
 use fracas_solvers::saddle::{InnerChoice, PartCost, Racp, RacpInverse};
 use fracas_solvers::{Observer, Step};
 use std::sync::Arc;

@@ -4,19 +4,20 @@ use super::grid::Grid;
 use super::hierarchy::position;
 use super::{Geometric, GeometricError};
 use crate::mesh::HexMesh;
+use fracas_operators::Real;
 use fracas_operators::sparse::{Block3, SparseMatrix};
 use fracas_solvers::DofCoordinate;
-use fracas_solvers::amg::{Amg, LevelSummary};
-use fracas_solvers::multigrid::{Bottom, Semidefinite};
+use fracas_solvers::amg::Amg;
+use fracas_solvers::multigrid::{Bottom, Direct};
 
-/// The solver of the coarsest level with its levels.
-pub(super) fn bottom(
+/// The solver of the coarsest level.
+pub(super) fn bottom<R: Real>(
     settings: &Geometric,
     mesh: &HexMesh,
     grid: &Grid<'_>,
     matrix: &Block3<f64>,
     fixed: &[u8],
-) -> Result<(Bottom, Vec<LevelSummary>), GeometricError> {
+) -> Result<Bottom<R>, GeometricError> {
     let n = 3 * grid.nodes;
     let diagonal = |i: usize| entry(matrix, i, i);
     let is_free = |i: &u32| {
@@ -42,10 +43,8 @@ pub(super) fn bottom(
     }
     let a = SparseMatrix::new((free.len(), free.len()), starts, columns, values);
     if free.len() <= settings.coarsest.max(settings.direct) {
-        // in f64 whatever the levels are: an inverse rounded to f32 is indefinite from a condition of 10⁷ on
-        let inverse = Semidefinite::new(a).map_err(|error| error.in_block("S_u"))?;
-        let summary = inverse.summary();
-        return Ok((Bottom::semidefinite(inverse, free, n), vec![summary]));
+        let direct = Direct::semidefinite(a).map_err(|error| error.in_block("S_u"))?;
+        return Ok(Bottom::semidefinite(direct, free, n));
     }
     let coordinates: Vec<DofCoordinate> = free
         .iter()
@@ -63,7 +62,7 @@ pub(super) fn bottom(
         .build(&a, Some(&coordinates))
         .map_err(|error| error.in_block("S_u"))?;
     let levels = inverse.summary().levels;
-    Ok((Bottom::new(Box::new(inverse), free, n), levels))
+    Ok(Bottom::new(Box::new(inverse), levels, free, n))
 }
 
 /// Entry (i, j).

@@ -20,8 +20,9 @@ use fracas_operators::simd::Level as Instructions;
 use fracas_operators::small::{Matrix3, Symmetric, upper};
 use fracas_operators::sparse::Block3;
 use fracas_operators::{AdjointOperator, LinearOperator, Real};
-use fracas_solvers::amg::LevelSummary;
-use fracas_solvers::multigrid::{Hierarchy, Level, NoInverse};
+use fracas_solvers::multigrid::{
+    About, BlockChebyshev, BlockJacobi, Hierarchy, Level, NoInverse, Scaled, Smoother, Smoothing,
+};
 use std::borrow::Cow;
 
 /// Levels beyond which a grid cannot have been halved.
@@ -48,7 +49,16 @@ enum Stop {
     Early,
 }
 
-/// All levels of `S_u / scale`, and a summary of what is below them. `materials` and `c_inverse` are divided by the scale.
+/// What a hierarchy on grids says of itself.
+const ABOUT: About = About {
+    near_null_space: "linear fields on every side of a fracture",
+    smoothing: Smoothing {
+        smoother: Smoother::Chebyshev,
+        chained: None,
+    },
+};
+
+/// All levels of `S_u / scale`. `materials` and `c_inverse` are divided by the scale.
 ///
 /// Grids take fewer iterations than algebraic multigrid, so that comes first only where the functions of small blocks on coarse
 /// cells have become the same to rounding.
@@ -57,7 +67,7 @@ pub(super) fn hierarchy<R: Real>(
     system: &StickSystem<'_>,
     materials: &[Elastic],
     c_inverse: &[[[f64; 3]; 3]],
-) -> Result<(Hierarchy<R>, Vec<LevelSummary>), GeometricError> {
+) -> Result<Hierarchy<R>, GeometricError> {
     match levels(settings, system, materials, c_inverse, Stop::Late) {
         Err(GeometricError::Bottom(_)) => {
             levels(settings, system, materials, c_inverse, Stop::Early)
@@ -72,7 +82,7 @@ fn levels<R: Real>(
     materials: &[Elastic],
     c_inverse: &[[[f64; 3]; 3]],
     stop: Stop,
-) -> Result<(Hierarchy<R>, Vec<LevelSummary>), GeometricError> {
+) -> Result<Hierarchy<R>, GeometricError> {
     let mut current = Current {
         grid: Grid::of_mesh(system.mesh).ok_or(GeometricError::NoGrid)?,
         elements: Elements::of_mesh(system.mesh, materials),
@@ -126,12 +136,21 @@ fn levels<R: Real>(
         let remainder = rows.finish(&fixed_coarse);
         let transfer = Interpolation::new(&owners, coarse);
         drop(owners);
-        levels.push(current.level(system, materials, c_inverse, levels.len(), transfer)?);
+        let (scaled, fixed) = current.scaled(system, materials, c_inverse, levels.len())?;
+        levels.push((scaled, transfer, fixed));
         let Some(next) = next else {
-            let (bottom, below) = bottom(settings, system.mesh, coarse, &remainder, &fixed_coarse)?;
-            let smoothing = polynomial(settings, materials, &system.mesh.regions, !is_small);
-            let hierarchy = Hierarchy::new(levels, bottom, settings.cycle, smoothing);
-            return Ok((hierarchy, below));
+            let bottom = bottom(settings, system.mesh, coarse, &remainder, &fixed_coarse)?;
+            let polynomial = polynomial(settings, materials, &system.mesh.regions, !is_small);
+            let levels = levels.into_iter().map(|(scaled, transfer, fixed)| {
+                let smoother = BlockChebyshev::new(scaled, polynomial);
+                Level::new(Box::new(smoother), Box::new(transfer), fixed)
+            });
+            return Ok(Hierarchy::new(
+                levels.collect(),
+                bottom,
+                settings.cycle,
+                ABOUT,
+            ));
         };
         current = Current {
             grid: std::mem::replace(&mut coarsening, next).coarse,
@@ -169,15 +188,14 @@ fn smaller(grid: &Grid<'_>, lines: &CoarseLines, stop: Stop, direct: usize) -> O
 }
 
 impl Current<'_> {
-    /// The level as one that smooths.
-    fn level<R: Real>(
+    /// D⁻¹A of the level, and its fixed components.
+    fn scaled<R: Real>(
         &mut self,
         system: &StickSystem<'_>,
         materials: &[Elastic],
         c_inverse: &[[[f64; 3]; 3]],
         depth: usize,
-        transfer: Interpolation<R>,
-    ) -> Result<Level<R>, GeometricError> {
+    ) -> Result<(Scaled<R>, Vec<u32>), GeometricError> {
         let mut diagonal: Vec<Symmetric<f64>> = vec![[0.0; 6]; self.grid.nodes];
         self.elements.add_diagonals(&self.grid, &mut diagonal)?;
         match &self.remainder {
@@ -194,24 +212,21 @@ impl Current<'_> {
         }
         let (operator, bytes) = self.operator(system, materials, c_inverse)?;
         let fixed = fixed::list(&self.fixed);
-        let couplings = self.remainder.as_ref();
-        let level = Level::new(
-            operator,
-            bytes,
-            diagonal,
-            couplings,
-            fixed,
-            Box::new(transfer),
-        );
-        let level = level.map_err(|error| match error {
+        let jacobi = match &self.remainder {
+            Some(couplings) => BlockJacobi::with_couplings(&diagonal, couplings, &fixed),
+            None => BlockJacobi::new(&diagonal, &fixed),
+        };
+        drop(diagonal);
+        let jacobi = jacobi.map_err(|error| match error {
             NoInverse::Indefinite { node } => GeometricError::Indefinite {
                 level: depth,
                 place: self.position(system, node),
             },
             NoInverse::Overflow { .. } => overflow::<R>(depth),
         })?;
-        if level.lambda_max().is_finite() && level.lambda_max() > 0.0 {
-            Ok(level)
+        let scaled = Scaled::estimated(operator, bytes, jacobi);
+        if scaled.lambda_max().is_finite() && scaled.lambda_max() > 0.0 {
+            Ok((scaled, fixed))
         } else {
             Err(overflow::<R>(depth))
         }

@@ -183,6 +183,27 @@ impl<R: Real> Interpolation<R> {
         let [a, b, c] = steps(self.steps[n]);
         weights([share[0][a], share[1][b], share[2][c]])
     }
+    /// `x ← P x_c`, or `x ← x + P x_c` if `ADD`.
+    fn interpolate<const ADD: bool>(&self, coarse: &[R], x: &mut [R]) {
+        assert!(x.len() == 3 * self.nodes.len() && coarse.len() == 3 * self.coarse_nodes);
+        self.scatter.run(x, &|k, x| {
+            self.layer(*k, |corners, share, nodes| {
+                let mut values = [[R::zero(); 3]; 8];
+                for (value, corner) in values.iter_mut().zip(corners) {
+                    value.copy_from_slice(&coarse[3 * *corner as usize..][..3]);
+                }
+                for n in nodes {
+                    let w = self.weights(share, n);
+                    // SAFETY: this layer owns the node.
+                    let to = unsafe { x.part(3 * self.nodes[n] as usize, 3) };
+                    for i in 0..3 {
+                        let sum = (0..8).fold(R::zero(), |sum, a| sum + w[a] * values[a][i]);
+                        to[i] = if ADD { to[i] + sum } else { sum };
+                    }
+                }
+            });
+        });
+    }
 }
 
 impl<R: Real> Transfer<R> for Interpolation<R> {
@@ -215,23 +236,11 @@ impl<R: Real> Transfer<R> for Interpolation<R> {
     }
 
     fn prolong(&self, coarse: &[R], x: &mut [R]) {
-        assert!(x.len() == 3 * self.nodes.len() && coarse.len() == 3 * self.coarse_nodes);
-        self.scatter.run(x, &|k, x| {
-            self.layer(*k, |corners, share, nodes| {
-                let mut values = [[R::zero(); 3]; 8];
-                for (value, corner) in values.iter_mut().zip(corners) {
-                    value.copy_from_slice(&coarse[3 * *corner as usize..][..3]);
-                }
-                for n in nodes {
-                    let w = self.weights(share, n);
-                    // SAFETY: this layer owns the node.
-                    let to = unsafe { x.part(3 * self.nodes[n] as usize, 3) };
-                    for i in 0..3 {
-                        to[i] = (0..8).fold(R::zero(), |sum, a| sum + w[a] * values[a][i]);
-                    }
-                }
-            });
-        });
+        self.interpolate::<false>(coarse, x);
+    }
+
+    fn prolong_add(&self, coarse: &[R], x: &mut [R]) {
+        self.interpolate::<true>(coarse, x);
     }
 
     fn flops(&self) -> u64 {

@@ -6,12 +6,10 @@ use super::{Geometric, GeometricError, Lost};
 use crate::elasticity::Elastic;
 use crate::system::StickSystem;
 use fracas_operators::{Preconditioner, Properties, Real};
-use fracas_solvers::amg::{Precision, Summary};
-use fracas_solvers::multigrid::{Hierarchy, MultigridInverse, SomeHierarchy};
+use fracas_solvers::multigrid::{
+    Hierarchy, MultigridInverse, Places, Precision, SomeHierarchy, Summary,
+};
 use fracas_solvers::saddle::AugmentationMatrix;
-
-/// What the coarse spaces reproduce.
-const SPACES: &str = "linear fields on every side of a fracture";
 
 /// What rounding to f32 may leave of a uniform force as a residual before f64 is taken, in a body of unlike rocks. On
 /// `layered_crossing` with contrasts from 10 to 10⁴ and 16 to 48 cells across, up to 8e-3 cost no iteration, 1.6e-2 cost 19 beside
@@ -107,27 +105,27 @@ impl GeometricInverse {
         let mut single = None;
         if settings.precision == Precision::F32 {
             match hierarchy(settings, system, materials, c_inverse) {
-                Ok((h, below)) => match h.rounding() {
-                    r if r <= limit(materials) && soft(&h).is_none() => single = Some((h, below)),
+                Ok(h) => match h.rounding() {
+                    r if r <= limit(materials) && soft(&h).is_none() => single = Some(h),
                     rounding => lost = Some(Lost::Digits { rounding }),
                 },
                 Err(GeometricError::Overflow { level, .. }) => lost = Some(Lost::Range { level }),
                 Err(other) => return Err(other),
             }
         }
-        let (hierarchy, below) = match single {
-            Some((h, below)) => (SomeHierarchy::Single(h), below),
+        let hierarchy = match single {
+            Some(h) => SomeHierarchy::Single(h),
             None => {
-                let (h, below) = hierarchy(settings, system, materials, c_inverse)?;
+                let h = hierarchy(settings, system, materials, c_inverse)?;
                 if let Some(cost) = soft(&h) {
                     return Err(GeometricError::Soft { cost });
                 }
-                (SomeHierarchy::Double(h), below)
+                SomeHierarchy::Double(h)
             }
         };
         let f = settings.over_correction;
         Ok(Self {
-            cycle: MultigridInverse::new(hierarchy, scale, f, below, SPACES),
+            cycle: MultigridInverse::new(hierarchy, Places::Free, scale, f),
             lost,
         })
     }

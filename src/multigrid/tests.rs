@@ -12,9 +12,8 @@ use crate::contact::JumpStabilization;
 use crate::scene::{Body, Scene, named};
 use faer::Mat;
 use fracas_operators::LinearOperator;
-use fracas_solvers::amg::Precision;
 use fracas_solvers::eigen::dense::symmetric_eigenvalues;
-use fracas_solvers::multigrid::{Level, Transfer};
+use fracas_solvers::multigrid::{Level, Precision, Transfer};
 use fracas_solvers::saddle::{AugmentationMatrix, schur};
 
 /// Fractures on and off the coarse planes, tips inside coarse cells, T and X, odd counts, layers, thin and mapped cells.
@@ -223,7 +222,7 @@ fn every_operator_is_the_galerkin_product_of_the_assembled_one() {
             ..Geometric::default()
         };
         let blocks = faces::inverse_blocks(&c, 1.0).unwrap();
-        let (h, _) = hierarchy::<f64>(&settings, &system, &body.materials, &blocks).unwrap();
+        let h = hierarchy::<f64>(&settings, &system, &body.materials, &blocks).unwrap();
         assert!(h.levels().len() >= 2, "{scene}");
         // the finest operator is A + B C⁻¹Bᵀ
         let assembled = system
@@ -291,7 +290,7 @@ fn beside_held_sides_every_coarse_function_is_independent() {
             ..Geometric::default()
         };
         let blocks = faces::inverse_blocks(&some_c(&body), 1.0).unwrap();
-        let (h, _) = hierarchy::<f64>(&settings, &system, &body.materials, &blocks).unwrap();
+        let h = hierarchy::<f64>(&settings, &system, &body.materials, &blocks).unwrap();
         assert!(h.levels().len() >= 3 && h.left_out().is_none());
         for pair in h.levels().windows(2) {
             let p = dense_p(&pair[0], &pair[1]);

@@ -3,8 +3,8 @@
 use super::free::kibibytes;
 use fracas::scene::{Scene, SceneSize};
 use fracas_operators::{LinearOperator, Preconditioner};
-use fracas_solvers::amg::Summary;
 use fracas_solvers::krylov::{Fitted, KrylovChoice};
+use fracas_solvers::multigrid::Summary;
 use std::path::Path;
 
 pub(crate) use super::free::available_bytes;

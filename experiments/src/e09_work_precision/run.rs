@@ -12,8 +12,9 @@ use fracas::scene::Body;
 use fracas_operators::vector::norm2;
 use fracas_operators::{LinearOperator, Preconditioner, Real};
 use fracas_solvers::Silent;
-use fracas_solvers::amg::{Amg, Precision};
+use fracas_solvers::amg::Amg;
 use fracas_solvers::krylov::{Breakdown, Criteria, KrylovChoice, Outcome, System};
+use fracas_solvers::multigrid::Precision;
 use fracas_solvers::saddle::{Cost, InnerChoice, Racp, SaddleMethod, SaddleOperator};
 
 /// S̃_u⁻¹, and which digits.

@@ -1,13 +1,12 @@
 //! Where Gauss–Seidel by nodes smooths badly.
 
+use super::Amg;
 use super::reach::Reach;
 use super::sweeps::SweepMatrix;
-use super::{Amg, Smoother};
+use crate::multigrid::{Smoother, Smoothing};
 use fracas_operators::Real;
 use fracas_operators::small::norm_squared;
 use rayon::prelude::*;
-use serde::Serialize;
-use std::fmt;
 
 /// `‖A_ij‖_F / √(‖A_ii‖_F ‖A_jj‖_F)` from which a neighbour counts as a link of a chain. Unit: 1.
 ///
@@ -23,69 +22,30 @@ const LINK: f64 = 0.45;
 /// cells of 1:2.5, 1:4, 1:8 with ν = 0.49 take 82, 59, 64 iterations by Gauss–Seidel, 33, 33, 29 by FSAI.
 const VOLUME: f64 = 0.8;
 
-/// Share of nodes with such a neighbour from which the matrix is one of chains; fewer are outliers that the iteration
-/// around the cycle takes care of. Unit: 1.
-const SHARE: f64 = 0.25;
-
-/// Which smoother a hierarchy has, and why.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Smoothing {
-    /// Never [`Smoother::Auto`].
-    pub smoother: Smoother,
-    /// Share of the nodes that are links of a chain, `‖A_ij‖_F ≥ 0.45 √(‖A_ii‖_F ‖A_jj‖_F)` for a j ≠ i, along which no aggregate
-    /// is made, or which resists changes of volume, where that decided; `None` where the settings name the smoother.
-    pub chained: Option<f64>,
-}
-
-impl Smoothing {
-    /// What the settings say, or what the finest matrix asks for; no positions where they are not known, or where coarsening does not
-    /// heed them.
-    ///
-    /// # Cost
-    /// Under [`Smoother::Auto`] one pass over the blocks.
-    pub(super) fn new<R: Real>(
-        settings: &Amg,
-        finest: &SweepMatrix<R>,
-        positions: &[[f64; 3]],
-    ) -> Self {
-        if settings.smoother != Smoother::Auto {
-            return Self {
-                smoother: settings.smoother,
-                chained: None,
-            };
-        }
-        let chained = chained(finest, &Reach::new(finest, None, positions, 1));
-        Self {
-            smoother: if chained >= SHARE {
-                Smoother::Fsai
-            } else {
-                Smoother::GaussSeidel
-            },
-            chained: Some(chained),
-        }
+/// What the settings say, or what the finest matrix asks for; no positions where they are not known, or where coarsening does not
+/// heed them.
+///
+/// # Cost
+/// Under [`Smoother::Auto`] one pass over the blocks.
+pub(super) fn smoothing<R: Real>(
+    settings: &Amg,
+    finest: &SweepMatrix<R>,
+    positions: &[[f64; 3]],
+) -> Smoothing {
+    if settings.smoother != Smoother::Auto {
+        return Smoothing {
+            smoother: settings.smoother,
+            chained: None,
+        };
     }
-
-    /// The settings with the smoother that was chosen.
-    pub(super) fn in_settings(self, settings: &Amg) -> Amg {
-        Amg {
-            smoother: self.smoother,
-            ..*settings
-        }
-    }
-}
-
-impl fmt::Display for Smoothing {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.smoother.name())?;
-        match self.chained {
-            None => Ok(()),
-            Some(share) => write!(
-                f,
-                ": {:.0} % of the nodes are links of a chain ({:.0} % call for fsai)",
-                100.0 * share,
-                100.0 * SHARE
-            ),
-        }
+    let chained = chained(finest, &Reach::new(finest, None, positions, 1));
+    Smoothing {
+        smoother: if chained >= Smoothing::CHAINED {
+            Smoother::Fsai
+        } else {
+            Smoother::GaussSeidel
+        },
+        chained: Some(chained),
     }
 }
 
@@ -119,7 +79,7 @@ mod tests {
     use crate::elastic_sample::clamped_box;
     use fracas_operators::sparse::SparseMatrix;
 
-    fn smoothing(a: &SparseMatrix<f64>, at: &[crate::DofCoordinate]) -> Smoothing {
+    fn chosen(a: &SparseMatrix<f64>, at: &[crate::DofCoordinate]) -> Smoothing {
         let m = Amg::default().build(a, Some(at));
         m.unwrap().summary().smoothing
     }
@@ -134,7 +94,7 @@ mod tests {
         ] {
             let (a, at) = clamped_box([8, 7, 7], h, |_| 1.0);
             // aggregates along the chains take their place where the nodes are known
-            assert_eq!(smoothing(&a, &at).smoother, Smoother::GaussSeidel, "{h:?}");
+            assert_eq!(chosen(&a, &at).smoother, Smoother::GaussSeidel, "{h:?}");
             let found = Amg::default().build(&a, None).unwrap().summary().smoothing;
             assert_eq!(found.smoother, smoother, "{h:?}: {found}");
             let chained = found.chained.unwrap();
@@ -149,7 +109,7 @@ mod tests {
             let map = crate::amg::node_map::NodeMap::new(&scaled, Some(&at));
             let blocks = crate::amg::finest::Sum::new(&scaled, None).unwrap();
             let blocks = blocks.blocks::<f64>(&map, blocks.pattern(&map)).unwrap();
-            let again = Smoothing::new(&Amg::default(), &blocks.matrix, &[]);
+            let again = smoothing(&Amg::default(), &blocks.matrix, &[]);
             assert!((again.chained.unwrap() - chained).abs() < 0.01);
         }
     }
@@ -158,7 +118,7 @@ mod tests {
     fn a_stiff_layer_in_a_body_of_cubes_does_not_decide() {
         // a stiff layer couples its nodes; the others are as in cubes
         let (a, at) = clamped_box([8, 7, 12], [1.0; 3], |c| if c[2] == 6 { 1e3 } else { 1.0 });
-        let found = smoothing(&a, &at);
+        let found = chosen(&a, &at);
         assert_eq!(found.smoother, Smoother::GaussSeidel, "{found}");
     }
 

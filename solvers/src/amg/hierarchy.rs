@@ -1,17 +1,22 @@
 //! From the finest matrix to all levels.
 
+use super::Amg;
 use super::coarse::{Coarsener, Frame, Known, NotPositive};
-use super::coarsest::{Coarsest, NoInverse};
 use super::finest::Finest;
-use super::fsai_smoother;
-use super::lambda::largest_eigenvalue;
-use super::summary::{LevelSummary, Summary};
+use super::fsai::{self, FsaiSmoother};
+use super::gauss_seidel::GaussSeidel;
 use super::sweeps::SweepMatrix;
-use super::transfer::Transfer;
-use super::{Amg, Smoother, Smoothing};
 use crate::SetupError;
 use crate::fsai::FsaiInverse;
+use crate::multigrid::{
+    About, BlockChebyshev, BlockJacobi, Bottom, Chebyshev, Direct, Hierarchy, Level, Scaled,
+    Smooth, Smoother,
+};
 use fracas_operators::Real;
+use fracas_operators::small::upper;
+
+/// Smallest over largest eigenvalue of the interval on which a Chebyshev polynomial smooths. Unit: 1.
+const SMOOTHED_SHARE: f64 = 1.0 / 20.0;
 
 /// Levels beyond which coarsening has plainly failed.
 const MOST_LEVELS: usize = 30;
@@ -19,36 +24,18 @@ const MOST_LEVELS: usize = 30;
 /// Unknowns up to which a level that does not get coarser is solved directly after all, where no larger one was asked for.
 const LARGEST_DIRECT: usize = 30_000;
 
-/// One level that smooths.
-#[derive(Debug)]
-pub(super) struct Level<R> {
-    pub(super) matrix: SweepMatrix<R>,
-    pub(super) transfer: Transfer<R>,
-    /// Upper estimate of `λ_max(D⁻¹A)`.
-    pub(super) lambda_max: f64,
-    /// `ωGᵀG`, if that smooths.
-    pub(super) fsai: Option<FsaiInverse<R>>,
-}
-
-/// All levels, finest first, and the direct solver below them.
-#[derive(Debug)]
-pub(super) struct Hierarchy<R> {
-    pub(super) levels: Vec<Level<R>>,
-    pub(super) coarsest: Coarsest<R>,
-    near_null_space: &'static str,
-    /// What smooths, and why.
-    pub(super) smoothing: Smoothing,
-}
+/// Names the unknown in a scalar row of the finest level.
+pub(super) type Names<'a> = &'a dyn Fn(usize) -> usize;
 
 /// A block row of the finest level that stands for each block row of a coarser one, to name rows in errors.
 struct Representatives<'a> {
     rows: Vec<u32>,
-    unknown: &'a dyn Fn(usize) -> usize,
+    unknown: Names<'a>,
 }
 
 impl<'a> Representatives<'a> {
     /// The block rows of the finest level; `unknown(row)` names the unknown in a scalar row of it.
-    fn new(rows: usize, unknown: &'a dyn Fn(usize) -> usize) -> Self {
+    fn new(rows: usize, unknown: Names<'a>) -> Self {
         Self {
             rows: (0..rows as u32).collect(),
             unknown,
@@ -83,7 +70,7 @@ impl<'a> Representatives<'a> {
     }
 
     /// FSAI of this level's matrix, if that is to smooth.
-    fn smoother<S: Real, R: Real>(
+    fn fsai<S: Real, R: Real>(
         &self,
         settings: &Amg,
         a: &SweepMatrix<S>,
@@ -98,8 +85,38 @@ impl<'a> Representatives<'a> {
             }
             other => other,
         };
-        fsai_smoother::smoother(a).map(Some).map_err(named)
+        fsai::inverse(a).map(Some).map_err(named)
     }
+}
+
+/// What smooths the level of a matrix with this λ_max(D⁻¹A); `fsai` where that does.
+fn smoother<R: Real>(
+    settings: &Amg,
+    a: SweepMatrix<R>,
+    lambda_max: f64,
+    fsai: Option<FsaiInverse<R>>,
+) -> Box<dyn Smooth<R>> {
+    let steps = settings.sweeps.max(1);
+    match (settings.smoother, fsai) {
+        (_, Some(fsai)) => Box::new(FsaiSmoother::new(a, fsai, steps)),
+        (Smoother::Chebyshev, None) => Box::new(chebyshev(a, lambda_max, steps)),
+        _ => Box::new(GaussSeidel::new(a, steps)),
+    }
+}
+
+/// A polynomial of degree `steps` in the D⁻¹A of a level.
+fn chebyshev<R: Real>(a: SweepMatrix<R>, lambda_max: f64, steps: usize) -> BlockChebyshev<R> {
+    let inverses = (0..a.rows()).map(|i| upper(a.inverse(i)));
+    let jacobi = BlockJacobi::of_inverses(inverses.collect());
+    let bytes = a.bytes();
+    let polynomial = Chebyshev {
+        degree: steps,
+        share: SMOOTHED_SHARE,
+    };
+    BlockChebyshev::new(
+        Scaled::new(Box::new(a), bytes, jacobi, lambda_max),
+        polynomial,
+    )
 }
 
 /// Where the steps of coarsening come from.
@@ -132,7 +149,7 @@ impl<C, const K: usize> Steps<'_, C, K> {
         C: Coarsener<N, K>,
     {
         let (step, lambda_max) =
-            rayon::join(|| self.step(settings, depth, a), || largest_eigenvalue(a));
+            rayon::join(|| self.step(settings, depth, a), || a.largest_eigenvalue());
         step.map(|step| (step, lambda_max))
     }
 
@@ -163,121 +180,77 @@ impl<C, const K: usize> Steps<'_, C, K> {
     }
 }
 
-/// What is known before the levels are.
-#[derive(Clone, Copy)]
-pub(super) struct About<'a> {
-    pub(super) near_null_space: &'static str,
-    pub(super) smoothing: Smoothing,
-    /// Names the unknown in a scalar row of the finest level.
-    pub(super) unknown: &'a dyn Fn(usize) -> usize,
+/// Coarsens until a direct solver takes over.
+///
+/// # Errors
+/// [`SetupError::NotPositiveDefinite`] or [`SetupError::Singular`] for a coarse matrix.
+pub(super) fn build<R: Real, C: Coarsener<N, K>, const N: usize, const K: usize>(
+    settings: &Amg,
+    finest: Finest<R>,
+    steps: &mut Steps<'_, C, K>,
+    about: About,
+    unknown: Names<'_>,
+) -> Result<Hierarchy<R>, SetupError> {
+    let Finest {
+        matrix: first,
+        defect,
+        ..
+    } = finest;
+    let settings = &Amg {
+        smoother: about.smoothing.smoother,
+        ..*settings
+    };
+    let mut names = Representatives::new(first.rows(), unknown);
+    let mut levels = Vec::new();
+    let Some((step, lambda_max)) = steps.next(settings, 0, &first) else {
+        let bottom = bottom(settings, &first, &names)?;
+        return Ok(Hierarchy::new(levels, bottom, settings.cycle, about));
+    };
+    let values = step.values::<R, R>(&first, &defect, lambda_max);
+    let values = values.map_err(|e| names.indefinite::<N>(e, step.frame(), 1))?;
+    drop(defect);
+    let fsai = names.fsai(settings, &first)?;
+    let smooth = smoother(settings, first, lambda_max, fsai);
+    levels.push(Level::new(smooth, Box::new(values.transfer), Vec::new()));
+    let next = N / 3;
+    names.descend(step.frame(), [1, next]);
+    let mut matrix = values.matrix;
+    while let Some((step, lambda_max)) = steps.next(settings, levels.len(), &matrix) {
+        let values = step.values::<f64, R>(&matrix, &[], lambda_max);
+        let values = values.map_err(|e| names.indefinite::<N>(e, step.frame(), next))?;
+        let fsai = names.fsai(settings, &matrix)?;
+        let smooth = smoother(settings, matrix.cast(), lambda_max, fsai);
+        levels.push(Level::new(smooth, Box::new(values.transfer), Vec::new()));
+        names.descend(step.frame(), [next, next]);
+        matrix = values.matrix;
+    }
+    let bottom = bottom(settings, &matrix, &names)?;
+    Ok(Hierarchy::new(levels, bottom, settings.cycle, about))
 }
 
-impl<R: Real> Hierarchy<R> {
-    /// Coarsens until a direct solver takes over.
-    ///
-    /// # Errors
-    /// [`SetupError::NotPositiveDefinite`] or [`SetupError::Singular`] for a coarse matrix.
-    pub(super) fn new<C: Coarsener<N, K>, const N: usize, const K: usize>(
-        settings: &Amg,
-        finest: Finest<R>,
-        steps: &mut Steps<'_, C, K>,
-        about: &About<'_>,
-    ) -> Result<Self, SetupError> {
-        let Finest {
-            matrix: first,
-            defect,
-            ..
-        } = finest;
-        let settings = &about.smoothing.in_settings(settings);
-        let mut names = Representatives::new(first.rows(), about.unknown);
-        let mut levels = Vec::new();
-        let Some((step, lambda_max)) = steps.next(settings, 0, &first) else {
-            return Self::ending(settings, levels, &first, &names, about);
-        };
-        let values = step.values::<R, R>(&first, &defect, lambda_max);
-        let values = values.map_err(|e| names.indefinite::<N>(e, step.frame(), 1))?;
-        drop(defect);
-        levels.push(Level {
-            fsai: names.smoother(settings, &first)?,
-            matrix: first,
-            transfer: values.transfer,
-            lambda_max,
+/// The solver below the levels.
+fn bottom<S: Real, R: Real>(
+    settings: &Amg,
+    last: &SweepMatrix<S>,
+    names: &Representatives<'_>,
+) -> Result<Bottom<R>, SetupError> {
+    let n = 3 * last.rows();
+    if n > LARGEST_DIRECT.max(settings.coarsest) {
+        return Err(SetupError::NotApplicable {
+            method: "amg",
+            reason: format!(
+                "coarsening stopped at {n} unknowns because too few connections are strong; lower the strength threshold, \
+                 or take the inner solver exact"
+            ),
         });
-        let next = N / 3;
-        names.descend(step.frame(), [1, next]);
-        let mut matrix = values.matrix;
-        while let Some((step, lambda_max)) = steps.next(settings, levels.len(), &matrix) {
-            let values = step.values::<f64, R>(&matrix, &[], lambda_max);
-            let values = values.map_err(|e| names.indefinite::<N>(e, step.frame(), next))?;
-            levels.push(Level {
-                fsai: names.smoother(settings, &matrix)?,
-                matrix: matrix.cast(),
-                transfer: values.transfer,
-                lambda_max,
-            });
-            names.descend(step.frame(), [next, next]);
-            matrix = values.matrix;
-        }
-        Self::ending(settings, levels, &matrix, &names, about)
     }
-
-    fn ending<S: Real>(
-        settings: &Amg,
-        levels: Vec<Level<R>>,
-        last: &SweepMatrix<S>,
-        names: &Representatives<'_>,
-        about: &About<'_>,
-    ) -> Result<Self, SetupError> {
-        let n = 3 * last.rows();
-        if n > LARGEST_DIRECT.max(settings.coarsest) {
-            return Err(SetupError::NotApplicable {
-                method: "amg",
-                reason: format!(
-                    "coarsening stopped at {n} unknowns because too few connections are strong; lower the strength threshold, \
-                     or take the inner solver exact"
-                ),
-            });
-        }
-        let coarsest = Coarsest::new(last).map_err(|problem| match problem {
-            NoInverse::Failed(error) => error,
-            NoInverse::Singular(row) => SetupError::Singular {
-                block: "A",
-                row: Some(names.name(row)),
-                advice: "a rigid-body mode costs no energy: a block of rock is held neither by boundary conditions nor by a fracture".into(),
-            },
-        })?;
-        Ok(Self {
-            levels,
-            coarsest,
-            near_null_space: about.near_null_space,
-            smoothing: about.smoothing,
-        })
-    }
-
-    /// Levels, complexities, bytes.
-    pub(super) fn summary(&self) -> Summary {
-        let smoothing = self.levels.iter().map(|level| LevelSummary {
-            n: 3 * level.matrix.rows(),
-            nnz: 9 * level.matrix.block_count(),
-            bytes: level.matrix.bytes()
-                + level.transfer.bytes()
-                + level.fsai.as_ref().map_or(0, FsaiInverse::bytes),
-        });
-        let last = LevelSummary {
-            n: self.coarsest.size(),
-            nnz: self.coarsest.entries(),
-            bytes: self.coarsest.bytes(),
-        };
-        let levels: Vec<LevelSummary> = smoothing.chain([last]).collect();
-        let total = |of: fn(&LevelSummary) -> usize| {
-            levels.iter().map(of).sum::<usize>() as f64 / of(&levels[0]).max(1) as f64
-        };
-        Summary {
-            operator_complexity: total(|level| level.nnz),
-            grid_complexity: total(|level| level.n),
-            near_null_space: self.near_null_space,
-            smoothing: self.smoothing,
-            levels,
-        }
-    }
+    let direct = Direct::definite(last.to_csr(|_| true)).map_err(|error| match error {
+        SetupError::NotPositiveDefinite { row, .. } => SetupError::Singular {
+            block: "A",
+            row: Some(names.name(row - 1)),
+            advice: "a rigid-body mode costs no energy: a block of rock is held neither by boundary conditions nor by a fracture".into(),
+        },
+        other => other,
+    })?;
+    Ok(Bottom::definite(direct))
 }

@@ -1,10 +1,12 @@
 //! Unknowns grouped into nodes of three components.
 
 use crate::DofCoordinate;
+use crate::multigrid::{Places, Slots};
 use fracas_operators::sparse::SparseMatrix;
+use std::sync::Arc;
 
 /// No unknown, no node.
-pub(super) const NONE: u32 = u32::MAX;
+pub(super) use crate::multigrid::NONE;
 
 /// Share of nodes with a single unknown above which the unknowns are not taken to be stored node by node.
 const SCATTERED: f64 = 0.1;
@@ -13,10 +15,7 @@ const SCATTERED: f64 = 0.1;
 /// components stay empty.
 #[derive(Clone, Debug)]
 pub(super) struct NodeMap {
-    /// Slot of every unknown.
-    slots: Vec<u32>,
-    /// Unknown of every slot, or [`NONE`].
-    unknowns: Vec<u32>,
+    slots: Arc<Slots>,
     /// Position of every node; empty without coordinates.
     positions: Vec<[f64; 3]>,
 }
@@ -35,13 +34,8 @@ impl NodeMap {
     }
 
     fn from_slots(slots: Vec<u32>, nodes: usize, positions: Vec<[f64; 3]>) -> Self {
-        let mut unknowns = vec![NONE; 3 * nodes];
-        for (i, slot) in slots.iter().enumerate() {
-            unknowns[*slot as usize] = i as u32;
-        }
         Self {
-            slots,
-            unknowns,
+            slots: Arc::new(Slots::new(slots, 3 * nodes)),
             positions,
         }
     }
@@ -61,32 +55,32 @@ impl NodeMap {
 
     /// Unknowns.
     pub(super) fn unknowns_len(&self) -> usize {
-        self.slots.len()
+        self.slots.of_unknown.len()
+    }
+
+    /// Where every unknown is.
+    pub(super) fn places(&self) -> Places {
+        Places::Slots(self.slots.clone())
     }
 
     /// Nodes.
     pub(super) fn nodes(&self) -> usize {
-        self.unknowns.len() / 3
+        self.slots.unknowns.len() / 3
     }
 
     /// Slot of every unknown.
     pub(super) fn slots(&self) -> &[u32] {
-        &self.slots
-    }
-
-    /// Unknown of every slot, or [`NONE`].
-    pub(super) fn unknowns(&self) -> &[u32] {
-        &self.unknowns
+        &self.slots.of_unknown
     }
 
     /// Unknowns of a node, [`NONE`] for a constrained component.
     pub(super) fn of_node(&self, node: usize) -> &[u32] {
-        &self.unknowns[3 * node..][..3]
+        &self.slots.unknowns[3 * node..][..3]
     }
 
     /// Positions of the nodes, if known.
     pub(super) fn positions(&self) -> Option<&[[f64; 3]]> {
-        (!self.positions.is_empty() || self.slots.is_empty()).then_some(&self.positions)
+        (!self.positions.is_empty() || self.unknowns_len() == 0).then_some(&self.positions)
     }
 }
 

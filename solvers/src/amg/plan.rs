@@ -1,16 +1,17 @@
 //! What of a hierarchy outlives a change of values.
 
+use super::chains::smoothing;
 use super::classical::Classical;
 use super::coarse::{Coarsener, Known};
 use super::finest::{Finest, Sum};
-use super::hierarchy::{About, Hierarchy, Steps};
-use super::inverse::Either;
+use super::hierarchy::{Names, Steps, build};
 use super::node_map::{NONE, NodeMap};
 use super::rigid_body::{constants, rigid_body_modes};
 use super::rows::Pattern;
 use super::smoothed::SmoothedAggregation;
 use super::sweeps::SweepMatrix;
-use super::{Amg, AmgInverse, Coarsening, Precision, Smoothing};
+use super::{Amg, Coarsening};
+use crate::multigrid::{About, Hierarchy, MultigridInverse, Precision, SomeHierarchy};
 use crate::{DofCoordinate, SetupError};
 use fracas_operators::Real;
 use fracas_operators::sparse::SparseMatrix;
@@ -51,7 +52,7 @@ impl AmgPlan {
         &self,
         a: &SparseMatrix<f64>,
         f: Option<&SparseMatrix<f64>>,
-    ) -> Result<AmgInverse, SetupError> {
+    ) -> Result<MultigridInverse, SetupError> {
         let sum = Sum::new(a, f)?;
         let n = self.map.unknowns_len();
         if a.rows() != n {
@@ -64,33 +65,28 @@ impl AmgPlan {
             });
         }
         match self.settings.precision {
-            Precision::F32 => self.built(&sum, Either::Single),
-            Precision::F64 => self.built(&sum, Either::Double),
+            Precision::F32 => self.built(&sum, SomeHierarchy::Single),
+            Precision::F64 => self.built(&sum, SomeHierarchy::Double),
         }
     }
 
     fn built<R: Real>(
         &self,
         sum: &Sum<'_>,
-        either: fn(Hierarchy<R>) -> Either,
-    ) -> Result<AmgInverse, SetupError> {
+        either: fn(Hierarchy<R>) -> SomeHierarchy,
+    ) -> Result<MultigridInverse, SetupError> {
         let finest = sum.blocks::<R>(&self.map, self.pattern.clone())?;
         let scale = finest.scale;
         let unknown = |row| unknown(&self.map, row);
-        let about = About {
-            near_null_space: near_null_space(&self.map),
-            smoothing: smoothing(&self.settings, &finest.matrix, &self.map),
-            unknown: &unknown,
-        };
         let settings = &self.settings;
+        let about = about(settings, &finest.matrix, &self.map);
         let hierarchy = match &self.steps {
-            Planned::Rigid(steps) => again(settings, finest, steps, &about),
-            Planned::Constants(steps) => again(settings, finest, steps, &about),
-            Planned::ClassicalRigid(steps) => again(settings, finest, steps, &about),
-            Planned::ClassicalConstants(steps) => again(settings, finest, steps, &about),
+            Planned::Rigid(steps) => again(settings, finest, steps, about, &unknown),
+            Planned::Constants(steps) => again(settings, finest, steps, about, &unknown),
+            Planned::ClassicalRigid(steps) => again(settings, finest, steps, about, &unknown),
+            Planned::ClassicalConstants(steps) => again(settings, finest, steps, about, &unknown),
         }?;
-        let map = self.map.clone();
-        Ok(AmgInverse::new(settings, map, scale, either(hierarchy)))
+        Ok(inverse(settings, &self.map, scale, either(hierarchy)))
     }
 
     /// Those of the first hierarchy.
@@ -114,24 +110,35 @@ fn again<R: Real, C: Coarsener<N, K>, const N: usize, const K: usize>(
     settings: &Amg,
     finest: Finest<R>,
     steps: &[C],
-    about: &About<'_>,
+    about: About,
+    unknown: Names<'_>,
 ) -> Result<Hierarchy<R>, SetupError> {
-    Hierarchy::new(settings, finest, &mut Steps::Kept(steps), about)
+    build(settings, finest, &mut Steps::Kept(steps), about, unknown)
 }
 
-/// The first hierarchy of a matrix, the steps that it took, and what `keep` makes of the finest pattern.
+/// One cycle of a hierarchy of the finest matrix divided by `scale`.
+fn inverse(
+    settings: &Amg,
+    map: &NodeMap,
+    scale: f64,
+    hierarchy: SomeHierarchy,
+) -> MultigridInverse {
+    MultigridInverse::new(hierarchy, map.places(), scale, settings.over_correction)
+}
+
+/// The first hierarchy of a matrix, the steps that it took, and what `keep` makes of its nodes and the finest pattern.
 pub(super) fn first<P>(
     settings: &Amg,
     sum: &Sum<'_>,
     coordinates: Option<&[DofCoordinate]>,
-    keep: impl FnOnce(&Pattern) -> P,
-) -> Result<(AmgInverse, Planned, P), SetupError> {
+    keep: impl FnOnce(&Arc<NodeMap>, &Pattern) -> P,
+) -> Result<(MultigridInverse, Planned, P), SetupError> {
     let map = Arc::new(NodeMap::new(sum.a, coordinates));
     let pattern = sum.pattern(&map);
-    let kept = keep(&pattern);
+    let kept = keep(&map, &pattern);
     let (inverse, steps) = match settings.precision {
-        Precision::F32 => new(settings, sum, map, pattern, Either::Single),
-        Precision::F64 => new(settings, sum, map, pattern, Either::Double),
+        Precision::F32 => new(settings, sum, &map, pattern, SomeHierarchy::Single),
+        Precision::F64 => new(settings, sum, &map, pattern, SomeHierarchy::Double),
     }?;
     Ok((inverse, steps, kept))
 }
@@ -139,36 +146,32 @@ pub(super) fn first<P>(
 fn new<R: Real>(
     settings: &Amg,
     sum: &Sum<'_>,
-    map: Arc<NodeMap>,
+    map: &NodeMap,
     pattern: Pattern,
-    either: fn(Hierarchy<R>) -> Either,
-) -> Result<(AmgInverse, Planned), SetupError> {
-    let finest = sum.blocks::<R>(&map, pattern)?;
+    either: fn(Hierarchy<R>) -> SomeHierarchy,
+) -> Result<(MultigridInverse, Planned), SetupError> {
+    let finest = sum.blocks::<R>(map, pattern)?;
     let scale = finest.scale;
-    let unknown = |row| unknown(&map, row);
+    let unknown = |row| unknown(map, row);
     let way = Way {
         settings,
-        bonds: sum.bonds(&map),
+        bonds: sum.bonds(map),
         positions: map.positions().map(<[_]>::to_vec).unwrap_or_default(),
-        about: About {
-            near_null_space: near_null_space(&map),
-            smoothing: smoothing(settings, &finest.matrix, &map),
-            unknown: &unknown,
-        },
+        about: about(settings, &finest.matrix, map),
+        unknown: &unknown,
         finest,
     };
     let (hierarchy, steps) = match (settings.coarsening, map.positions()) {
         (Coarsening::SmoothedAggregation, Some(positions)) => {
-            way.down(rigid_body_modes(&map, positions), Planned::Rigid)
+            way.down(rigid_body_modes(map, positions), Planned::Rigid)
         }
-        (Coarsening::SmoothedAggregation, None) => way.down(constants(&map), Planned::Constants),
+        (Coarsening::SmoothedAggregation, None) => way.down(constants(map), Planned::Constants),
         (Coarsening::Classical, Some(positions)) => {
-            way.down(rigid_body_modes(&map, positions), Planned::ClassicalRigid)
+            way.down(rigid_body_modes(map, positions), Planned::ClassicalRigid)
         }
-        (Coarsening::Classical, None) => way.down(constants(&map), Planned::ClassicalConstants),
+        (Coarsening::Classical, None) => way.down(constants(map), Planned::ClassicalConstants),
     }?;
-    let inverse = AmgInverse::new(settings, map, scale, either(hierarchy));
-    Ok((inverse, steps))
+    Ok((inverse(settings, map, scale, either(hierarchy)), steps))
 }
 
 /// What the first way down starts from.
@@ -177,7 +180,8 @@ struct Way<'a, R> {
     finest: Finest<R>,
     bonds: Option<Pattern>,
     positions: Vec<[f64; 3]>,
-    about: About<'a>,
+    about: About,
+    unknown: Names<'a>,
 }
 
 impl<R: Real> Way<'_, R> {
@@ -194,7 +198,13 @@ impl<R: Real> Way<'_, R> {
                 positions: self.positions,
             },
         };
-        let hierarchy = Hierarchy::new(self.settings, self.finest, &mut steps, &self.about)?;
+        let hierarchy = build(
+            self.settings,
+            self.finest,
+            &mut steps,
+            self.about,
+            self.unknown,
+        )?;
         Ok((hierarchy, kind(steps.planned())))
     }
 }
@@ -211,18 +221,17 @@ fn unknown(map: &NodeMap, row: usize) -> usize {
     }
 }
 
-/// What smooths the levels below this matrix; only aggregates heed where nodes are.
-fn smoothing<R: Real>(settings: &Amg, finest: &SweepMatrix<R>, map: &NodeMap) -> Smoothing {
+/// What the coarse spaces hold, and what smooths the levels below this matrix; only aggregates heed where nodes are.
+fn about<R: Real>(settings: &Amg, finest: &SweepMatrix<R>, map: &NodeMap) -> About {
     let positions = match settings.coarsening {
         Coarsening::SmoothedAggregation => map.positions().unwrap_or_default(),
         Coarsening::Classical => &[],
     };
-    Smoothing::new(settings, finest, positions)
-}
-
-fn near_null_space(map: &NodeMap) -> &'static str {
-    match map.positions() {
-        Some(_) => "rigid-body modes",
-        None => CONSTANTS,
+    About {
+        near_null_space: match map.positions() {
+            Some(_) => "rigid-body modes",
+            None => CONSTANTS,
+        },
+        smoothing: smoothing(settings, finest, positions),
     }
 }

@@ -1,5 +1,6 @@
 //! Plain settings of algebraic multigrid.
 
+use crate::multigrid::{Cycle, Precision, Smoother};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -12,58 +13,6 @@ pub enum Coarsening {
     SmoothedAggregation,
     /// Classical: coarse nodes by PMIS, least-squares interpolation of the rigid-body modes, energy minimisation.
     Classical,
-}
-
-/// What smooths.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Smoother {
-    /// Gauss–Seidel, or FSAI where the matrix is made of chains of nodes along which no aggregates are made (nearly incompressible
-    /// rock; flat cells without coordinates, or coarsened classically): there Gauss–Seidel by nodes smooths along the chains only.
-    #[default]
-    Auto,
-    /// Symmetric Gauss–Seidel by nodes: forward before, backward after the coarse correction.
-    GaussSeidel,
-    /// Chebyshev polynomial in block Jacobi.
-    Chebyshev,
-    /// Damped factorized sparse approximate inverse.
-    Fsai,
-}
-
-impl Smoother {
-    /// Plain name.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::GaussSeidel => "gauss_seidel",
-            Self::Chebyshev => "chebyshev",
-            Self::Fsai => "fsai",
-        }
-    }
-}
-
-/// How often a level visits the next one.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Cycle {
-    /// Once.
-    #[default]
-    V,
-    /// Twice.
-    W,
-    /// As a preconditioner of two steps of flexible conjugate gradients (not a linear map).
-    K,
-}
-
-/// Scalars of the hierarchy.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Precision {
-    /// 32 bits: half the memory traffic; the iteration around it is in f64.
-    #[default]
-    F32,
-    /// 64 bits.
-    F64,
 }
 
 /// Algebraic multigrid.
@@ -128,7 +77,7 @@ impl Default for Amg {
         Self {
             coarsening: Coarsening::default(),
             smoother: Smoother::default(),
-            cycle: Cycle::default(),
+            cycle: Cycle::V,
             sweeps: 1,
             precision: Precision::default(),
             strength: 0.04,

@@ -2,11 +2,13 @@
 #![allow(unsafe_code, reason = "writes of tasks that share no entry")]
 
 use super::schedule::Schedule;
-use fracas_operators::Real;
+use crate::multigrid::lambda::largest_generalized;
 use fracas_operators::shared::Shared;
 use fracas_operators::simd::{Kernel, Lanes, Level, MAX_WIDTH, prefetch};
 use fracas_operators::small::{Matrix3, cast, times};
+use fracas_operators::sparse::SparseMatrix;
 use fracas_operators::vector::{for_each_task, for_row_ranges};
+use fracas_operators::{LinearOperator, Real, Shape};
 use rayon::prelude::*;
 
 /// Rows that are asked for ahead of their use, the same part of each: 3 KiB of f32 of a 3-D stiffness.
@@ -169,14 +171,43 @@ impl<R: Real> SweepMatrix<R> {
             + size_of_val(&*self.inverse)
     }
 
-    /// Flops of one product.
-    pub(super) fn product_flops(&self) -> u64 {
-        18 * self.block_count() as u64
-    }
-
     /// Flops of one sweep: a product with L + U and one with D⁻¹.
     pub(super) fn sweep_flops(&self) -> u64 {
-        self.product_flops() + 3 * self.rows() as u64
+        self.flops() + 3 * self.rows() as u64
+    }
+
+    /// An upper estimate of `λ_max(D⁻¹A)`.
+    pub(super) fn largest_eigenvalue(&self) -> f64 {
+        largest_generalized(
+            3 * self.rows(),
+            |x, y| self.apply(x, y, &mut []),
+            |r, z| self.diagonal_solve(r, z),
+        )
+    }
+
+    /// The entries that are to be kept, in f64.
+    pub(super) fn to_csr(&self, keeps: impl Fn(f64) -> bool) -> SparseMatrix<f64> {
+        let n = 3 * self.rows();
+        let (mut offsets, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
+        let mut row: Vec<(usize, &Matrix3<R>)> = Vec::new();
+        for i in 0..self.rows() {
+            row.clear();
+            row.extend(self.row(i));
+            row.sort_unstable_by_key(|entry| entry.0);
+            for r in 0..3 {
+                for (j, block) in &row {
+                    for c in 0..3 {
+                        let value = block[r][c].to_f64_exact();
+                        if keeps(value) {
+                            columns.push((3 * j + c) as u32);
+                            values.push(value);
+                        }
+                    }
+                }
+                offsets.push(columns.len());
+            }
+        }
+        SparseMatrix::new((n, n), offsets, columns, values)
     }
 
     /// `x ← (D + L)⁻¹ b`: a forward sweep from x = 0, reading D and L only.
@@ -186,7 +217,7 @@ impl<R: Real> SweepMatrix<R> {
 
     /// `r ← −U x`, the residual `b − A x` of what [`forward_from_zero`](Self::forward_from_zero) gives.
     pub(super) fn residual_after_forward(&self, x: &[R], r: &mut [R]) {
-        self.rows_into(x, r, Part::Upper, &|_, sum| sum.map(|v| -v));
+        self.rows_into(x, r, Part::Upper, &|_, sum, r| *r = sum.map(|v| -v));
     }
 
     /// One forward sweep from x.
@@ -199,15 +230,10 @@ impl<R: Real> SweepMatrix<R> {
         self.sweep(b, x, Part::OffDiagonal, true);
     }
 
-    /// `y ← A x`.
-    pub(super) fn product(&self, x: &[R], y: &mut [R]) {
-        self.rows_into(x, y, Part::All, &|_, sum| sum);
-    }
-
     /// `r ← b − A x`.
     pub(super) fn residual(&self, b: &[R], x: &[R], r: &mut [R]) {
-        self.rows_into(x, r, Part::All, &|i, sum| {
-            std::array::from_fn(|c| b[3 * i + c] - sum[c])
+        self.rows_into(x, r, Part::All, &|i, sum, r| {
+            *r = std::array::from_fn(|c| b[3 * i + c] - sum[c]);
         });
     }
 
@@ -262,13 +288,13 @@ impl<R: Real> SweepMatrix<R> {
         }
     }
 
-    /// `y_i ← finish(i, Σ_part A_ij x_j)` for every row.
+    /// `finish(i, Σ_part A_ij x_j, y_i)` for every row.
     fn rows_into(
         &self,
         x: &[R],
         y: &mut [R],
         part: Part,
-        finish: &(impl Fn(usize, [R; 3]) -> [R; 3] + Sync),
+        finish: &(impl Fn(usize, [R; 3], &mut [R; 3]) + Sync),
     ) {
         assert!(x.len() == 3 * self.rows() && y.len() == x.len());
         for_row_ranges(0, 3 * ROWS_PER_TASK, y, &|start, y| {
@@ -281,6 +307,26 @@ impl<R: Real> SweepMatrix<R> {
                 finish,
             });
         });
+    }
+}
+
+impl<R: Real> LinearOperator<R> for SweepMatrix<R> {
+    fn shape(&self) -> Shape {
+        Shape::square(3 * self.rows())
+    }
+
+    fn apply_add(&self, alpha: R, x: &[R], y: &mut [R], _work: &mut [R]) {
+        self.rows_into(x, y, Part::All, &|_, sum, y| {
+            (0..3).for_each(|c| y[c] += alpha * sum[c]);
+        });
+    }
+
+    fn apply(&self, x: &[R], y: &mut [R], _work: &mut [R]) {
+        self.rows_into(x, y, Part::All, &|_, sum, y| *y = sum);
+    }
+
+    fn flops(&self) -> u64 {
+        18 * self.block_count() as u64
     }
 }
 
@@ -386,12 +432,12 @@ struct Rows<'a, R, F> {
     finish: &'a F,
 }
 
-impl<R: Real, F: Fn(usize, [R; 3]) -> [R; 3]> Kernel<R> for Rows<'_, R, F> {
+impl<R: Real, F: Fn(usize, [R; 3], &mut [R; 3])> Kernel<R> for Rows<'_, R, F> {
     #[inline(always)]
     fn run<L: Lanes<R>>(self) {
         let matrix = self.matrix;
         let values = matrix.blocks.as_flattened().as_flattened();
-        for (k, y) in self.y.chunks_exact_mut(3).enumerate() {
+        for (k, y) in self.y.as_chunks_mut().0.iter_mut().enumerate() {
             let i = self.first + k;
             let ahead = 9 * matrix.ahead(i, false);
             let mut sums = Sums::<L, R>::zero();
@@ -402,7 +448,7 @@ impl<R: Real, F: Fn(usize, [R; 3]) -> [R; 3]> Kernel<R> for Rows<'_, R, F> {
                     sums.add(values, 9 * k, x);
                 }
             }
-            y.copy_from_slice(&(self.finish)(i, sums.finish()));
+            (self.finish)(i, sums.finish(), y);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! P and Pᵀ between two levels.
 
 use super::rows::{Pattern, Transposed};
+use crate::multigrid;
 use fracas_operators::Real;
 use fracas_operators::simd::{Kernel, Lanes, Level, MAX_WIDTH};
 use fracas_operators::vector::for_row_ranges;
@@ -68,24 +69,6 @@ impl<R: Real> Transfer<R> {
         }
     }
 
-    /// `b_c ← Pᵀ r`.
-    pub(super) fn restrict(&self, r: &[R], coarse: &mut [R]) {
-        match self.width {
-            3 => self.restrict_by::<3>(r, coarse),
-            6 => self.restrict_by::<6>(r, coarse),
-            k => unreachable!("{k} unknowns per coarse node"),
-        }
-    }
-
-    /// `x ← x + P x_c`.
-    pub(super) fn prolong_add(&self, coarse: &[R], x: &mut [R]) {
-        match self.width {
-            3 => self.prolong_by::<3>(coarse, x),
-            6 => self.prolong_by::<6>(coarse, x),
-            k => unreachable!("{k} unknowns per coarse node"),
-        }
-    }
-
     fn restrict_by<const K: usize>(&self, r: &[R], coarse: &mut [R]) {
         let values = &self.transposed[..];
         let pattern = &self.pattern.transposed;
@@ -102,14 +85,14 @@ impl<R: Real> Transfer<R> {
         });
     }
 
-    fn prolong_by<const K: usize>(&self, coarse: &[R], x: &mut [R]) {
+    fn prolong_by<const K: usize, const ADD: bool>(&self, coarse: &[R], x: &mut [R]) {
         let values = &self.values[..];
         let pattern = &self.pattern.p;
         let count = self.pattern.transposed.rows();
         assert!(x.len() == 3 * pattern.rows() && coarse.len() == K * count);
         for_row_ranges(0, 3 * ROWS_PER_TASK, x, &|start, x| {
             let first = start / 3;
-            self.level.run(Prolong::<R, K> {
+            self.level.run(Prolong::<R, K, ADD> {
                 pattern,
                 values,
                 first,
@@ -118,14 +101,42 @@ impl<R: Real> Transfer<R> {
             });
         });
     }
+}
 
-    /// Flops of one restriction and one prolongation.
-    pub(super) fn flops(&self) -> u64 {
+impl<R: Real> multigrid::Transfer<R> for Transfer<R> {
+    fn coarse_len(&self) -> usize {
+        self.width * self.pattern.transposed.rows()
+    }
+
+    fn restrict(&self, r: &[R], coarse: &mut [R]) {
+        match self.width {
+            3 => self.restrict_by::<3>(r, coarse),
+            6 => self.restrict_by::<6>(r, coarse),
+            k => unreachable!("{k} unknowns per coarse node"),
+        }
+    }
+
+    fn prolong(&self, coarse: &[R], x: &mut [R]) {
+        match self.width {
+            3 => self.prolong_by::<3, false>(coarse, x),
+            6 => self.prolong_by::<6, false>(coarse, x),
+            k => unreachable!("{k} unknowns per coarse node"),
+        }
+    }
+
+    fn prolong_add(&self, coarse: &[R], x: &mut [R]) {
+        match self.width {
+            3 => self.prolong_by::<3, true>(coarse, x),
+            6 => self.prolong_by::<6, true>(coarse, x),
+            k => unreachable!("{k} unknowns per coarse node"),
+        }
+    }
+
+    fn flops(&self) -> u64 {
         12 * (self.width * self.pattern.p.columns.len()) as u64
     }
 
-    /// Bytes held.
-    pub(super) fn bytes(&self) -> usize {
+    fn bytes(&self) -> usize {
         size_of_val(&*self.values) + size_of_val(&*self.transposed) + self.pattern.bytes()
     }
 }
@@ -173,8 +184,8 @@ impl<R: Real, const K: usize> Kernel<R> for Restrict<'_, R, K> {
     }
 }
 
-/// `x_i ← x_i + Σ_J P_iJ x_J` for consecutive block rows i.
-struct Prolong<'a, R, const K: usize> {
+/// `x_i ← Σ_J P_iJ x_J`, or `x_i ← x_i + Σ_J P_iJ x_J` if `ADD`, for consecutive block rows i.
+struct Prolong<'a, R, const K: usize, const ADD: bool> {
     pattern: &'a Pattern,
     /// Padded, so that a register may be loaded from the start of any row of a block.
     values: &'a [R],
@@ -183,7 +194,7 @@ struct Prolong<'a, R, const K: usize> {
     x: &'a mut [R],
 }
 
-impl<R: Real, const K: usize> Kernel<R> for Prolong<'_, R, K> {
+impl<R: Real, const K: usize, const ADD: bool> Kernel<R> for Prolong<'_, R, K, ADD> {
     #[inline(always)]
     fn run<L: Lanes<R>>(self) {
         let offsets = &self.pattern.offsets;
@@ -215,7 +226,7 @@ impl<R: Real, const K: usize> Kernel<R> for Prolong<'_, R, K> {
                 for c in 0..K {
                     sum += lanes[c];
                 }
-                target[a] += sum;
+                target[a] = if ADD { target[a] + sum } else { sum };
             }
         }
     }
@@ -224,6 +235,7 @@ impl<R: Real, const K: usize> Kernel<R> for Prolong<'_, R, K> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::multigrid::Transfer as _;
     use fracas_operators::laws::probe;
 
     /// Seven block rows, four coarse nodes: an empty row, a coarse node that nothing takes from, the last one alone in a row.
@@ -281,6 +293,10 @@ mod tests {
         let mut fine = cast(&r);
         transfer.prolong_add(&coarse, &mut fine);
         assert!(near(&fine, &up), "P, K = {K}, {level:?}");
+        let mut written = vec![R::nan(); r.len()];
+        transfer.prolong(&coarse, &mut written);
+        let added = written.iter().zip(&r).map(|(p, r)| R::of(*r) + *p);
+        assert_eq!(added.collect::<Vec<R>>(), fine);
     }
 
     #[test]

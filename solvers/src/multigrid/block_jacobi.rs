@@ -68,10 +68,7 @@ impl<R: Real> BlockJacobi<R> {
             }
         };
         let inverse = blocks.iter().enumerate().map(inverse_of);
-        Ok(Self {
-            inverse: inverse.collect::<Result<_, _>>()?,
-            groups: Groups::default(),
-        })
+        Ok(Self::of_inverses(inverse.collect::<Result<_, _>>()?))
     }
 
     /// The same with one block for nodes that `couplings`, the blocks beside the diagonal, tie together.
@@ -89,6 +86,14 @@ impl<R: Real> BlockJacobi<R> {
             jacobi.inverse[*node as usize] = [R::zero(); 6];
         }
         Ok(Self { groups, ..jacobi })
+    }
+
+    /// From inverse blocks.
+    pub fn of_inverses(inverse: Vec<Symmetric<R>>) -> Self {
+        Self {
+            inverse,
+            groups: Groups::default(),
+        }
     }
 
     /// Nodes.

@@ -1,9 +1,9 @@
 //! V, W and K cycles.
 
 use super::bottom::Bottom;
-use super::level::{Chebyshev, Level};
-use crate::amg::step_length::step;
-use crate::amg::{LevelSummary, Smoother, Smoothing, Summary};
+use super::level::Level;
+use super::step_length::step;
+use super::{LevelSummary, Smoothing, Summary};
 use fracas_operators::vector::{axpby, axpy, dot, scale};
 use fracas_operators::{Properties, Real};
 use schemars::JsonSchema;
@@ -79,28 +79,34 @@ fn visits(cycle: Cycle, sizes: &[usize]) -> Vec<Visit> {
 /// All levels, finest first, and the solver below them.
 pub struct Hierarchy<R> {
     levels: Vec<Level<R>>,
-    bottom: Bottom,
+    bottom: Bottom<R>,
     /// How every level visits the next one.
     visits: Vec<Visit>,
-    smoothing: Chebyshev,
+    about: About,
+}
+
+/// What a hierarchy says of itself.
+#[derive(Clone, Copy, Debug)]
+pub struct About {
+    /// What the coarse spaces reproduce.
+    pub near_null_space: &'static str,
+    /// What smooths, and why.
+    pub smoothing: Smoothing,
 }
 
 impl<R: Real> Hierarchy<R> {
-    /// A cycle that smooths by the same polynomial on every level.
-    pub fn new(levels: Vec<Level<R>>, bottom: Bottom, cycle: Cycle, smoothing: Chebyshev) -> Self {
-        assert!(smoothing.degree > 0, "a smoother smooths");
-        assert!(!levels.is_empty(), "a hierarchy has a finest level");
-        for (k, level) in levels.iter().enumerate() {
-            let below = levels.get(k + 1).map_or(bottom.size(), Level::size);
-            assert_eq!(level.transfer.coarse_len(), below, "level {k}");
-        }
+    /// Levels, each the next one of the one before, and the solver of what is below them.
+    pub fn new(levels: Vec<Level<R>>, bottom: Bottom<R>, cycle: Cycle, about: About) -> Self {
         let mut sizes: Vec<usize> = levels.iter().map(Level::size).collect();
         sizes.push(bottom.size());
+        for (k, level) in levels.iter().enumerate() {
+            assert_eq!(level.transfer().coarse_len(), sizes[k + 1], "level {k}");
+        }
         Self {
             levels,
             bottom,
             visits: visits(cycle, &sizes),
-            smoothing,
+            about,
         }
     }
 
@@ -110,13 +116,18 @@ impl<R: Real> Hierarchy<R> {
     }
 
     /// The solver below them.
-    pub(super) fn bottom(&self) -> &Bottom {
+    pub(super) fn bottom(&self) -> &Bottom<R> {
         &self.bottom
     }
 
     /// Unknowns of level k, the coarsest included.
-    fn size(&self, k: usize) -> usize {
+    pub(super) fn size(&self, k: usize) -> usize {
         self.levels.get(k).map_or(self.bottom.size(), Level::size)
+    }
+
+    /// Components of the finest level that are no unknowns, ascending.
+    pub(super) fn fixed(&self) -> &[u32] {
+        self.levels.first().map_or(&[], Level::fixed)
     }
 
     /// Those of a cycle in exact arithmetic.
@@ -132,12 +143,10 @@ impl<R: Real> Hierarchy<R> {
     /// Scratch entries of a cycle.
     pub(super) fn work_len(&self) -> usize {
         let below = |k: usize| self.visits[k].vectors() * self.size(k + 1);
-        let vectors: usize = (0..self.levels.len())
-            .map(|k| self.size(k) + below(k))
-            .sum();
-        let products = self.levels.iter().map(|level| level.operator.work_len());
-        let below = products.max().unwrap_or(0).max(self.bottom.work_len::<R>());
-        vectors + below
+        let own = |(k, level): (usize, &Level<R>)| level.smoother().own_len() + below(k);
+        let vectors: usize = self.levels.iter().enumerate().map(own).sum();
+        let products = self.levels.iter().map(|level| level.operator().work_len());
+        vectors + products.fold(self.bottom.work_len(), usize::max)
     }
 
     /// `x ← M⁻¹ b` on the finest level; b arrives in r, which is destroyed.
@@ -150,25 +159,16 @@ impl<R: Real> Hierarchy<R> {
         let Some(level) = self.levels.get(k) else {
             return self.bottom.solve(r, x, work);
         };
-        let (d, work) = work.split_at_mut(level.size());
+        let smoother = level.smoother();
+        let (own, work) = work.split_at_mut(smoother.own_len());
         let m = self.size(k + 1);
-        let (r_c, work) = work.split_at_mut(m);
+        let (b_c, work) = work.split_at_mut(m);
         let (x_c, work) = work.split_at_mut(m);
-        // x ← p(D⁻¹A) D⁻¹ b,  r ← b − A x
-        level.smooth::<true>(self.smoothing, x, r, d, work);
-        level.subtract_product(d, r, work);
-        level.clear_fixed(r);
-        // x_c ≈ A_c⁻¹ Pᵀ r
-        level.transfer.restrict(r, r_c);
-        self.visit(self.visits[k], k + 1, r_c, x_c, work);
-        // x ← x + P x_c
-        level.transfer.prolong(x_c, d);
-        level.clear_fixed(d);
-        level.correct(d, x, r, work);
-        level.smooth::<false>(self.smoothing, x, r, d, work);
-        if residual {
-            level.subtract_product(d, r, work);
-        }
+        // x ← S b,  x_c ≈ A_c⁻¹ Pᵀ(b − A x)
+        level.restrict(smoother.before(r, x, own, work), b_c);
+        self.visit(self.visits[k], k + 1, b_c, x_c, work);
+        // x ← x + P x_c,  x ← x + Sᵀ(b − A x)
+        smoother.after(&level.correction(x_c), r, x, own, work, residual);
     }
 
     /// `x ≈ A⁻¹ b` on level k by one or two cycles; b arrives in r, which is destroyed.
@@ -234,34 +234,32 @@ impl<R: Real> Hierarchy<R> {
         let (product, n) = self
             .levels
             .get(k + 1)
-            .map_or((0, 0), |next| (next.operator.flops(), next.size() as u64));
+            .map_or((0, 0), |next| (next.operator().flops(), next.size() as u64));
         let visit = match self.visits[k] {
             Visit::Once => below,
             Visit::Twice => 2 * (below + n) + product,
             Visit::TwoSteps => 2 * (below + product) + 19 * n,
         };
-        level.flops(self.smoothing.degree) + visit
+        level.flops() + visit
     }
 
     /// Levels and memory; `nnz` counts half the flops of a product, which is the stored entries where there are any.
-    pub(super) fn summary(&self, below: &[LevelSummary], spaces: &'static str) -> Summary {
+    pub(super) fn summary(&self) -> Summary {
         let smoothing = self.levels.iter().map(|level| LevelSummary {
-            n: level.size() - level.fixed.len(),
-            nnz: level.operator.flops() as usize / 2,
-            bytes: level.total_bytes(),
+            n: level.size() - level.fixed().len(),
+            nnz: level.operator().flops() as usize / 2,
+            bytes: level.bytes(),
         });
-        let levels: Vec<LevelSummary> = smoothing.chain(below.iter().copied()).collect();
+        let below = self.bottom.levels().iter().copied();
+        let levels: Vec<LevelSummary> = smoothing.chain(below).collect();
         let total = |of: fn(&LevelSummary) -> usize| {
             levels.iter().map(of).sum::<usize>() as f64 / of(&levels[0]).max(1) as f64
         };
         Summary {
             operator_complexity: total(|level| level.nnz),
             grid_complexity: total(|level| level.n),
-            near_null_space: spaces,
-            smoothing: Smoothing {
-                smoother: Smoother::Chebyshev,
-                chained: None,
-            },
+            near_null_space: self.about.near_null_space,
+            smoothing: self.about.smoothing,
             levels,
         }
     }

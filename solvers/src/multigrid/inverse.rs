@@ -1,10 +1,10 @@
-//! The ready preconditioner: f64 and free unknowns outside.
+//! The ready preconditioner: f64 outside, f32 or f64 inside.
 
+use super::Summary;
 use super::cycle::Hierarchy;
-use crate::amg::scratch::{cast, doubles};
-use crate::amg::{LevelSummary, Summary};
-use fracas_operators::free_entries::{gather, spread};
-use fracas_operators::vector::norm2;
+use super::places::Places;
+use super::scratch::{cast, doubles};
+use fracas_operators::vector::norm_inf;
 use fracas_operators::{Preconditioner, Properties, Real};
 
 /// A hierarchy in one of the two precisions.
@@ -18,96 +18,83 @@ pub enum SomeHierarchy {
 /// One multigrid cycle per solve: `z ← f M⁻¹ r`.
 pub struct MultigridInverse {
     hierarchy: SomeHierarchy,
+    places: Places,
     /// What the operator was divided by, and f.
     factor: f64,
-    below: Vec<LevelSummary>,
-    spaces: &'static str,
+}
+
+/// Either hierarchy, as `$h`, in `$value`.
+macro_rules! either {
+    ($hierarchy:expr, $h:ident => $value:expr) => {
+        match &$hierarchy {
+            SomeHierarchy::Single($h) => $value,
+            SomeHierarchy::Double($h) => $value,
+        }
+    };
 }
 
 impl MultigridInverse {
-    /// The cycle of `hierarchy`, whose operator is the given one divided by `scale`, times `over_correction`. Unknowns
-    /// are those of the finest level without its fixed ones. `below` describes what is under the coarsest level,
-    /// `spaces` what the coarse spaces reproduce.
-    pub fn new(
-        hierarchy: SomeHierarchy,
-        scale: f64,
-        over_correction: f64,
-        below: Vec<LevelSummary>,
-        spaces: &'static str,
-    ) -> Self {
+    /// The cycle of `hierarchy`, whose operator is the given one divided by `scale`, times `over_correction`.
+    pub fn new(hierarchy: SomeHierarchy, places: Places, scale: f64, over_correction: f64) -> Self {
         Self {
             hierarchy,
+            places,
             factor: over_correction / scale,
-            below,
-            spaces,
         }
-    }
-
-    /// The hierarchy.
-    pub fn hierarchy(&self) -> &SomeHierarchy {
-        &self.hierarchy
     }
 
     /// Levels, complexities, bytes.
     pub fn summary(&self) -> Summary {
-        match &self.hierarchy {
-            SomeHierarchy::Single(h) => h.summary(&self.below, self.spaces),
-            SomeHierarchy::Double(h) => h.summary(&self.below, self.spaces),
-        }
+        either!(self.hierarchy, h => h.summary())
     }
 
     fn solve_with<R: Real>(&self, h: &Hierarchy<R>, r: &[f64], z: &mut [f64], work: &mut [f64]) {
-        let length = norm2(r);
-        if length == 0.0 || !length.is_finite() {
+        let largest = norm_inf(r);
+        if largest == 0.0 || !largest.is_finite() {
             return z.copy_from_slice(r);
         }
         // a power of two brings r into the range of R and changes no digit
-        let size = length.log2().round().exp2();
-        let finest = &h.levels()[0];
-        let (b, work) = cast::<R>(work).split_at_mut(finest.size());
-        let (x, work) = work.split_at_mut(finest.size());
-        spread(r, 1.0 / size, &finest.fixed, b);
+        let size = largest.log2().round().exp2();
+        let (b, work) = cast::<R>(work).split_at_mut(h.size(0));
+        let (x, work) = work.split_at_mut(h.size(0));
+        self.places.spread(r, size.recip(), h.fixed(), b);
         h.solve(b, x, work);
-        let factor = self.factor * size;
-        gather(x, &finest.fixed, z, &|x, z| *z = factor * x.to_f64_exact());
+        self.places.gather(x, self.factor * size, h.fixed(), z);
     }
 }
 
 impl Preconditioner<f64> for MultigridInverse {
     fn size(&self) -> usize {
-        let free = |size: usize, fixed: &[u32]| size - fixed.len();
-        match &self.hierarchy {
-            SomeHierarchy::Single(h) => free(h.levels()[0].size(), &h.levels()[0].fixed),
-            SomeHierarchy::Double(h) => free(h.levels()[0].size(), &h.levels()[0].fixed),
-        }
+        either!(self.hierarchy, h => self.places.unknowns(h.size(0), h.fixed()))
     }
 
     fn solve(&self, r: &[f64], z: &mut [f64], work: &mut [f64]) {
         assert!(r.len() == self.size() && z.len() == self.size());
-        match &self.hierarchy {
-            SomeHierarchy::Single(h) => self.solve_with(h, r, z, work),
-            SomeHierarchy::Double(h) => self.solve_with(h, r, z, work),
-        }
+        either!(self.hierarchy, h => self.solve_with(h, r, z, work));
     }
 
     fn work_len(&self) -> usize {
-        match &self.hierarchy {
-            SomeHierarchy::Single(h) => doubles::<f32>(2 * h.levels()[0].size() + h.work_len()),
-            SomeHierarchy::Double(h) => 2 * h.levels()[0].size() + h.work_len(),
+        fn entries<R: Real>(h: &Hierarchy<R>) -> usize {
+            doubles::<R>(2 * h.size(0) + h.work_len())
         }
+        either!(self.hierarchy, h => entries(h))
     }
 
     fn flops(&self) -> u64 {
-        match &self.hierarchy {
-            SomeHierarchy::Single(h) => h.flops(0),
-            SomeHierarchy::Double(h) => h.flops(0),
-        }
+        either!(self.hierarchy, h => h.flops(0))
     }
 
     fn properties(&self) -> Properties {
-        match &self.hierarchy {
-            SomeHierarchy::Single(h) => h.properties().and(Properties::SINGLE),
-            SomeHierarchy::Double(h) => h.properties(),
+        let properties = either!(self.hierarchy, h => h.properties());
+        match self.hierarchy {
+            SomeHierarchy::Single(_) => properties.and(Properties::SINGLE),
+            SomeHierarchy::Double(_) => properties,
         }
+    }
+}
+
+impl std::fmt::Debug for MultigridInverse {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "multigrid cycle of {} unknowns", self.size())
     }
 }

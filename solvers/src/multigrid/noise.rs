@@ -1,6 +1,7 @@
 //! What rounding makes of a cycle, and what the coarsest level leaves out.
 
 use super::cycle::Hierarchy;
+use super::level::clear;
 use fracas_operators::Real;
 use fracas_operators::random::signed;
 use fracas_operators::vector::norm2;
@@ -25,7 +26,7 @@ impl<R: Real> Hierarchy<R> {
         let level = &self.levels()[0];
         let n = level.size();
         let (mut b, mut z) = (vec![R::one(); n], vec![R::zero(); n]);
-        level.clear_fixed(&mut b);
+        clear(level.fixed(), &mut b);
         let work_len = self.work_len().max(level.operator().work_len());
         let mut work = vec![R::zero(); work_len];
         self.solve(&mut b, &mut z, &mut work);
@@ -35,7 +36,7 @@ impl<R: Real> Hierarchy<R> {
             }
         }
         level.operator().apply(&z, &mut b, &mut work);
-        level.clear_fixed(&mut b);
+        clear(level.fixed(), &mut b);
         let forces = (n - level.fixed().len()) as f64;
         let noise = 0.5 * R::epsilon().to_f64_exact() * norm2(&b).to_f64_exact() / forces.sqrt();
         if noise.is_nan() { f64::INFINITY } else { noise }
@@ -56,8 +57,7 @@ impl<R: Real> Hierarchy<R> {
         let mut x: Vec<R> = self.bottom().null()?.iter().map(|v| R::of(*v)).collect();
         for level in self.levels().iter().rev() {
             let mut finer = vec![R::zero(); level.size()];
-            level.transfer().prolong(&x, &mut finer);
-            level.clear_fixed(&mut finer);
+            level.correction(&x).write(&mut finer);
             x = finer;
         }
         let level = &self.levels()[0];
@@ -67,7 +67,7 @@ impl<R: Real> Hierarchy<R> {
             .operator()
             .apply(&x, &mut force, &mut vec![R::zero(); work_len]);
         let size = norm2(&x).to_f64_exact();
-        level.divide_by_diagonal(&force, &mut x);
+        level.smoother().divide_by_diagonal(&force, &mut x);
         let cost = norm2(&x).to_f64_exact() / size;
         Some(if cost.is_nan() { f64::INFINITY } else { cost })
     }

@@ -1,7 +1,6 @@
 //! Plain settings of geometric multigrid.
 
-use super::Cycle;
-use crate::amg::Precision;
+use super::{Cycle, Precision};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;

@@ -2,10 +2,10 @@
 
 use super::scaling::ScaledInverse;
 use super::{AugmentationMatrix, RelaxationSummary, SaddleBlocks, schur};
-use crate::amg::{self, Amg, AmgInverse, Smoother};
+use crate::amg::Amg;
 use crate::direct::DirectChoice;
 use crate::fsai::{Fsai, FsaiKind};
-use crate::multigrid::Geometric;
+use crate::multigrid::{Geometric, MultigridInverse, Smoother, Summary};
 use crate::registry::{NameTaken, Named, Registered, Registry};
 use crate::smoothers::{Jacobi, Ssor};
 use crate::{DofCoordinate, Prepare, SetupError};
@@ -91,7 +91,7 @@ pub struct Ready {
     /// `z ← S̃⁻¹ r`.
     pub inverse: Box<dyn Preconditioner<f64>>,
     /// The levels of a multigrid hierarchy.
-    pub hierarchy: Option<amg::Summary>,
+    pub hierarchy: Option<Summary>,
     /// What C and S̃_u cost, where both are parts of the method.
     pub parts: Option<PartCost>,
     /// How H is relaxed.
@@ -141,8 +141,8 @@ impl Default for InnerChoice {
     }
 }
 
-impl From<AmgInverse> for Ready {
-    fn from(inverse: AmgInverse) -> Self {
+impl From<MultigridInverse> for Ready {
+    fn from(inverse: MultigridInverse) -> Self {
         Self {
             hierarchy: Some(inverse.summary()),
             inverse: Box::new(inverse),

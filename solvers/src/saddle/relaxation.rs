@@ -3,7 +3,7 @@
 mod polynomial;
 
 use super::AugmentationMatrix;
-use crate::amg::lambda::largest_generalized;
+use crate::multigrid::lambda::largest_generalized;
 use fracas_operators::{LinearOperator, Preconditioner};
 use polynomial::{POLYNOMIALS, Polynomial};
 use serde::de::Error;

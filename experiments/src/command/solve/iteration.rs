@@ -7,8 +7,8 @@ use super::{RightHandSide, Solve, Status, memory, output};
 use crate::command::progress::Progress;
 use fracas_operators::Preconditioner;
 use fracas_operators::matrix_market::write_vector;
-use fracas_solvers::amg::Summary;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, System};
+use fracas_solvers::multigrid::Summary;
 use fracas_solvers::saddle::{
     Accurate, Cost, Measure, RelaxationSummary, SaddleBlocks, SaddleSystem,
 };

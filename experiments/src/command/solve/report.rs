@@ -2,8 +2,8 @@
 
 use super::{RightHandSide, explain, output};
 use crate::report::format_real;
-use fracas_solvers::amg::Summary;
 use fracas_solvers::krylov::{Breakdown, Outcome, Report};
+use fracas_solvers::multigrid::Summary;
 use fracas_solvers::saddle::Measure;
 use fracas_solvers::spectrum::Explanation;
 use serde::Serialize;

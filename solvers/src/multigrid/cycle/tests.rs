@@ -4,7 +4,7 @@
 use super::*;
 use crate::Silent;
 use crate::krylov::{Cg, Criteria, KrylovMethod, Outcome, System};
-use crate::multigrid::Transfer;
+use crate::multigrid::{BlockChebyshev, BlockJacobi, Chebyshev, Scaled, Smoother, Transfer};
 use fracas_operators::laws::probe;
 use fracas_operators::{
     Counted, Dense, Identity, LinearOperator, Preconditioner, Properties, Shape,
@@ -31,6 +31,12 @@ impl Transfer<f64> for Pairs {
     fn prolong(&self, coarse: &[f64], x: &mut [f64]) {
         for (i, x) in x.iter_mut().enumerate() {
             *x = coarse[3 * (i / 6) + i % 3];
+        }
+    }
+
+    fn prolong_add(&self, coarse: &[f64], x: &mut [f64]) {
+        for (i, x) in x.iter_mut().enumerate() {
+            *x += coarse[3 * (i / 6) + i % 3];
         }
     }
 
@@ -69,8 +75,15 @@ fn level_of(operator: Box<dyn LinearOperator<f64>>, fixed: Vec<u32>) -> Level<f6
         let upper = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
         upper.map(|(i, j)| chain(3 * node + i, 3 * node + j))
     });
+    let diagonal: Vec<_> = diagonal.collect();
+    let jacobi = BlockJacobi::new(&diagonal, &fixed).unwrap();
+    let polynomial = Chebyshev {
+        degree: 2,
+        share: 0.1,
+    };
+    let smoother = BlockChebyshev::new(Scaled::estimated(operator, 0, jacobi), polynomial);
     let transfer = Box::new(Pairs { coarse: nodes / 2 });
-    Level::new(operator, 0, diagonal.collect(), None, fixed, transfer).unwrap()
+    Level::new(Box::new(smoother), transfer, fixed)
 }
 
 fn level(nodes: usize, fixed: Vec<u32>) -> Level<f64> {
@@ -80,12 +93,16 @@ fn level(nodes: usize, fixed: Vec<u32>) -> Level<f64> {
 /// These levels above a poor solver of so many nodes.
 fn above(levels: Vec<Level<f64>>, nodes: usize, cycle: Cycle) -> Hierarchy<f64> {
     let n = 3 * nodes;
-    let bottom = Bottom::new(Box::new(Identity { n }), (0..n as u32).collect(), n);
-    let smoothing = Chebyshev {
-        degree: 2,
-        share: 0.1,
+    let below = Box::new(Identity { n });
+    let bottom = Bottom::new(below, Vec::new(), (0..n as u32).collect(), n);
+    let about = About {
+        near_null_space: "",
+        smoothing: Smoothing {
+            smoother: Smoother::Chebyshev,
+            chained: None,
+        },
     };
-    Hierarchy::new(levels, bottom, cycle, smoothing)
+    Hierarchy::new(levels, bottom, cycle, about)
 }
 
 /// Levels of 24 and 12 nodes.
@@ -209,8 +226,8 @@ fn flops_are_those_of_the_products_and_sweeps_that_are_made() {
         assert_eq!(made, expected, "{cycle:?}");
         let mut flops = visits[2] * hierarchy.bottom.flops();
         for (k, level) in hierarchy.levels.iter().enumerate() {
-            let sweeps = level.flops(2) - 4 * level.operator.flops();
-            flops += made[k] * level.operator.flops() + visits[k] * sweeps;
+            let sweeps = level.flops() - 4 * level.operator().flops();
+            flops += made[k] * level.operator().flops() + visits[k] * sweeps;
             if k > 0 {
                 flops += visits[k - 1] * vectors * level.size() as u64;
             }

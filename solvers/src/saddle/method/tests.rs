@@ -1,7 +1,8 @@
 use super::*;
-use crate::amg::{Amg, Cycle, Precision};
+use crate::amg::Amg;
 use crate::krylov::oracle::{solve, until};
 use crate::krylov::{KrylovChoice, Outcome};
+use crate::multigrid::{Cycle, Precision};
 use crate::saddle::oracle::unsymmetric;
 use crate::saddle::samples::{random, sparse, trusses};
 use crate::saddle::{

@@ -8,7 +8,7 @@ pub use domination::Domination;
 pub use outliers::{Outlier, Place, Seen};
 
 use crate::SetupError;
-use crate::amg::Summary;
+use crate::multigrid::Summary;
 use crate::saddle::folder::rigid_motions;
 use crate::saddle::{PartCost, REACH, SaddleBlocks, SaddleMethod};
 use fracas_operators::Preconditioner;

@@ -1,6 +1,6 @@
 //! What a hierarchy costs.
 
-use super::Smoothing;
+use super::Smoother;
 use serde::Serialize;
 use std::fmt;
 
@@ -13,6 +13,37 @@ pub struct LevelSummary {
     pub nnz: usize,
     /// Bytes of matrix, transfer operators and smoother.
     pub bytes: usize,
+}
+
+/// Which smoother a hierarchy has, and why.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Smoothing {
+    /// Never [`Smoother::Auto`].
+    pub smoother: Smoother,
+    /// Share of the nodes that are links of a chain, `‖A_ij‖_F ≥ 0.45 √(‖A_ii‖_F ‖A_jj‖_F)` for a j ≠ i, along which no aggregate
+    /// is made, or which resists changes of volume, where that decided; `None` where the settings name the smoother.
+    pub chained: Option<f64>,
+}
+
+impl Smoothing {
+    /// Share of nodes with such a neighbour from which the matrix is one of chains; fewer are outliers that the iteration
+    /// around the cycle takes care of. Unit: 1.
+    pub(crate) const CHAINED: f64 = 0.25;
+}
+
+impl fmt::Display for Smoothing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.smoother.name())?;
+        match self.chained {
+            None => Ok(()),
+            Some(share) => write!(
+                f,
+                ": {:.0} % of the nodes are links of a chain ({:.0} % call for fsai)",
+                100.0 * share,
+                100.0 * Self::CHAINED
+            ),
+        }
+    }
 }
 
 /// Levels, complexities and memory of a hierarchy, finest level first.

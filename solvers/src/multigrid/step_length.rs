@@ -9,7 +9,7 @@ use fracas_operators::Real;
 const LONGEST: f64 = 2.0;
 
 /// Step to the minimum of `½ curvature t² − slope t`, at most 2; `None` where there is none.
-pub(crate) fn step<R: Real>(slope: R, curvature: R) -> Option<R> {
+pub(super) fn step<R: Real>(slope: R, curvature: R) -> Option<R> {
     let step = slope / curvature;
     let longest = R::of(LONGEST);
     (curvature > R::zero() && step.is_finite()).then(|| if step > longest { longest } else { step })

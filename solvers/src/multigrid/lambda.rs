@@ -1,6 +1,5 @@
 //! The largest eigenvalue of D⁻¹A.
 
-use super::sweeps::SweepMatrix;
 use fracas_operators::Real;
 use fracas_operators::random::signed;
 use fracas_operators::vector::{axpy, dot, xpby};
@@ -10,12 +9,6 @@ const STEPS: usize = 10;
 
 /// Lanczos values approach from below; the estimate is at least this factor above them. Unit: 1.
 const SAFETY: f64 = 1.05;
-
-/// An upper estimate of `λ_max(D⁻¹A)`, D the 3×3 diagonal blocks.
-pub(super) fn largest_eigenvalue<R: Real>(a: &SweepMatrix<R>) -> f64 {
-    let product = |x: &[R], y: &mut [R]| a.product(x, y);
-    largest_generalized(3 * a.rows(), product, |r, z| a.diagonal_solve(r, z))
-}
 
 /// An upper estimate of `λ_max(D⁻¹A)` for n unknowns, given `y ← A x` and `z ← D⁻¹ r`.
 ///

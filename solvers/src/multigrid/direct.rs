@@ -1,11 +1,11 @@
-//! The direct solver of a coarsest level whose functions may depend on each other.
+//! The direct solver of a coarsest level, on its matrix scaled to a unit diagonal, which makes "singular" a matter of digits.
 //!
-//! `A_c = PᵀA P` is singular where columns of P depend on each other, and `b_c = Pᵀr` is in its range all the same. A correction
+//! Where functions of the level may depend on each other `A_c = PᵀA P` is singular where columns of P depend on each other, and `b_c = Pᵀr` is in its range all the same. A correction
 //! `P A_c⁺ b_c` needs no more than columns that span the same space: unknowns that depend on others are left out.
 
+use super::LevelSummary;
 use crate::SetupError;
-use crate::amg::LevelSummary;
-use crate::direct::{Factorization, Faer};
+use crate::direct::{DirectSolver, Factorization, Faer, Kind};
 use crate::eigen::dense;
 use faer::Mat;
 use fracas_operators::random::signed;
@@ -23,8 +23,8 @@ const DEPENDENT: f64 = 1e-12;
 /// Pivot that leaves an unknown out. Unit: 1.
 const LEFT_OUT: f64 = 1e100;
 
-/// `A⁺` in the sense that `A x = b` for every b in the range of A, x zero in the unknowns that are left out.
-pub struct Semidefinite {
+/// `A⁻¹`, or `A⁺` in the sense that `A x = b` for every b in the range of A, x zero in the unknowns that are left out.
+pub struct Direct {
     factors: Factors,
     /// `1/√a_ii`, 0 where left out.
     scale: Vec<f64>,
@@ -34,38 +34,53 @@ pub struct Semidefinite {
     null: Option<Vec<f64>>,
 }
 
-enum Factors {
-    /// The inverse, row by row.
+/// Of the scaled matrix.
+pub(super) enum Factors {
+    /// Its inverse, row by row.
     Dense(Vec<f64>),
-    /// Of the scaled matrix.
+    /// Cholesky factors.
     Sparse(Box<dyn Factorization>),
 }
 
-impl Semidefinite {
+impl Direct {
+    /// Factorizes a positive definite matrix, both triangles stored.
+    ///
+    /// # Errors
+    /// [`SetupError::BadDiagonal`]; [`SetupError::NotPositiveDefinite`] with the row that depends on those before it; those of the
+    /// sparse solver.
+    pub fn definite(mut a: SparseMatrix<f64>) -> Result<Self, SetupError> {
+        let scale = equilibrate(&mut a)?;
+        let factors = if scale.len() <= DENSE {
+            let singular = |row: usize| SetupError::NotPositiveDefinite {
+                block: "A",
+                row: row + 1,
+                advice: "the matrix of the coarsest level is singular".into(),
+            };
+            let l = dense::cholesky(dense::to_dense(&a)).map_err(singular)?;
+            if let Some(row) = (0..scale.len()).find(|i| l[(*i, *i)].powi(2) < DEPENDENT) {
+                return Err(singular(row));
+            }
+            dense_inverse(&l)
+        } else {
+            Factors::Sparse(Faer.analyze(&a, Kind::Spd)?.factor(&a)?)
+        };
+        Ok(Self {
+            factors,
+            scale,
+            left_out: Vec::new(),
+            null: None,
+        })
+    }
+
     /// Factorizes a positive semidefinite matrix with a positive diagonal, both triangles stored.
     ///
     /// # Errors
     /// [`SetupError::BadDiagonal`], [`SetupError::OutOfMemory`], [`SetupError::NotFinite`].
-    pub fn new(mut a: SparseMatrix<f64>) -> Result<Self, SetupError> {
-        let n = a.rows();
-        let mut scale: Vec<f64> = Vec::with_capacity(n);
-        for i in 0..n {
-            let value = a.get(i, i).copied().unwrap_or(0.0);
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(SetupError::BadDiagonal {
-                    block: "A",
-                    row: i + 1,
-                    value,
-                    method: "the solver of the coarsest level",
-                });
-            }
-            scale.push(value.sqrt().recip());
-        }
-        for (i, mut row) in a.outer_iterator_mut().enumerate() {
-            row.iter_mut().for_each(|(j, v)| *v *= scale[i] * scale[j]);
-        }
+    pub fn semidefinite(mut a: SparseMatrix<f64>) -> Result<Self, SetupError> {
+        let scale = equilibrate(&mut a)?;
+        let n = scale.len();
         let (factors, left_out) = match n <= DENSE {
-            true => dense_inverse(&a)?,
+            true => independent_inverse(&a)?,
             false => {
                 let (factors, left_out) = Faer.independent(&a, DEPENDENT)?;
                 (Factors::Sparse(factors), left_out)
@@ -99,6 +114,15 @@ impl Semidefinite {
         Ok(direct)
     }
 
+    pub(super) fn factors(&self) -> &Factors {
+        &self.factors
+    }
+
+    /// `1/√a_ii`, 0 where left out.
+    pub(super) fn scale(&self) -> &[f64] {
+        &self.scale
+    }
+
     /// A random vector that A maps to rounding, where unknowns are left out.
     pub fn null(&self) -> Option<&[f64]> {
         self.null.as_deref()
@@ -123,33 +147,53 @@ impl Semidefinite {
     }
 }
 
-/// The inverse of a matrix with a unit diagonal, and the unknowns that are left out.
-fn dense_inverse(a: &SparseMatrix<f64>) -> Result<(Factors, Vec<usize>), SetupError> {
-    let n = a.rows();
-    let mut matrix = Mat::<f64>::zeros(n, n);
-    for (v, (i, j)) in a {
-        matrix[(i as usize, j as usize)] = *v;
+/// Scales to a unit diagonal; gives `1/√a_ii`.
+fn equilibrate(a: &mut SparseMatrix<f64>) -> Result<Vec<f64>, SetupError> {
+    let factor = |i: usize| {
+        let value = a.get(i, i).copied().unwrap_or(0.0);
+        if value > 0.0 && value.is_finite() {
+            Ok(value.sqrt().recip())
+        } else {
+            Err(SetupError::BadDiagonal {
+                block: "A",
+                row: i + 1,
+                value,
+                method: "the solver of the coarsest level",
+            })
+        }
+    };
+    let scale: Vec<f64> = (0..a.rows()).map(factor).collect::<Result<_, _>>()?;
+    for (i, mut row) in a.outer_iterator_mut().enumerate() {
+        row.iter_mut().for_each(|(j, v)| *v *= scale[i] * scale[j]);
     }
-    let l = dense::independent_cholesky(matrix, DEPENDENT, LEFT_OUT);
+    Ok(scale)
+}
+
+/// The inverse of `L Lᵀ`.
+fn dense_inverse(l: &Mat<f64>) -> Factors {
+    let n = l.nrows();
+    let mut inverse = Mat::<f64>::identity(n, n);
+    dense::solve_lower(l.as_ref(), &mut inverse);
+    dense::solve_lower_adjoint(l.as_ref(), &mut inverse);
+    dense::symmetrize(&mut inverse);
+    Factors::Dense((0..n * n).map(|k| inverse[(k / n, k % n)]).collect())
+}
+
+/// The inverse of a matrix with a unit diagonal, and the unknowns that are left out.
+fn independent_inverse(a: &SparseMatrix<f64>) -> Result<(Factors, Vec<usize>), SetupError> {
+    let l = dense::independent_cholesky(dense::to_dense(a), DEPENDENT, LEFT_OUT);
     let l = l.map_err(|row| SetupError::NotFinite {
         block: "A",
         row: row + 1,
         column: row + 1,
         value: f64::NAN,
     })?;
-    let left_out = (0..n).filter(|i| l[(*i, *i)] > 1.0 + 1e-6).collect();
-    let mut inverse = Mat::<f64>::identity(n, n);
-    dense::solve_lower(l.as_ref(), &mut inverse);
-    dense::solve_lower_adjoint(l.as_ref(), &mut inverse);
-    let entry = |k: usize| {
-        let (i, j) = (k / n, k % n);
-        // symmetric to the last bit
-        0.5 * (inverse[(i, j)] + inverse[(j, i)])
-    };
-    Ok((Factors::Dense((0..n * n).map(entry).collect()), left_out))
+    let left_out = (0..a.rows()).filter(|i| l[(*i, *i)] > 1.0 + 1e-6);
+    let left_out = left_out.collect();
+    Ok((dense_inverse(&l), left_out))
 }
 
-impl Preconditioner<f64> for Semidefinite {
+impl Preconditioner<f64> for Direct {
     fn size(&self) -> usize {
         self.scale.len()
     }
@@ -192,7 +236,7 @@ impl Preconditioner<f64> for Semidefinite {
     }
 }
 
-impl std::fmt::Debug for Semidefinite {
+impl std::fmt::Debug for Direct {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let [n, out] = [self.size(), self.left_out.len()];
         write!(f, "factors of {n} unknowns, {out} left out")
@@ -248,7 +292,7 @@ mod tests {
         ];
         for (a, dependent) in samples {
             let n = a.rows();
-            let m = Semidefinite::new(a.clone()).unwrap();
+            let m = Direct::semidefinite(a.clone()).unwrap();
             assert_eq!(matches!(m.factors, Factors::Dense(_)), n <= DENSE);
             assert_eq!(m.left_out().len(), dependent);
             let times = |x: &[f64]| -> Vec<f64> {
@@ -279,7 +323,7 @@ mod tests {
         for (i, j, v) in [(0, 0, 4.0), (1, 0, 1.0), (0, 1, 1.0), (1, 1, 0.5)] {
             a.add_triplet(i, j, v);
         }
-        let m = Semidefinite::new(a.to_csr()).unwrap();
+        let m = Direct::semidefinite(a.to_csr()).unwrap();
         assert!(m.left_out().is_empty() && m.null().is_none());
         let mut z = [f64::NAN; 2];
         m.solve(&[6.0, 2.0], &mut z, &mut vec![0.0; m.work_len()]);
@@ -288,7 +332,7 @@ mod tests {
         for (i, j, v) in [(0, 0, 1.0), (1, 1, -1.0)] {
             a.add_triplet(i, j, v);
         }
-        let error = Semidefinite::new(a.to_csr()).unwrap_err();
+        let error = Direct::semidefinite(a.to_csr()).unwrap_err();
         assert!(
             matches!(error, SetupError::BadDiagonal { row: 2, .. }),
             "{error}"

@@ -1,0 +1,61 @@
+//! From a matrix to a preconditioner.
+
+use super::finest::Sum;
+use super::node_map::NodeMap;
+use super::plan::first;
+use super::rows::Pattern;
+use super::{Amg, AmgPlan};
+use crate::multigrid::MultigridInverse;
+use crate::{DofCoordinate, SetupError};
+use fracas_operators::sparse::SparseMatrix;
+use std::sync::Arc;
+
+impl Amg {
+    /// The hierarchy of a symmetric positive definite `a` whose unknowns live at `coordinates`.
+    ///
+    /// # Errors
+    /// [`SetupError`] with the block "A" and a row: no square matrix, NaN, a diagonal that is not positive, an indefinite or
+    /// singular (coarse) matrix.
+    pub fn build(
+        &self,
+        a: &SparseMatrix<f64>,
+        coordinates: Option<&[DofCoordinate]>,
+    ) -> Result<MultigridInverse, SetupError> {
+        Ok(first(self, &Sum::new(a, None)?, coordinates, |_, _| ())?.0)
+    }
+
+    /// The hierarchy of `A + F Fᵀ`, which is assembled in node blocks only.
+    ///
+    /// # Errors
+    /// As [`Amg::build`].
+    pub fn build_augmented(
+        &self,
+        a: &SparseMatrix<f64>,
+        f: &SparseMatrix<f64>,
+        coordinates: Option<&[DofCoordinate]>,
+    ) -> Result<MultigridInverse, SetupError> {
+        Ok(first(self, &Sum::new(a, Some(f))?, coordinates, |_, _| ())?.0)
+    }
+
+    /// The hierarchy of `A + F Fᵀ`, and what of it serves other values.
+    ///
+    /// # Errors
+    /// As [`Amg::build`].
+    pub fn plan(
+        &self,
+        a: &SparseMatrix<f64>,
+        f: Option<&SparseMatrix<f64>>,
+        coordinates: Option<&[DofCoordinate]>,
+    ) -> Result<(MultigridInverse, AmgPlan), SetupError> {
+        let sum = Sum::new(a, f)?;
+        let kept = |map: &Arc<NodeMap>, pattern: &Pattern| (map.clone(), pattern.clone());
+        let (inverse, steps, (map, pattern)) = first(self, &sum, coordinates, kept)?;
+        let plan = AmgPlan {
+            settings: *self,
+            map,
+            pattern,
+            steps,
+        };
+        Ok((inverse, plan))
+    }
+}

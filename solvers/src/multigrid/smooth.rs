@@ -1,0 +1,44 @@
+//! What smooths a level.
+
+use super::level::Correction;
+use fracas_operators::{LinearOperator, Real};
+
+/// Smooths `A x = b` on a level around its coarse correction: by S before it, by the adjoint of S after it.
+///
+/// Both share `own`, memory of [`own_len`](Self::own_len) entries; b leaves the first as the second wants it.
+pub trait Smooth<R: Real>: Send + Sync {
+    /// A.
+    fn operator(&self) -> &dyn LinearOperator<R>;
+
+    /// Entries of memory that a cycle keeps between both smoothings.
+    fn own_len(&self) -> usize;
+
+    /// `x ← S b`; gives the residual `b − A x`, which stands in b or in `own`.
+    fn before<'v>(
+        &self,
+        b: &'v mut [R],
+        x: &mut [R],
+        own: &'v mut [R],
+        work: &mut [R],
+    ) -> &'v mut [R];
+
+    /// `x ← x + P x_c`, then `x ← x + Sᵀ(b − A x)`. b leaves as `b − A x` if `residual`, else destroyed.
+    fn after(
+        &self,
+        correction: &Correction<'_, R>,
+        b: &mut [R],
+        x: &mut [R],
+        own: &mut [R],
+        work: &mut [R],
+        residual: bool,
+    );
+
+    /// `z ← D⁻¹ r`, D the 3×3 diagonal blocks, zero in fixed components.
+    fn divide_by_diagonal(&self, r: &[R], z: &mut [R]);
+
+    /// Flops of both smoothings and the residual between them.
+    fn flops(&self) -> u64;
+
+    /// Bytes held, those of A included.
+    fn bytes(&self) -> usize;
+}
