@@ -2,12 +2,11 @@
 
 use super::node_map::NONE;
 use super::reach::Reach;
-use super::rows::{Pattern, chunks};
+use super::rows::{Pattern, Rows};
 use super::sweeps::SweepMatrix;
 use fracas_operators::Real;
 use fracas_operators::small::Matrix3;
 use rayon::prelude::*;
-use std::ops::Range;
 
 /// Which aggregate every node belongs to; a node without any connection stays [`NONE`]: the smoother solves it exactly.
 #[derive(Clone, Debug)]
@@ -73,11 +72,7 @@ impl Aggregates {
 
 /// Graph of the strong connections `‖A_ij‖_F > θ √(‖A_ii‖_F ‖A_jj‖_F)` between nodes of `group` block rows each that are not far
 /// from each other.
-pub(super) struct Strong {
-    offsets: Vec<usize>,
-    neighbours: Vec<u32>,
-    weights: Vec<f32>,
-}
+pub(super) struct Strong(Rows<f32>);
 
 impl Strong {
     pub(super) fn new<R: Real>(
@@ -104,57 +99,37 @@ impl Strong {
                     .sum()
             })
             .collect();
-        let of_rows = |(sums, list): &mut (Vec<f64>, Vec<u32>), rows: Range<usize>| {
-            let (mut ends, mut neighbours, mut weights) = (Vec::new(), Vec::new(), Vec::new());
-            for node in rows {
-                list.clear();
-                for i in node * group..(node + 1) * group {
-                    for (j, block) in a.row(i) {
-                        let other = j / group;
-                        if sums[other] == 0.0 {
-                            list.push(other as u32);
-                        }
-                        // a stored zero block must not be listed twice
-                        sums[other] += square(i, j, block).max(f64::MIN_POSITIVE);
+        let of_node = |node: usize, (sums, list): &mut (Vec<f64>, Vec<u32>), out: &mut Vec<_>| {
+            list.clear();
+            for i in node * group..(node + 1) * group {
+                for (j, block) in a.row(i) {
+                    let other = j / group;
+                    if sums[other] == 0.0 {
+                        list.push(other as u32);
                     }
+                    // a stored zero block must not be listed twice
+                    sums[other] += square(i, j, block).max(f64::MIN_POSITIVE);
                 }
-                for other in &*list {
-                    let j = *other as usize;
-                    let weight = sums[j] / (diagonal[node] * diagonal[j]).sqrt();
-                    let bonded = bonds.is_none_or(|b| b.row(node).binary_search(other).is_ok());
-                    if j != node && bonded && weight > theta * theta && !reach.is_far(node, j) {
-                        neighbours.push(*other);
-                        weights.push(weight as f32);
-                    }
-                    sums[j] = 0.0;
-                }
-                ends.push(neighbours.len());
             }
-            (ends, neighbours, weights)
+            for other in &*list {
+                let j = *other as usize;
+                let weight = sums[j] / (diagonal[node] * diagonal[j]).sqrt();
+                let bonded = bonds.is_none_or(|b| b.row(node).binary_search(other).is_ok());
+                if j != node && bonded && weight > theta * theta && !reach.is_far(node, j) {
+                    out.push((*other, weight as f32));
+                }
+                sums[j] = 0.0;
+            }
         };
-        let parts: Vec<_> = chunks(nodes)
-            .map_init(|| (vec![0.0_f64; nodes], Vec::new()), of_rows)
-            .collect();
-        let (mut offsets, mut neighbours, mut weights) = (vec![0], Vec::new(), Vec::new());
-        for (ends, own_neighbours, own_weights) in parts {
-            let start = neighbours.len();
-            offsets.extend(ends.iter().map(|end| start + end));
-            neighbours.extend(own_neighbours);
-            weights.extend(own_weights);
-        }
-        Self {
-            offsets,
-            neighbours,
-            weights,
-        }
+        Self(Rows::collect(
+            nodes,
+            || (vec![0.0; nodes], Vec::new()),
+            of_node,
+        ))
     }
 
     fn of(&self, node: usize) -> impl Iterator<Item = (usize, f32)> {
-        let range = self.offsets[node]..self.offsets[node + 1];
-        self.neighbours[range.clone()]
-            .iter()
-            .map(|j| *j as usize)
-            .zip(self.weights[range].iter().copied())
+        self.0.row(node).map(|(j, weight)| (j, *weight))
     }
 }
 

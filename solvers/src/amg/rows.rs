@@ -14,7 +14,7 @@ pub(super) fn chunks(rows: usize) -> impl IndexedParallelIterator<Item = Range<u
 }
 
 /// A pattern: where rows begin, and their columns.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Pattern {
     /// Rows + 1.
     pub(super) offsets: Vec<usize>,
@@ -26,29 +26,12 @@ impl Pattern {
     /// Collects `row(i, scratch, columns)`, which appends the ascending columns of row i; every task has its own scratch.
     pub(super) fn collect<S>(
         rows: usize,
-        scratch: impl Fn() -> S + Sync,
-        row: impl Fn(usize, &mut S, &mut Vec<u32>) + Sync,
+        scratch: impl Fn() -> S + Sync + Send,
+        row: impl Fn(usize, &mut S, &mut Vec<u32>) + Sync + Send,
     ) -> Self {
-        let parts: Vec<(Vec<usize>, Vec<u32>)> = chunks(rows)
-            .map_init(&scratch, |scratch, range| {
-                let (mut ends, mut columns) = (Vec::with_capacity(range.len()), Vec::new());
-                for i in range {
-                    row(i, scratch, &mut columns);
-                    ends.push(columns.len());
-                }
-                (ends, columns)
-            })
-            .collect();
-        let mut pattern = Self {
-            offsets: vec![0],
-            columns: Vec::with_capacity(parts.iter().map(|part| part.1.len()).sum()),
-        };
-        for (ends, columns) in parts {
-            let start = pattern.columns.len();
-            pattern.offsets.extend(ends.iter().map(|end| start + end));
-            pattern.columns.extend(columns);
-        }
-        pattern
+        let (offsets, parts) = parts(rows, scratch, row);
+        let columns = parts.concat();
+        Self { offsets, columns }
     }
 
     /// Rows.
@@ -104,6 +87,71 @@ impl Pattern {
         }
         Transposed { offsets, entries }
     }
+}
+
+/// A value per entry of a pattern.
+#[derive(Clone, Debug)]
+pub(super) struct Rows<T> {
+    pub(super) pattern: Pattern,
+    pub(super) values: Vec<T>,
+}
+
+impl<T: Copy + Send + Sync> Rows<T> {
+    /// Collects `row(i, scratch, entries)`, which appends the entries of row i, columns ascending.
+    pub(super) fn collect<S>(
+        rows: usize,
+        scratch: impl Fn() -> S + Sync + Send,
+        row: impl Fn(usize, &mut S, &mut Vec<(u32, T)>) + Sync + Send,
+    ) -> Self {
+        let (offsets, parts) = parts(rows, scratch, row);
+        let length = parts.iter().map(Vec::len).sum();
+        let (mut columns, mut values) = (Vec::with_capacity(length), Vec::with_capacity(length));
+        for part in parts {
+            columns.extend(part.iter().map(|entry| entry.0));
+            values.extend(part.iter().map(|entry| entry.1));
+        }
+        Self {
+            pattern: Pattern { offsets, columns },
+            values,
+        }
+    }
+
+    /// Columns and values of a row.
+    #[inline(always)]
+    pub(super) fn row(&self, i: usize) -> impl Iterator<Item = (usize, &T)> {
+        let columns = self.pattern.row(i).iter().map(|j| *j as usize);
+        columns.zip(&self.values[self.pattern.offsets[i]..])
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        self.pattern.bytes() + size_of_val(&*self.values)
+    }
+}
+
+/// Where the rows begin, and their entries by tasks.
+fn parts<S, E: Send>(
+    rows: usize,
+    scratch: impl Fn() -> S + Sync + Send,
+    row: impl Fn(usize, &mut S, &mut Vec<E>) + Sync + Send,
+) -> (Vec<usize>, Vec<Vec<E>>) {
+    let of_task = |scratch: &mut S, range: Range<usize>| {
+        let (mut ends, mut entries) = (Vec::with_capacity(range.len()), Vec::new());
+        for i in range {
+            row(i, scratch, &mut entries);
+            ends.push(entries.len());
+        }
+        (ends, entries)
+    };
+    let tasks: Vec<_> = chunks(rows).map_init(scratch, of_task).collect();
+    let mut offsets = vec![0];
+    let mut before = 0;
+    let parts = tasks.into_iter().map(|(ends, entries)| {
+        offsets.extend(ends.iter().map(|end| before + end));
+        before += entries.len();
+        entries
+    });
+    let parts = parts.collect();
+    (offsets, parts)
 }
 
 /// The transpose of a [`Pattern`].

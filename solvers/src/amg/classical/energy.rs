@@ -1,16 +1,12 @@
 //! Energy minimisation of P.
 
-use super::NodeBlocks;
 use super::independent_set::{FINE, Splitting};
-use super::interpolation::Interpolation;
 use super::least_squares::Modes;
+use super::{Interpolation, NodeBlocks};
+use crate::amg::rows::Pattern;
 use crate::amg::tentative::orthonormalise;
 use fracas_operators::small::{Matrix3, add_product};
 use fracas_operators::vector::{axpy, dot, xpby};
-use rayon::prelude::*;
-
-/// Fine rows that one task handles.
-const ROWS_PER_TASK: usize = 256;
 
 /// Reduction of the residual beyond which steps would only add rounding. Unit: 1.
 const CONVERGED: f64 = 1e-10;
@@ -35,7 +31,7 @@ pub(super) fn minimise<const K: usize>(
     p: &mut Interpolation,
     steps: usize,
 ) {
-    let mut x = std::mem::take(&mut p.blocks);
+    let mut x = std::mem::take(&mut p.values);
     let space = Constrained::new(a, inverse, splitting, modes, p);
     let [mut r, mut z, mut d, mut q] = [0; 4].map(|_| vec![[[0.0; 3]; 3]; x.len()]);
     // R = −Π(A P)
@@ -84,7 +80,7 @@ pub(super) fn minimise<const K: usize>(
         );
         rho = next;
     }
-    p.blocks = x;
+    p.values = x;
 }
 
 /// Changes of P that keep `P V_c`.
@@ -92,8 +88,7 @@ struct Constrained<'a, const K: usize> {
     a: &'a NodeBlocks,
     inverse: &'a [Matrix3<f64>],
     splitting: &'a Splitting,
-    offsets: &'a [usize],
-    columns: &'a [u32],
+    pattern: &'a Pattern,
     /// Orthonormal basis of `V_C` of every row, three rows per block of P.
     basis: Vec<[[f64; K]; 3]>,
 }
@@ -107,34 +102,33 @@ impl<'a, const K: usize> Constrained<'a, K> {
         p: &'a Interpolation,
     ) -> Self {
         let of_column = |j: &u32| modes[splitting.nodes[*j as usize] as usize];
-        let mut basis: Vec<[[f64; K]; 3]> = p.columns.iter().map(of_column).collect();
-        for_rows(&p.offsets, &mut basis, &|_, rows| {
+        let mut basis: Vec<[[f64; K]; 3]> = p.pattern.columns.iter().map(of_column).collect();
+        for_rows(&p.pattern, &mut basis, &|_, rows| {
             orthonormalise(rows.as_flattened_mut());
         });
         Self {
             a,
             inverse,
             splitting,
-            offsets: &p.offsets,
-            columns: &p.columns,
+            pattern: &p.pattern,
             basis,
         }
     }
 
     /// `q ← Π(A d)` on fine rows, zero on coarse ones.
     fn product(&self, d: &[Matrix3<f64>], q: &mut [Matrix3<f64>]) {
-        for_rows(self.offsets, q, &|i, out| {
+        for_rows(self.pattern, q, &|i, out| {
             out.fill([[0.0; 3]; 3]);
             if self.splitting.number[i] != FINE {
                 return;
             }
-            let own = self.offsets[i]..self.offsets[i + 1];
-            let columns = &self.columns[own.clone()];
+            let own = self.pattern.offsets[i]..self.pattern.offsets[i + 1];
+            let columns = &self.pattern.columns[own.clone()];
             for (k, a_ik) in self.a.row(i) {
-                let range = self.offsets[k]..self.offsets[k + 1];
+                let range = self.pattern.offsets[k]..self.pattern.offsets[k + 1];
                 // both lists ascend
                 let mut place = 0;
-                for (j, block) in self.columns[range.clone()].iter().zip(&d[range]) {
+                for (j, block) in self.pattern.columns[range.clone()].iter().zip(&d[range]) {
                     while place < columns.len() && columns[place] < *j {
                         place += 1;
                     }
@@ -152,8 +146,8 @@ impl<'a, const K: usize> Constrained<'a, K> {
 
     /// `z ← D⁻¹ r`.
     fn precondition(&self, r: &[Matrix3<f64>], z: &mut [Matrix3<f64>]) {
-        for_rows(self.offsets, z, &|i, out| {
-            let own = self.offsets[i]..self.offsets[i + 1];
+        for_rows(self.pattern, z, &|i, out| {
+            let own = self.pattern.offsets[i]..self.pattern.offsets[i + 1];
             for (z, r) in out.iter_mut().zip(&r[own]) {
                 *z = [[0.0; 3]; 3];
                 add_product(z, &self.inverse[i], r);
@@ -181,23 +175,19 @@ fn project<const K: usize>(basis: &[[[f64; K]; 3]], row: &mut [Matrix3<f64>]) {
 
 /// `visit(i, values of row i)` for every row, in parallel.
 fn for_rows<T: Send>(
-    offsets: &[usize],
-    mut values: &mut [T],
+    pattern: &Pattern,
+    values: &mut [T],
     visit: &(impl Fn(usize, &mut [T]) + Sync),
 ) {
-    let n = offsets.len() - 1;
-    let mut tasks = Vec::with_capacity(n.div_ceil(ROWS_PER_TASK));
-    for first in (0..n).step_by(ROWS_PER_TASK) {
-        let last = n.min(first + ROWS_PER_TASK);
-        let (part, rest) = values.split_at_mut(offsets[last] - offsets[first]);
-        values = rest;
-        tasks.push((first..last, part));
-    }
-    tasks.into_par_iter().for_each(|(rows, mut part)| {
-        for i in rows {
-            let (row, rest) = part.split_at_mut(offsets[i + 1] - offsets[i]);
-            visit(i, row);
-            part = rest;
-        }
-    });
+    pattern.fill(
+        values,
+        || (),
+        |rows, mut part, ()| {
+            for i in rows {
+                let row;
+                (row, part) = part.split_at_mut(pattern.row(i).len());
+                visit(i, row);
+            }
+        },
+    );
 }

@@ -1,11 +1,11 @@
 //! Interpolation that reproduces the modes.
 
+use super::Interpolation;
 use super::independent_set::{FINE, Splitting};
-use super::interpolation::{Entry, IDENTITY, Interpolation};
 use super::pseudo_inverse::pseudo_inverse;
 use super::strength::Strength;
 use crate::amg::tentative::orthonormalise;
-use fracas_operators::small::{Matrix3, norm_squared};
+use fracas_operators::small::{Matrix3, diagonal, norm_squared};
 
 /// Connections between a fine node and the coarse ones it interpolates from: at most 2, up to 4 where these do not do.
 /// Source: the group's published multigrid.
@@ -41,15 +41,21 @@ pub(super) fn interpolation<const K: usize>(
     modes: &Modes<K>,
 ) -> Interpolation {
     let n = graphs[0].len();
-    Interpolation::collect(
-        n,
-        || Search::new(n),
-        |search, i, out| match splitting.number[i] {
-            FINE => search.row(graphs, splitting, modes, i, out),
-            number => out.push((number, IDENTITY)),
-        },
-    )
+    let scratch = || (Search::new(n), Vec::new());
+    Interpolation::collect(n, scratch, |i, (search, row), out| {
+        match splitting.number[i] {
+            FINE => {
+                search.row(graphs, splitting, modes, i, row);
+                row.sort_unstable_by_key(|entry| entry.0);
+                out.extend_from_slice(row);
+            }
+            number => out.push((number, diagonal([1.0; 3]))),
+        }
+    })
 }
+
+/// Coarse node and block.
+type Entry = (u32, Matrix3<f64>);
 
 /// Connections to a node that was not reached.
 const FAR: u8 = u8::MAX;

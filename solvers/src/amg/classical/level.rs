@@ -1,11 +1,10 @@
 //! One step of classical coarsening between levels.
 
-use super::{NodeBlocks, Start};
+use super::{Start, nodes};
 use crate::amg::Amg;
 use crate::amg::aggregation::Aggregates;
 use crate::amg::coarse::{Coarsener, Frame, Known, NotPositive, Planned, STAGNATED, Values};
 use crate::amg::node_map::NONE;
-use crate::amg::rows::Pattern;
 use crate::amg::sweeps::SweepMatrix;
 use fracas_operators::Real;
 use fracas_operators::small::{Matrix3, cast, norm_squared};
@@ -28,7 +27,7 @@ impl<const K: usize> Coarsener<3, K> for Classical<K> {
         _group: usize,
     ) -> Option<Planned<Self, K>> {
         let (mut bonds, modes) = (known.bonds.as_ref(), &known.modes[..]);
-        let nodes = NodeBlocks::of_level(a);
+        let nodes = nodes::of_level(a);
         let coarser = |count: usize| count > 0 && (count as f64) < STAGNATED * a.rows() as f64;
         let mut start = Start::new(&nodes, bonds, modes);
         if bonds.is_some() && !coarser(start.count()) {
@@ -48,13 +47,10 @@ impl<const K: usize> Coarsener<3, K> for Classical<K> {
             strongest.map_or(NONE, |(j, _)| j as u32)
         };
         let closest = Aggregates {
-            of: (0..p.len()).map(closest).collect(),
+            of: (0..a.rows()).map(closest).collect(),
             count,
         };
-        let pattern = Pattern {
-            offsets: p.offsets.clone(),
-            columns: p.columns.clone(),
-        };
+        let pattern = p.pattern.clone();
         let coarse = start.splitting.nodes.iter();
         let known = Known {
             bonds: bonds.map(|bonds| closest.bonds(bonds)),
@@ -77,10 +73,10 @@ impl<const K: usize> Coarsener<3, K> for Classical<K> {
         defect: &[Matrix3<f64>],
         _lambda_max: f64,
     ) -> Result<Values<R>, NotPositive> {
-        let nodes = NodeBlocks::of_level(a);
+        let nodes = nodes::of_level(a);
         let inverse: Vec<Matrix3<f64>> = (0..a.rows()).map(|i| cast(a.inverse(i))).collect();
         let p = self.start.minimised(&nodes, &inverse, &self.modes);
-        let blocks = p.blocks.iter().map(cast).collect();
+        let blocks = p.values.iter().map(cast).collect();
         self.frame.values(a, defect, blocks)
     }
 
@@ -89,11 +85,6 @@ impl<const K: usize> Coarsener<3, K> for Classical<K> {
     }
 
     fn bytes(&self) -> usize {
-        let p = &self.start.interpolation;
-        size_of_val(&*p.blocks)
-            + size_of_val(&*p.columns)
-            + size_of_val(&*p.offsets)
-            + size_of_val(&*self.modes)
-            + self.frame.bytes()
+        self.start.interpolation.bytes() + size_of_val(&*self.modes) + self.frame.bytes()
     }
 }

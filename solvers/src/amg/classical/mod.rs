@@ -10,7 +10,6 @@
 
 mod energy;
 mod independent_set;
-mod interpolation;
 mod least_squares;
 mod level;
 mod nodes;
@@ -21,16 +20,18 @@ mod tests;
 
 pub(super) use level::Classical;
 
-use super::rows::Pattern;
+use super::rows::{Pattern, Rows};
 use fracas_operators::small::Matrix3;
 use independent_set::Splitting;
-use interpolation::Interpolation;
 use least_squares::Modes;
-use nodes::NodeBlocks;
+use nodes::{NodeBlocks, diagonal};
 use strength::Strength;
 
 /// Steps of energy minimisation. Two take most of what can be gained on the pattern of P.
 const ENERGY_STEPS: usize = 2;
+
+/// P by nodes: rows are fine nodes, columns coarse ones.
+type Interpolation = Rows<Matrix3<f64>>;
 
 /// Coarse nodes, and a P that reproduces the modes before its energy is minimised.
 #[derive(Clone, Debug)]
@@ -45,7 +46,7 @@ impl Start {
     /// `P V_c = V` with the modes V of the fine nodes and V_c of the coarse ones, except where a row would exceed norm 10.
     /// Components that no mode moves are not interpolated. The same bits for any number of threads.
     fn new<const K: usize>(a: &NodeBlocks, bonds: Option<&Pattern>, modes: &Modes<K>) -> Self {
-        assert_eq!(a.len(), modes.len(), "nodes and modes");
+        assert_eq!(a.pattern.rows(), modes.len(), "nodes and modes");
         let graph = Strength::new(a, bonds);
         let splitting = independent_set::splitting(&graph);
         let graphs = [&graph, &Strength::complete(a)];

@@ -1,7 +1,7 @@
 //! Which nodes count as neighbours.
 
-use super::NodeBlocks;
-use crate::amg::rows::Pattern;
+use super::{NodeBlocks, diagonal};
+use crate::amg::rows::{Pattern, Rows};
 use fracas_operators::small::norm_squared;
 
 /// Strongest neighbours that a node keeps. Source: the group's published multigrid.
@@ -13,11 +13,7 @@ const RELATIVE: f64 = 0.25;
 
 /// Symmetric graph of the strong connections `s_ij = ‖A_ij‖_F / √(‖A_ii‖_F ‖A_jj‖_F)`.
 #[derive(Clone, Debug)]
-pub(super) struct Strength {
-    offsets: Vec<usize>,
-    neighbours: Vec<u32>,
-    weights: Vec<f64>,
-}
+pub(super) struct Strength(Rows<f64>);
 
 impl Strength {
     /// Connections that reach a quarter of the strongest and belong to the 40 strongest of either end; equals are all
@@ -33,8 +29,10 @@ impl Strength {
     }
 
     fn above(a: &NodeBlocks, bonds: Option<&Pattern>, relative: f64, kept: usize) -> Self {
-        let n = a.len();
-        let own: Vec<f64> = (0..n).map(|i| norm_squared(a.diagonal(i)).sqrt()).collect();
+        let n = a.pattern.rows();
+        let own: Vec<f64> = (0..n)
+            .map(|i| norm_squared(diagonal(a, i)).sqrt())
+            .collect();
         let strong = |i: usize| {
             let own = &own;
             a.row(i).filter_map(move |(j, block)| {
@@ -57,35 +55,25 @@ impl Strength {
                     .max(relative * strongest)
             })
             .collect();
-        let mut graph = Self {
-            offsets: vec![0],
-            neighbours: Vec::new(),
-            weights: Vec::new(),
+        let kept = |i: usize, (): &mut (), out: &mut Vec<_>| {
+            let both = strong(i).filter(|(j, w)| *w >= least[i].min(least[*j]));
+            out.extend(both.map(|(j, weight)| (j as u32, weight)));
         };
-        for i in 0..n {
-            for (j, weight) in strong(i).filter(|(j, w)| *w >= least[i].min(least[*j])) {
-                graph.neighbours.push(j as u32);
-                graph.weights.push(weight);
-            }
-            graph.offsets.push(graph.neighbours.len());
-        }
-        graph
+        Self(Rows::collect(n, || (), kept))
     }
 
     /// Nodes.
     pub(super) fn len(&self) -> usize {
-        self.offsets.len() - 1
+        self.0.pattern.rows()
     }
 
     /// Neighbours of a node.
     pub(super) fn neighbours(&self, i: usize) -> &[u32] {
-        &self.neighbours[self.offsets[i]..self.offsets[i + 1]]
+        self.0.pattern.row(i)
     }
 
     /// Neighbours of a node with the strength of the connection.
     pub(super) fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> {
-        let range = self.offsets[i]..self.offsets[i + 1];
-        let neighbours = self.neighbours(i).iter().map(|j| *j as usize);
-        neighbours.zip(self.weights[range].iter().copied())
+        self.0.row(i).map(|(j, strength)| (j, *strength))
     }
 }
