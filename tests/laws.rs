@@ -81,13 +81,14 @@ fn pools() -> [ThreadPool; 2] {
 /// Share of its operations by which the count of a kernel may be off, where elements at the boundary take more. Unit: 1.
 const PER_ELEMENT: f64 = 0.5;
 
+/// The same where a row is summed in four parts, which are added at its end. Unit: 1.
+const PARTIAL_SUMS: f64 = 0.06;
+
 /// Bodies of bricks and of general hexahedra, cut by fractures.
 fn bodies() -> Vec<(&'static str, Body)> {
-    let crossing = ["mesh.x.cells=6", "mesh.y.cells=3", "mesh.z.cells=6"];
-    let scenes = [("crossing", &crossing[..]), ("inclined", &crossing[..])];
-    let built = scenes.map(|(name, size)| {
-        let scene = named(name).unwrap().scene().unwrap();
-        (name, scene.with_overrides(size).unwrap().build().unwrap())
+    let built = ["crossing", "inclined"].map(|name| {
+        let scene = named(name).unwrap().small_scene().unwrap();
+        (name, scene.build().unwrap())
     });
     built.into()
 }
@@ -127,15 +128,19 @@ fn operators<R: Real>(name: &str, body: &Body) -> Vec<Listed<R>> {
     let block3 = || assembled.cast::<R>();
     let csr = || Csr::new(block3().to_csr());
     let rows = assembled.shape().rows;
-    with_adjoint("Csr", Box::new(csr()), 0.0);
+    with_adjoint("Csr", Box::new(csr()), PARTIAL_SUMS);
     with_adjoint(
         "Csr with its transpose",
         Box::new(Csr::with_transpose(block3().to_csr())),
-        0.0,
+        PARTIAL_SUMS,
     );
     for level in Level::supported() {
         let named = |kind: &str| format!("{kind} with {level:?}");
-        with_adjoint(&named("Block3"), Box::new(block3().with_level(level)), 0.0);
+        with_adjoint(
+            &named("Block3"),
+            Box::new(block3().with_level(level)),
+            PARTIAL_SUMS,
+        );
         let hexes = Hexes::<R>::with_level(&body.mesh, &rocks, level).unwrap();
         with_adjoint(&named("Hexes"), Box::new(hexes), PER_ELEMENT);
         if let Ok(bricks) = Bricks::<R>::with_level(&body.mesh, &rocks, level) {
@@ -149,8 +154,8 @@ fn operators<R: Real>(name: &str, body: &Body) -> Vec<Listed<R>> {
     });
     with_adjoint("Dense", Box::new(dense.clone()), 0.2);
     with_adjoint("Adjoint", Box::new(Adjoint(dense)), 0.2);
-    with_adjoint("Counted", Box::new(Counted::new(csr())), 0.0);
-    with_adjoint("Timed", Box::new(Timed::new(csr())), 0.0);
+    with_adjoint("Counted", Box::new(Counted::new(csr())), PARTIAL_SUMS);
+    with_adjoint("Timed", Box::new(Timed::new(csr())), PARTIAL_SUMS);
     let coupling = || Coupling::<R>::new(&body.fractures, &body.constraints);
     with_adjoint("Coupling", Box::new(coupling()), PER_ELEMENT);
     with_adjoint(
@@ -286,9 +291,12 @@ fn all_laws_hold_for_all_operators_and_preconditioners() {
         hold_operators(&pools, &oracles, &double);
         hold_operators(&pools, &oracles, &operators::<f32>(name, &body));
         pools[0].install(|| {
-            for (name, subject, slack) in operators::<Tally>(name, &body) {
-                check_flops(&name, subject.product(), slack).unwrap();
-            }
+            let list = operators::<Tally>(name, &body);
+            let wrong = list.iter().filter_map(|(name, subject, slack)| {
+                check_flops(name, subject.product(), *slack).err()
+            });
+            let wrong: Vec<_> = wrong.map(|violation| violation.to_string()).collect();
+            assert!(wrong.is_empty(), "{}", wrong.join("\n"));
         });
         jacobians(&pools, &body);
         preconditioners(&pools, name, &body);

@@ -19,7 +19,7 @@ enum Fault {
     IgnoresAlpha,
     /// Adds what work contains.
     ReadsWork,
-    /// One entry is wrong by 1e-3.
+    /// One entry is wrong by a hundredth.
     WrongEntry,
     /// The adjoint is that of another operator.
     WrongAdjoint,
@@ -36,7 +36,7 @@ struct Broken(Fault);
 impl Broken {
     fn entry<R: Real>(&self, i: usize) -> R {
         let wrong = self.0 == Fault::WrongEntry && i == N - 1;
-        R::of((i + 1) as f64 * if wrong { 1.001 } else { 1.0 })
+        R::of((i + 1) as f64 * if wrong { 1.01 } else { 1.0 })
     }
 }
 
