@@ -10,7 +10,7 @@ use super::fixed;
 use super::grid::Grid;
 use super::interpolation::{Interpolation, Owners};
 use super::operators::{Coarse, Finest};
-use super::pattern::Pattern;
+use super::pattern::pattern;
 use super::remainder::{Rows, Step};
 use super::smoothing::polynomial;
 use super::{Geometric, GeometricError};
@@ -127,7 +127,7 @@ fn levels<R: Real>(
             fixed: &current.fixed,
             kinds: &kinds,
         };
-        let mut rows = Rows::new(Pattern::new(coarse, &kinds, &links));
+        let mut rows = Rows::new(pattern(coarse, &kinds, &links));
         rows.add_elements(step)?;
         match &current.remainder {
             None => faces::add_faces(&mut rows, step, system.fractures, c_inverse),

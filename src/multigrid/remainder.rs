@@ -5,11 +5,10 @@ use super::coarsening::{Coarsening, for_each_fine};
 use super::elements::{BrickCache, ElementBlocks, Elements};
 use super::grid::{Grid, STEPS};
 use super::interpolation::{Owners, weights};
-use super::pattern::Pattern;
 use crate::elasticity::ElasticityError;
 use fracas_operators::shared::Colours;
 use fracas_operators::small::{Matrix3, add};
-use fracas_operators::sparse::Block3;
+use fracas_operators::sparse::{Block3, Pattern};
 
 /// A level and the way to the next one.
 #[derive(Clone, Copy)]
@@ -128,7 +127,7 @@ impl Rows {
 
     /// The matrix without rows and columns of fixed components, and without blocks of zeros.
     pub(super) fn finish(mut self, fixed: &[u8]) -> Block3<f64> {
-        let rows = self.pattern.offsets.len() - 1;
+        let rows = self.pattern.rows();
         let mut kept = 0;
         let mut begin = 0;
         for i in 0..rows {

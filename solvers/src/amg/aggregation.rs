@@ -2,10 +2,10 @@
 
 use super::node_map::NONE;
 use super::reach::Reach;
-use super::rows::{Pattern, Rows};
 use super::sweeps::SweepMatrix;
 use fracas_operators::Real;
 use fracas_operators::small::Matrix3;
+use fracas_operators::sparse::{Pattern, Rows};
 use rayon::prelude::*;
 
 /// Which aggregate every node belongs to; a node without any connection stays [`NONE`]: the smoother solves it exactly.

@@ -3,11 +3,10 @@
 use super::finest::Sum;
 use super::node_map::NodeMap;
 use super::plan::first;
-use super::rows::Pattern;
 use super::{Amg, AmgPlan};
 use crate::multigrid::MultigridInverse;
 use crate::{DofCoordinate, SetupError};
-use fracas_operators::sparse::SparseMatrix;
+use fracas_operators::sparse::{Pattern, SparseMatrix};
 use std::sync::Arc;
 
 impl Amg {

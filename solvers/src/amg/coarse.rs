@@ -4,11 +4,11 @@ use super::Amg;
 use super::aggregation::Aggregates;
 use super::galerkin::{self, Patterns};
 use super::prolongation::Prolongation;
-use super::rows::Pattern;
 use super::sweeps::{SINGULAR, SweepMatrix};
 use super::transfer::{Transfer, TransferPattern};
 use fracas_operators::Real;
 use fracas_operators::small::{Matrix3, equilibrated_inverse, transposed};
+use fracas_operators::sparse::Pattern;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
@@ -182,7 +182,9 @@ fn coarse_matrix<const K: usize>(
             for (place, at) in (pattern.offsets[i]..pattern.offsets[i + 1]).enumerate() {
                 let j = pattern.columns[at];
                 let node = match (j as usize).cmp(&i) {
-                    std::cmp::Ordering::Less => transposed(&nodes[find(pattern, j as usize, i)]),
+                    std::cmp::Ordering::Less => {
+                        transposed(&nodes[pattern.place(j as usize, i as u32)])
+                    }
                     std::cmp::Ordering::Equal => diagonal,
                     std::cmp::Ordering::Greater => nodes[at],
                 };
@@ -210,18 +212,9 @@ fn coarse_matrix<const K: usize>(
     }
 }
 
-/// Where row i has column j.
-fn find(pattern: &Pattern, i: usize, j: usize) -> usize {
-    let place = pattern
-        .row(i)
-        .partition_point(|column| (*column as usize) < j);
-    debug_assert_eq!(pattern.row(i)[place] as usize, j);
-    pattern.offsets[i] + place
-}
-
 /// The diagonal block of a node, symmetric to the last bit and without a zero row.
 fn diagonal<const K: usize>(pattern: &Pattern, nodes: &[[[f64; K]; K]], i: usize) -> [[f64; K]; K] {
-    let stored = &nodes[find(pattern, i, i)];
+    let stored = &nodes[pattern.place(i, i as u32)];
     let mut own: [[f64; K]; K] =
         std::array::from_fn(|r| std::array::from_fn(|c| stored[r.min(c)][r.max(c)]));
     let largest = (0..K).map(|k| own[k][k]).fold(0.0, f64::max);

@@ -1,12 +1,11 @@
 //! The finest level: A, or S_u = A + F Fᵀ, in 3×3 node blocks.
 
 use super::node_map::{NONE, NodeMap};
-use super::rows::Pattern;
 use super::sweeps::{SINGULAR, SweepMatrix};
 use crate::SetupError;
 use crate::smoothers::entries::finite_entries;
 use fracas_operators::small::{Matrix3, cast, equilibrated_inverse};
-use fracas_operators::sparse::SparseMatrix;
+use fracas_operators::sparse::{Pattern, SparseMatrix};
 use fracas_operators::{Real, Shape};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};

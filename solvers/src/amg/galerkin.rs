@@ -1,14 +1,17 @@
 //! The coarse matrix.
 
 use super::prolongation::Prolongation;
-use super::rows::{Pattern, ROWS_PER_TASK};
 use super::sweeps::SweepMatrix;
 use super::transfer::TransferPattern;
 use fracas_operators::Real;
 use fracas_operators::simd::{Kernel, Lanes, Level};
 use fracas_operators::small::{Matrix3, add_product, add_transposed_product};
+use fracas_operators::sparse::Pattern;
 use rayon::prelude::*;
 use std::ops::Range;
+
+/// Fine block rows whose products one task sums.
+const ROWS_PER_TASK: usize = 2048;
 
 /// Tasks whose partial sums are held at once.
 const WAVE: usize = 8;

@@ -34,7 +34,6 @@ mod plan;
 mod prolongation;
 mod reach;
 mod rigid_body;
-mod rows;
 mod schedule;
 mod settings;
 mod smoothed;

@@ -7,14 +7,13 @@ use super::finest::{Finest, Sum};
 use super::hierarchy::{Names, Steps, build};
 use super::node_map::{NONE, NodeMap};
 use super::rigid_body::{constants, rigid_body_modes};
-use super::rows::Pattern;
 use super::smoothed::SmoothedAggregation;
 use super::sweeps::SweepMatrix;
 use super::{Amg, Coarsening};
 use crate::multigrid::{About, Hierarchy, MultigridInverse, Precision, SomeHierarchy};
 use crate::{DofCoordinate, SetupError};
 use fracas_operators::Real;
-use fracas_operators::sparse::SparseMatrix;
+use fracas_operators::sparse::{Pattern, SparseMatrix};
 use std::sync::Arc;
 
 /// Without coordinates nothing but translations is known of the rigid-body modes.

@@ -4,11 +4,11 @@ use super::aggregation::Aggregates;
 use super::extension::Extension;
 use super::node_map::NONE;
 use super::reach::Reach;
-use super::rows::Pattern;
 use super::sweeps::SweepMatrix;
 use fracas_operators::Real;
 use fracas_operators::simd::{Kernel, Lanes, Level};
 use fracas_operators::small::{add_product, cast};
+use fracas_operators::sparse::Pattern;
 
 /// `ω λ_max(D⁻¹A)` of the prolongation smoother. Unit: 1. 4/3 minimises the bound of Vaněk, Mandel, Brezina (1996); measured on
 /// twenty bodies, 1.5 takes up to 17 % fewer iterations than 4/3, and one more where ν is 0.49.

@@ -1,9 +1,9 @@
 //! Which neighbours of a node are far: those along the long sides of flat cells.
 
 use super::aggregation::Aggregates;
-use super::rows::Pattern;
 use super::sweeps::SweepMatrix;
 use fracas_operators::Real;
+use fracas_operators::sparse::Pattern;
 use rayon::prelude::*;
 
 /// Distance of a neighbour, over that of the nearest one, beyond which it is far: cubes have √3, cells of 1:2 have 3. Cells of

@@ -1,9 +1,9 @@
 //! P and Pᵀ between two levels.
 
-use super::rows::{Pattern, Transposed};
 use crate::multigrid;
 use fracas_operators::Real;
 use fracas_operators::simd::{Kernel, Lanes, Level, MAX_WIDTH};
+use fracas_operators::sparse::{Pattern, Transposed};
 use fracas_operators::vector::for_row_ranges;
 use rayon::prelude::*;
 use std::sync::Arc;

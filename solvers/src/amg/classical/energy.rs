@@ -3,9 +3,9 @@
 use super::independent_set::{FINE, Splitting};
 use super::least_squares::Modes;
 use super::{Interpolation, NodeBlocks};
-use crate::amg::rows::Pattern;
 use crate::amg::tentative::orthonormalise;
 use fracas_operators::small::{Matrix3, add_product};
+use fracas_operators::sparse::Pattern;
 use fracas_operators::vector::{axpy, dot, xpby};
 
 /// Reduction of the residual beyond which steps would only add rounding. Unit: 1.

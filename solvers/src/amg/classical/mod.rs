@@ -20,8 +20,8 @@ mod tests;
 
 pub(super) use level::Classical;
 
-use super::rows::{Pattern, Rows};
 use fracas_operators::small::Matrix3;
+use fracas_operators::sparse::{Pattern, Rows};
 use independent_set::Splitting;
 use least_squares::Modes;
 use nodes::{NodeBlocks, diagonal};

@@ -1,9 +1,9 @@
 //! A symmetric matrix by nodes.
 
-use crate::amg::rows::Rows;
 use crate::amg::sweeps::SweepMatrix;
 use fracas_operators::Real;
 use fracas_operators::small::{Matrix3, cast};
+use fracas_operators::sparse::Rows;
 
 /// Rows of 3×3 blocks, every diagonal block present.
 pub(super) type NodeBlocks = Rows<Matrix3<f64>>;

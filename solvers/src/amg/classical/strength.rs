@@ -1,8 +1,8 @@
 //! Which nodes count as neighbours.
 
 use super::{NodeBlocks, diagonal};
-use crate::amg::rows::{Pattern, Rows};
 use fracas_operators::small::norm_squared;
+use fracas_operators::sparse::{Pattern, Rows};
 
 /// Strongest neighbours that a node keeps. Source: the group's published multigrid.
 const KEPT: usize = 40;

@@ -1,13 +1,13 @@
-//! Filling the rows of a sparse structure in parallel, each chunk of rows its own part.
+//! Where a sparse matrix has entries, collected and filled in parallel, each chunk of rows its own part.
 
 use rayon::prelude::*;
 use std::ops::Range;
 
 /// Rows that one task fills.
-pub(super) const ROWS_PER_TASK: usize = 2048;
+const ROWS_PER_TASK: usize = 2048;
 
 /// Ranges of rows of fixed length, so that no result depends on the number of threads.
-pub(super) fn chunks(rows: usize) -> impl IndexedParallelIterator<Item = Range<usize>> {
+fn chunks(rows: usize) -> impl IndexedParallelIterator<Item = Range<usize>> {
     (0..rows.div_ceil(ROWS_PER_TASK))
         .into_par_iter()
         .map(move |k| k * ROWS_PER_TASK..rows.min((k + 1) * ROWS_PER_TASK))
@@ -15,16 +15,16 @@ pub(super) fn chunks(rows: usize) -> impl IndexedParallelIterator<Item = Range<u
 
 /// A pattern: where rows begin, and their columns.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Pattern {
+pub struct Pattern {
     /// Rows + 1.
-    pub(super) offsets: Vec<usize>,
+    pub offsets: Vec<usize>,
     /// Ascending within a row.
-    pub(super) columns: Vec<u32>,
+    pub columns: Vec<u32>,
 }
 
 impl Pattern {
     /// Collects `row(i, scratch, columns)`, which appends the ascending columns of row i; every task has its own scratch.
-    pub(super) fn collect<S>(
+    pub fn collect<S>(
         rows: usize,
         scratch: impl Fn() -> S + Sync + Send,
         row: impl Fn(usize, &mut S, &mut Vec<u32>) + Sync + Send,
@@ -35,22 +35,37 @@ impl Pattern {
     }
 
     /// Rows.
-    pub(super) fn rows(&self) -> usize {
+    pub fn rows(&self) -> usize {
         self.offsets.len() - 1
     }
 
-    pub(super) fn bytes(&self) -> usize {
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
         size_of_val(&*self.offsets) + size_of_val(&*self.columns)
+    }
+
+    /// Where a row stands.
+    #[inline(always)]
+    pub fn range(&self, i: usize) -> Range<usize> {
+        self.offsets[i]..self.offsets[i + 1]
     }
 
     /// Columns of a row.
     #[inline(always)]
-    pub(super) fn row(&self, i: usize) -> &[u32] {
-        &self.columns[self.offsets[i]..self.offsets[i + 1]]
+    pub fn row(&self, i: usize) -> &[u32] {
+        &self.columns[self.range(i)]
+    }
+
+    /// Where entry (i, j) stands, which is there.
+    pub fn place(&self, i: usize, j: u32) -> usize {
+        let range = self.range(i);
+        let at = range.start + self.columns[range].partition_point(|column| *column < j);
+        debug_assert_eq!(self.columns[at], j);
+        at
     }
 
     /// Fills `values`, one per column, by `fill(rows, their values, scratch)`.
-    pub(super) fn fill<V: Send, S>(
+    pub fn fill<V: Send, S>(
         &self,
         values: &mut [V],
         scratch: impl Fn() -> S + Sync + Send,
@@ -70,7 +85,7 @@ impl Pattern {
     }
 
     /// The rows of every column, and where their entries lie.
-    pub(super) fn transposed(&self, columns: usize) -> Transposed {
+    pub fn transposed(&self, columns: usize) -> Transposed {
         let mut offsets = vec![0; columns + 1];
         self.columns
             .iter()
@@ -91,14 +106,16 @@ impl Pattern {
 
 /// A value per entry of a pattern.
 #[derive(Clone, Debug)]
-pub(super) struct Rows<T> {
-    pub(super) pattern: Pattern,
-    pub(super) values: Vec<T>,
+pub struct Rows<T> {
+    /// Where it has entries.
+    pub pattern: Pattern,
+    /// Row after row.
+    pub values: Vec<T>,
 }
 
 impl<T: Copy + Send + Sync> Rows<T> {
     /// Collects `row(i, scratch, entries)`, which appends the entries of row i, columns ascending.
-    pub(super) fn collect<S>(
+    pub fn collect<S>(
         rows: usize,
         scratch: impl Fn() -> S + Sync + Send,
         row: impl Fn(usize, &mut S, &mut Vec<(u32, T)>) + Sync + Send,
@@ -118,12 +135,13 @@ impl<T: Copy + Send + Sync> Rows<T> {
 
     /// Columns and values of a row.
     #[inline(always)]
-    pub(super) fn row(&self, i: usize) -> impl Iterator<Item = (usize, &T)> {
+    pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, &T)> {
         let columns = self.pattern.row(i).iter().map(|j| *j as usize);
         columns.zip(&self.values[self.pattern.offsets[i]..])
     }
 
-    pub(super) fn bytes(&self) -> usize {
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
         self.pattern.bytes() + size_of_val(&*self.values)
     }
 }
@@ -156,35 +174,36 @@ fn parts<S, E: Send>(
 
 /// The transpose of a [`Pattern`].
 #[derive(Clone, Debug)]
-pub(super) struct Transposed {
+pub struct Transposed {
     offsets: Vec<usize>,
     entries: Vec<(u32, u32)>,
 }
 
 impl Transposed {
     /// Rows of the transpose.
-    pub(super) fn rows(&self) -> usize {
+    pub fn rows(&self) -> usize {
         self.offsets.len() - 1
     }
 
     /// Ascending rows with an entry in column j, and the place of that entry.
-    pub(super) fn row(&self, j: usize) -> &[(u32, u32)] {
+    pub fn row(&self, j: usize) -> &[(u32, u32)] {
         &self.entries[self.range(j)]
     }
 
     /// Where the entries of column j lie.
     #[inline(always)]
-    pub(super) fn range(&self, j: usize) -> Range<usize> {
+    pub fn range(&self, j: usize) -> Range<usize> {
         self.offsets[j]..self.offsets[j + 1]
     }
 
     /// Row and place of all entries, column by column.
     #[inline(always)]
-    pub(super) fn entries(&self) -> &[(u32, u32)] {
+    pub fn entries(&self) -> &[(u32, u32)] {
         &self.entries
     }
 
-    pub(super) fn bytes(&self) -> usize {
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
         size_of_val(&*self.offsets) + size_of_val(&*self.entries)
     }
 }
