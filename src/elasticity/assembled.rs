@@ -4,10 +4,11 @@ use super::{Constraints, Elastic, ElasticityError, check};
 use crate::mesh::HexMesh;
 use fracas_operators::LinearOperator;
 use fracas_operators::small::{Matrix3, add};
-use fracas_operators::sparse::{Block3, SparseMatrix};
+use fracas_operators::sparse::{Block3, Pattern, SparseMatrix, SparseRows};
 use rayon::prelude::*;
+use std::sync::OnceLock;
 
-/// Node rows that one task assembles; the split does not depend on the number of threads.
+/// Free rows that one task copies; the split does not depend on the number of threads.
 const ROWS_PER_TASK: usize = 512;
 
 /// For every node the elements around it, increasing, as `8·element + local node`.
@@ -69,80 +70,36 @@ pub fn stiffness_of_rows(
     check::elements(mesh, materials.len())?;
     let neighbours = Neighbours::new(mesh);
     let n = mesh.nodes.len();
-    let mut offsets = vec![0; n + 1];
-    offsets[1..]
-        .par_chunks_mut(ROWS_PER_TASK)
-        .enumerate()
-        .for_each_init(Vec::new, |columns, (task, lengths)| {
-            for (i, length) in lengths.iter_mut().enumerate() {
-                let node = task * ROWS_PER_TASK + i;
-                if wanted(node) {
-                    neighbours.columns(mesh, node, columns);
-                    *length = columns.len();
-                }
-            }
-        });
-    for a in 0..n {
-        offsets[a + 1] += offsets[a];
-    }
-    let mut columns = vec![0u32; offsets[n]];
-    let mut blocks = vec![[[0.0; 3]; 3]; offsets[n]];
-    row_parts(&offsets, &mut columns, &mut blocks)
-        .into_par_iter()
-        .try_for_each_init(Vec::new, |scratch, part| {
-            let mut rest = (part.columns, part.blocks);
-            for node in part.rows {
-                let (row_columns, tail_columns) =
-                    rest.0.split_at_mut(offsets[node + 1] - offsets[node]);
-                let (row_blocks, tail_blocks) = rest.1.split_at_mut(row_columns.len());
-                rest = (tail_columns, tail_blocks);
-                if row_columns.is_empty() {
+    let pattern = Pattern::collect(n, Vec::new, |node, row, columns| {
+        if wanted(node) {
+            neighbours.columns(mesh, node, row);
+            columns.extend_from_slice(row);
+        }
+    });
+    let mut values = vec![[[0.0; 3]; 3]; pattern.columns.len()];
+    let failed = OnceLock::new();
+    pattern.fill(
+        &mut values,
+        || (),
+        |nodes, mut blocks, ()| {
+            for node in nodes {
+                let (columns, around) = (pattern.row(node), neighbours.around(node));
+                let row;
+                (row, blocks) = blocks.split_at_mut(columns.len());
+                if columns.is_empty() {
                     continue;
                 }
-                neighbours.columns(mesh, node, scratch);
-                row_columns.copy_from_slice(scratch);
-                assemble_row(
-                    mesh,
-                    materials,
-                    neighbours.around(node),
-                    row_columns,
-                    row_blocks,
-                )?;
+                if let Err(error) = assemble_row(mesh, materials, around, columns, row) {
+                    let _ = failed.set(error);
+                    return;
+                }
             }
-            Ok(())
-        })?;
-    Ok(Block3::from_raw(offsets, columns, blocks, n))
-}
-
-/// Consecutive rows with the columns and blocks that they own.
-struct RowPart<'a> {
-    rows: std::ops::Range<usize>,
-    columns: &'a mut [u32],
-    blocks: &'a mut [Matrix3<f64>],
-}
-
-/// Splits the storage of all rows into parts of [`ROWS_PER_TASK`] rows.
-fn row_parts<'a>(
-    offsets: &[usize],
-    mut columns: &'a mut [u32],
-    mut blocks: &'a mut [Matrix3<f64>],
-) -> Vec<RowPart<'a>> {
-    let n = offsets.len() - 1;
-    (0..n)
-        .step_by(ROWS_PER_TASK)
-        .map(|first| {
-            let last = n.min(first + ROWS_PER_TASK);
-            let length = offsets[last] - offsets[first];
-            let (part_columns, rest_columns) = std::mem::take(&mut columns).split_at_mut(length);
-            let (part_blocks, rest_blocks) = std::mem::take(&mut blocks).split_at_mut(length);
-            (columns, blocks) = (rest_columns, rest_blocks);
-            RowPart {
-                rows: first..last,
-                columns: part_columns,
-                blocks: part_blocks,
-            }
-        })
-        .collect()
+        },
+    );
+    match failed.into_inner() {
+        Some(error) => Err(error),
+        None => Ok(Block3::new(SparseRows { pattern, values }, n)),
+    }
 }
 
 /// Sums the element blocks (a, b) of one node row; elements in increasing order, so (a, b) and (b, a) agree bit for bit.

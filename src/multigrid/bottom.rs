@@ -67,9 +67,6 @@ pub(super) fn bottom<R: Real>(
 
 /// Entry (i, j).
 fn entry(matrix: &Block3<f64>, i: usize, j: usize) -> f64 {
-    let range = matrix.offsets()[i / 3]..matrix.offsets()[i / 3 + 1];
-    match matrix.columns()[range.clone()].binary_search(&((j / 3) as u32)) {
-        Ok(at) => matrix.blocks()[range.start + at][i % 3][j % 3],
-        Err(_) => 0.0,
-    }
+    let block = matrix.block(i / 3, j / 3);
+    block.map_or(0.0, |block| block[i % 3][j % 3])
 }

@@ -17,7 +17,7 @@ use super::{Geometric, GeometricError};
 use crate::elasticity::{Bricks, Elastic, Hexes};
 use crate::system::StickSystem;
 use fracas_operators::simd::Level as Instructions;
-use fracas_operators::small::{Matrix3, Symmetric, upper};
+use fracas_operators::small::{Symmetric, upper};
 use fracas_operators::sparse::Block3;
 use fracas_operators::{AdjointOperator, LinearOperator, Real};
 use fracas_solvers::multigrid::{
@@ -264,10 +264,8 @@ impl Current<'_> {
             ));
         };
         let bricks = self.bricks(materials);
-        let stored = remainder.block_count() * (size_of::<Matrix3<R>>() + size_of::<u32>())
-            + size_of_val(remainder.offsets());
-        let bytes = stored + bricks.as_ref().map_or(0, Bricks::bytes);
-        let remainder = remainder.cast();
+        let remainder: Block3<R> = remainder.cast();
+        let bytes = remainder.bytes() + bricks.as_ref().map_or(0, Bricks::bytes);
         Ok((Box::new(Coarse { bricks, remainder }), bytes))
     }
 
@@ -323,10 +321,8 @@ fn overflow<R: Real>(level: usize) -> GeometricError {
 /// Adds the diagonal blocks of an assembled matrix.
 fn add_diagonal_blocks(matrix: &Block3<f64>, diagonal: &mut [Symmetric<f64>]) {
     for (i, to) in diagonal.iter_mut().enumerate() {
-        let range = matrix.offsets()[i]..matrix.offsets()[i + 1];
-        if let Ok(at) = matrix.columns()[range.clone()].binary_search(&(i as u32)) {
-            let block = upper(&matrix.blocks()[range.start + at]);
-            to.iter_mut().zip(block).for_each(|(to, v)| *to += v);
+        if let Some(block) = matrix.block(i, i) {
+            to.iter_mut().zip(upper(block)).for_each(|(to, v)| *to += v);
         }
     }
 }

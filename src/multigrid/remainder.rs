@@ -8,7 +8,7 @@ use super::interpolation::{Owners, weights};
 use crate::elasticity::ElasticityError;
 use fracas_operators::shared::Colours;
 use fracas_operators::small::{Matrix3, add};
-use fracas_operators::sparse::{Block3, Pattern};
+use fracas_operators::sparse::{Block3, Pattern, SparseRows};
 
 /// A level and the way to the next one.
 #[derive(Clone, Copy)]
@@ -94,11 +94,9 @@ impl Rows {
             corners.into_iter().zip(weights).filter(|(_, w)| *w != 0.0)
         };
         for i in 0..above.block_rows() {
-            let range = above.offsets()[i]..above.offsets()[i + 1];
             // (R P)_i
-            for at in range {
-                let block = &above.blocks()[at];
-                for (column, weight) in parents(above.columns()[at] as usize) {
+            for (j, block) in above.block_row(i) {
+                for (column, weight) in parents(j) {
                     let slot = &mut slot[column as usize];
                     if *slot == u32::MAX {
                         *slot = columns.len() as u32;
@@ -150,12 +148,8 @@ impl Rows {
         // room for the zero block that a product needs
         self.blocks.shrink_to(kept + 1);
         self.pattern.columns.shrink_to_fit();
-        Block3::from_raw(
-            self.pattern.offsets,
-            self.pattern.columns,
-            self.blocks,
-            rows,
-        )
+        let (pattern, values) = (self.pattern, self.blocks);
+        Block3::new(SparseRows { pattern, values }, rows)
     }
 }
 

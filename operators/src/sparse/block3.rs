@@ -1,6 +1,6 @@
 //! Compressed rows of 3×3 blocks, one per pair of nodes.
 
-use super::SparseMatrix;
+use super::{SparseMatrix, SparseRows};
 use crate::operator::assert_product;
 use crate::simd::{Kernel, Lanes, Level, MAX_WIDTH, prefetch};
 use crate::small::{Matrix3, cast};
@@ -13,10 +13,8 @@ use crate::{AdjointOperator, LinearOperator, Real, Shape};
 /// One product: 18 flops and 76 bytes per block in f64.
 #[derive(Clone, Debug)]
 pub struct Block3<R> {
-    offsets: Vec<usize>,
-    columns: Vec<u32>,
     /// One block more than stored, zero, so that a register may be loaded from the start of any block.
-    blocks: Vec<Matrix3<R>>,
+    rows: SparseRows<Matrix3<R>>,
     cols: usize,
     level: Level,
 }
@@ -29,20 +27,14 @@ const AHEAD: usize = 64;
 const ROWS_PER_TASK: usize = 256;
 
 impl<R: Real> Block3<R> {
-    /// From raw block rows: `offsets` (block rows + 1), block `columns`, `blocks`, and the number of block columns.
-    pub fn from_raw(
-        offsets: Vec<usize>,
-        columns: Vec<u32>,
-        mut blocks: Vec<Matrix3<R>>,
-        cols: usize,
-    ) -> Self {
-        assert_eq!(columns.len(), blocks.len());
-        assert_eq!(offsets.last().copied(), Some(columns.len()));
-        blocks.push([[R::zero(); 3]; 3]);
+    /// From block rows and the number of block columns.
+    pub fn new(mut rows: SparseRows<Matrix3<R>>, cols: usize) -> Self {
+        let SparseRows { pattern, values } = &mut rows;
+        assert_eq!(pattern.columns.len(), values.len());
+        assert_eq!(pattern.offsets.last().copied(), Some(values.len()));
+        values.push([[R::zero(); 3]; 3]);
         Self {
-            offsets,
-            columns,
-            blocks,
+            rows,
             cols,
             level: Level::best(),
         }
@@ -56,45 +48,44 @@ impl<R: Real> Block3<R> {
 
     /// Block rows.
     pub fn block_rows(&self) -> usize {
-        self.offsets.len() - 1
+        self.rows.pattern.rows()
     }
 
     /// Stored blocks.
     pub fn block_count(&self) -> usize {
-        self.columns.len()
+        self.rows.pattern.columns.len()
     }
 
-    /// Block row offsets (block rows + 1).
-    pub fn offsets(&self) -> &[usize] {
-        &self.offsets
+    /// Block columns and blocks of a block row, columns ascending.
+    pub fn block_row(&self, i: usize) -> impl Iterator<Item = (usize, &Matrix3<R>)> {
+        self.rows.row(i)
     }
 
-    /// Block columns, row after row.
-    pub fn columns(&self) -> &[u32] {
-        &self.columns
+    /// Block (i, j), where it is stored.
+    pub fn block(&self, i: usize, j: usize) -> Option<&Matrix3<R>> {
+        let at = self.rows.pattern.row(i).binary_search(&(j as u32)).ok()?;
+        self.rows.values.get(self.rows.pattern.offsets[i] + at)
     }
 
-    /// Blocks, row after row, each row-major.
-    pub fn blocks(&self) -> &[Matrix3<R>] {
-        &self.blocks[..self.columns.len()]
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.rows.bytes()
     }
 
     /// Entries (column, value) of one scalar row, zeros inside blocks included.
     pub fn row(&self, row: usize) -> impl Iterator<Item = (usize, R)> + '_ {
-        let range = self.offsets[row / 3]..self.offsets[row / 3 + 1];
         let r = row % 3;
-        range.flat_map(move |k| {
-            let (block, j) = (&self.blocks[k], 3 * self.columns[k] as usize);
-            (0..3).map(move |c| (j + c, block[r][c]))
-        })
+        self.block_row(row / 3)
+            .flat_map(move |(j, block)| (0..3).map(move |c| (3 * j + c, block[r][c])))
     }
 
     /// The same matrix in another precision.
     pub fn cast<S: Real>(&self) -> Block3<S> {
         Block3 {
-            offsets: self.offsets.clone(),
-            columns: self.columns.clone(),
-            blocks: self.blocks.iter().map(cast).collect(),
+            rows: SparseRows {
+                pattern: self.rows.pattern.clone(),
+                values: self.rows.values.iter().map(cast).collect(),
+            },
             cols: self.cols,
             level: self.level,
         }
@@ -143,10 +134,10 @@ impl<R: Real> AdjointOperator<R> for Block3<R> {
     fn apply_adjoint_add(&self, alpha: R, x: &[R], y: &mut [R], _work: &mut [R]) {
         assert_product(self.shape().transposed(), x, y);
         for (row, x_i) in x.chunks_exact(3).enumerate() {
-            for k in self.offsets[row]..self.offsets[row + 1] {
-                let (b, j) = (&self.blocks[k], 3 * self.columns[k] as usize);
+            for (j, b) in self.block_row(row) {
                 for c in 0..3 {
-                    y[j + c] += alpha * (b[0][c] * x_i[0] + b[1][c] * x_i[1] + b[2][c] * x_i[2]);
+                    y[3 * j + c] +=
+                        alpha * (b[0][c] * x_i[0] + b[1][c] * x_i[1] + b[2][c] * x_i[2]);
                 }
             }
         }
@@ -166,14 +157,14 @@ impl<R: Real> Kernel<R> for Rows<'_, R> {
     /// The nine products of a block fall into nine lanes, `b_{rc} x_c` into lane 3r + c; lanes are summed per row.
     #[inline(always)]
     fn run<L: Lanes<R>>(self) {
-        let matrix = self.matrix;
-        let values = matrix.blocks.as_flattened().as_flattened();
+        let SparseRows { pattern, values } = &self.matrix.rows;
+        let values = values.as_flattened().as_flattened();
         let zero = L::splat(R::zero());
         for (i, y) in self.y.chunks_exact_mut(3).enumerate() {
-            let range = matrix.offsets[self.first + i]..matrix.offsets[self.first + i + 1];
+            let range = pattern.range(self.first + i);
             // A register holds 4, 8 or 16 lanes, so the nine take 2, 1 or 1 registers and sometimes a scalar.
             let (mut low, mut high, mut last) = (zero, zero, R::zero());
-            for (k, j) in range.clone().zip(&matrix.columns[range]) {
+            for (k, j) in range.clone().zip(&pattern.columns[range]) {
                 let at = 9 * k;
                 prefetch(values, at + 9 * AHEAD);
                 let x = &self.x[3 * *j as usize..][..3];
@@ -204,18 +195,17 @@ impl<R: Real> Kernel<R> for Rows<'_, R> {
 mod tests {
     use super::*;
     use crate::laws::{check_adjoint, probe};
+    use crate::sparse::Pattern;
     use crate::{Dense, Shape};
 
     /// A matrix of 7×5 blocks with an empty row, a full row and single blocks.
     fn sample<R: Real>() -> Block3<R> {
         let rows: [&[u32]; 7] = [&[0, 2], &[], &[0, 1, 2, 3, 4], &[4], &[1, 3], &[2], &[0, 4]];
-        let mut offsets = vec![0];
-        rows.iter()
-            .for_each(|row| offsets.push(offsets[offsets.len() - 1] + row.len()));
-        let columns = rows.concat();
-        let values = probe::<R>(9 * columns.len(), 11);
-        let blocks = values.as_chunks::<3>().0.as_chunks::<3>().0.to_vec();
-        Block3::from_raw(offsets, columns, blocks, 5)
+        let own = |i: usize, (): &mut (), columns: &mut Vec<u32>| columns.extend(rows[i]);
+        let pattern = Pattern::collect(rows.len(), || (), own);
+        let values = probe::<R>(9 * pattern.columns.len(), 11);
+        let values = values.as_chunks::<3>().0.as_chunks::<3>().0.to_vec();
+        Block3::new(SparseRows { pattern, values }, 5)
     }
 
     fn oracle<R: Real>(matrix: &Block3<R>) -> Dense<R> {
@@ -243,11 +233,9 @@ mod tests {
         let matrix = sample::<f64>();
         let csr = crate::sparse::Csr::new(matrix.to_csr());
         assert_eq!(Dense::of_operator(&csr), oracle(&matrix));
-        assert_eq!(matrix.blocks().len(), matrix.block_count());
         let single = matrix.cast::<f32>();
-        assert_eq!(
-            single.blocks()[3],
-            matrix.blocks()[3].map(|row| row.map(|v| v as f32))
-        );
+        let block = matrix.block(2, 1).unwrap();
+        assert_eq!(single.block(2, 1), Some(&cast(block)));
+        assert_eq!(matrix.block(2, 5), None);
     }
 }

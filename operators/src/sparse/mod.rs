@@ -10,7 +10,7 @@ pub use block3::Block3;
 pub use csr::{Csr, CsrView};
 pub use diagonal::Diagonal;
 pub use finite::first_not_finite;
-pub use pattern::{Pattern, Rows, Transposed};
+pub use pattern::{Pattern, SparseRows, Transposed};
 
 /// A sparse matrix in compressed rows or columns: 32-bit indices, 64-bit offsets.
 pub type SparseMatrix<R> = sprs::CsMatI<R, u32, usize>;

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Rows that one task fills.
+/// SparseRows that one task fills.
 const ROWS_PER_TASK: usize = 2048;
 
 /// Ranges of rows of fixed length, so that no result depends on the number of threads.
@@ -16,7 +16,7 @@ fn chunks(rows: usize) -> impl IndexedParallelIterator<Item = Range<usize>> {
 /// A pattern: where rows begin, and their columns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pattern {
-    /// Rows + 1.
+    /// SparseRows + 1.
     pub offsets: Vec<usize>,
     /// Ascending within a row.
     pub columns: Vec<u32>,
@@ -34,7 +34,7 @@ impl Pattern {
         Self { offsets, columns }
     }
 
-    /// Rows.
+    /// SparseRows.
     pub fn rows(&self) -> usize {
         self.offsets.len() - 1
     }
@@ -106,14 +106,14 @@ impl Pattern {
 
 /// A value per entry of a pattern.
 #[derive(Clone, Debug)]
-pub struct Rows<T> {
+pub struct SparseRows<T> {
     /// Where it has entries.
     pub pattern: Pattern,
     /// Row after row.
     pub values: Vec<T>,
 }
 
-impl<T: Copy + Send + Sync> Rows<T> {
+impl<T: Copy + Send + Sync> SparseRows<T> {
     /// Collects `row(i, scratch, entries)`, which appends the entries of row i, columns ascending.
     pub fn collect<S>(
         rows: usize,
@@ -180,7 +180,7 @@ pub struct Transposed {
 }
 
 impl Transposed {
-    /// Rows of the transpose.
+    /// SparseRows of the transpose.
     pub fn rows(&self) -> usize {
         self.offsets.len() - 1
     }

@@ -5,7 +5,7 @@ use super::reach::Reach;
 use super::sweeps::SweepMatrix;
 use fracas_operators::Real;
 use fracas_operators::small::Matrix3;
-use fracas_operators::sparse::{Pattern, Rows};
+use fracas_operators::sparse::{Pattern, SparseRows};
 use rayon::prelude::*;
 
 /// Which aggregate every node belongs to; a node without any connection stays [`NONE`]: the smoother solves it exactly.
@@ -72,7 +72,7 @@ impl Aggregates {
 
 /// Graph of the strong connections `‖A_ij‖_F > θ √(‖A_ii‖_F ‖A_jj‖_F)` between nodes of `group` block rows each that are not far
 /// from each other.
-pub(super) struct Strong(Rows<f32>);
+pub(super) struct Strong(SparseRows<f32>);
 
 impl Strong {
     pub(super) fn new<R: Real>(
@@ -121,7 +121,7 @@ impl Strong {
                 sums[j] = 0.0;
             }
         };
-        Self(Rows::collect(
+        Self(SparseRows::collect(
             nodes,
             || (vec![0.0; nodes], Vec::new()),
             of_node,

@@ -124,11 +124,7 @@ impl<R: Real> Groups<R> {
 
 /// The blocks beside the diagonal of row i.
 fn row(a: &Block3<f64>, i: usize) -> impl Iterator<Item = (usize, &Matrix3<f64>)> {
-    let range = a.offsets()[i]..a.offsets()[i + 1];
-    let columns = a.columns()[range.clone()].iter().map(|j| *j as usize);
-    columns
-        .zip(&a.blocks()[range])
-        .filter(move |(j, _)| *j != i)
+    a.block_row(i).filter(move |(j, _)| *j != i)
 }
 
 /// Groups of two nodes and more, each ascending.
@@ -221,6 +217,16 @@ fn matrix(
 mod tests {
     use super::*;
     use crate::multigrid::BlockJacobi;
+    use fracas_operators::sparse::{Pattern, SparseRows};
+
+    /// All n² blocks.
+    fn full(n: usize, values: Vec<Matrix3<f64>>) -> Block3<f64> {
+        let pattern = Pattern {
+            offsets: (0..=n).map(|i| i * n).collect(),
+            columns: (0..n * n).map(|k| (k % n) as u32).collect(),
+        };
+        Block3::new(SparseRows { pattern, values }, n)
+    }
 
     /// Nodes 0, 1, 2 nearly dependent in every component, 3 alone, couplings from 3 weak; unit diagonal blocks.
     fn sample() -> (Vec<Symmetric<f64>>, Block3<f64>) {
@@ -249,8 +255,7 @@ mod tests {
             let v = value(k / 4, k % 4);
             fracas_operators::small::diagonal([v; 3])
         });
-        let columns = (0..16).map(|k| k % 4).collect();
-        let a = Block3::from_raw(vec![0, 4, 8, 12, 16], columns, blocks.collect(), 4);
+        let a = full(4, blocks.collect());
         (vec![identity; 4], a)
     }
 
@@ -267,7 +272,7 @@ mod tests {
             // principal block of the group, the identity for node 3
             let product: f64 = (0..4)
                 .filter(|j| (i / 3 < 3) == (*j < 3))
-                .map(|j| a.blocks()[4 * (i / 3) + j][0][0] * z[3 * j + i % 3])
+                .map(|j| a.block(i / 3, j).unwrap()[0][0] * z[3 * j + i % 3])
                 .sum();
             assert!((product - r[i]).abs() < 1e-12, "row {i}");
         }
@@ -283,7 +288,7 @@ mod tests {
         assert_eq!(z[4], 0.0);
         let product: f64 = [0, 2]
             .iter()
-            .map(|j| a.blocks()[*j][0][0] * z[3 * j + 1])
+            .map(|j| a.block(0, *j).unwrap()[0][0] * z[3 * j + 1])
             .sum();
         assert!((product - 1.0).abs() < 1e-12);
     }
@@ -315,8 +320,7 @@ mod tests {
                 fracas_operators::small::diagonal([v; 3])
             })
             .collect();
-        let columns = (0..n * n).map(|k| (k % n) as u32).collect();
-        let a = Block3::from_raw((0..=n).map(|i| i * n).collect(), columns, blocks, n);
+        let a = full(n, blocks);
         let groups = Groups::<f64>::new(&vec![[1.0, 0.0, 0.0, 1.0, 0.0, 1.0]; n], &a, &[]);
         assert!(groups.first.windows(2).all(|w| w[1] - w[0] <= LARGEST));
         let mut nodes = groups.nodes().to_vec();

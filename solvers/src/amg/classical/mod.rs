@@ -21,7 +21,7 @@ mod tests;
 pub(super) use level::Classical;
 
 use fracas_operators::small::Matrix3;
-use fracas_operators::sparse::{Pattern, Rows};
+use fracas_operators::sparse::{Pattern, SparseRows};
 use independent_set::Splitting;
 use least_squares::Modes;
 use nodes::{NodeBlocks, diagonal};
@@ -31,7 +31,7 @@ use strength::Strength;
 const ENERGY_STEPS: usize = 2;
 
 /// P by nodes: rows are fine nodes, columns coarse ones.
-type Interpolation = Rows<Matrix3<f64>>;
+type Interpolation = SparseRows<Matrix3<f64>>;
 
 /// Coarse nodes, and a P that reproduces the modes before its energy is minimised.
 #[derive(Clone, Debug)]

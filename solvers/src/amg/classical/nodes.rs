@@ -3,14 +3,14 @@
 use crate::amg::sweeps::SweepMatrix;
 use fracas_operators::Real;
 use fracas_operators::small::{Matrix3, cast};
-use fracas_operators::sparse::Rows;
+use fracas_operators::sparse::SparseRows;
 
-/// Rows of 3×3 blocks, every diagonal block present.
-pub(super) type NodeBlocks = Rows<Matrix3<f64>>;
+/// SparseRows of 3×3 blocks, every diagonal block present.
+pub(super) type NodeBlocks = SparseRows<Matrix3<f64>>;
 
 /// The matrix of a level, in f64.
 pub(super) fn of_level<R: Real>(a: &SweepMatrix<R>) -> NodeBlocks {
-    Rows::collect(
+    SparseRows::collect(
         a.rows(),
         || (),
         |i, (), row| {

@@ -2,7 +2,7 @@
 
 use super::{NodeBlocks, diagonal};
 use fracas_operators::small::norm_squared;
-use fracas_operators::sparse::{Pattern, Rows};
+use fracas_operators::sparse::{Pattern, SparseRows};
 
 /// Strongest neighbours that a node keeps. Source: the group's published multigrid.
 const KEPT: usize = 40;
@@ -13,7 +13,7 @@ const RELATIVE: f64 = 0.25;
 
 /// Symmetric graph of the strong connections `s_ij = ‖A_ij‖_F / √(‖A_ii‖_F ‖A_jj‖_F)`.
 #[derive(Clone, Debug)]
-pub(super) struct Strength(Rows<f64>);
+pub(super) struct Strength(SparseRows<f64>);
 
 impl Strength {
     /// Connections that reach a quarter of the strongest and belong to the 40 strongest of either end; equals are all
@@ -59,7 +59,7 @@ impl Strength {
             let both = strong(i).filter(|(j, w)| *w >= least[i].min(least[*j]));
             out.extend(both.map(|(j, weight)| (j as u32, weight)));
         };
-        Self(Rows::collect(n, || (), kept))
+        Self(SparseRows::collect(n, || (), kept))
     }
 
     /// Nodes.

@@ -28,7 +28,7 @@ fn by_nodes(a: &SparseMatrix<f64>) -> NodeBlocks {
         }
         out.extend(blocks);
     };
-    Rows::collect(a.rows() / 3, || (), row)
+    SparseRows::collect(a.rows() / 3, || (), row)
 }
 
 fn rigid(coordinates: &[DofCoordinate]) -> Modes6 {
