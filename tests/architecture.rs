@@ -110,6 +110,15 @@ fn rooms_of_the_model_form_a_chain() {
     }
 }
 
+/// The cycle does not know who makes its levels.
+#[test]
+fn algebraic_multigrid_makes_levels_and_multigrid_does_not_know() {
+    for (path, text) in sources("solvers/src/multigrid") {
+        let imports = code(&text).contains("crate::amg");
+        assert!(!imports, "{} imports amg", path.display());
+    }
+}
+
 #[test]
 fn files_are_small_and_finished() {
     let mut lengths = Vec::new();
