@@ -1,22 +1,8 @@
 //! The eight-node hexahedron: trilinear shape functions, 2×2×2 Gauss points, isotropic stiffness.
 
 use super::Elastic;
+use crate::mesh::jacobian::{CORNERS, GAUSS};
 use fracas_operators::small::Matrix3;
-
-/// Corners of the reference cube [−1, 1]³ in VTK order.
-pub const CORNERS: [[f64; 3]; 8] = [
-    [-1.0, -1.0, -1.0],
-    [1.0, -1.0, -1.0],
-    [1.0, 1.0, -1.0],
-    [-1.0, 1.0, -1.0],
-    [-1.0, -1.0, 1.0],
-    [1.0, -1.0, 1.0],
-    [1.0, 1.0, 1.0],
-    [-1.0, 1.0, 1.0],
-];
-
-/// Coordinate 1/√3 of the two-point Gauss rule on [−1, 1]; both weights are 1.
-pub const GAUSS: f64 = 0.577_350_269_189_625_8;
 
 /// A 24×24 element matrix; unknown `3·a + component` of local node a.
 pub type ElementMatrix = [[f64; 24]; 24];

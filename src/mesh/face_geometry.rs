@@ -1,7 +1,6 @@
 //! Area, centre and frame of a bilinear quadrilateral.
 
-/// 1/√3: abscissa of the two-point Gauss rule on [−1, 1]; both weights are 1.
-const GAUSS: f64 = 0.577_350_269_189_625_8;
+use super::jacobian::GAUSS;
 
 /// Reference coordinates of the four nodes.
 const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];

@@ -5,7 +5,7 @@ use super::{HexMesh, MeshError};
 use rayon::prelude::*;
 
 /// Reference coordinates of the eight nodes, VTK order.
-pub(super) const CORNERS: [[f64; 3]; 8] = [
+pub(crate) const CORNERS: [[f64; 3]; 8] = [
     [-1.0, -1.0, -1.0],
     [1.0, -1.0, -1.0],
     [1.0, 1.0, -1.0],
@@ -16,8 +16,8 @@ pub(super) const CORNERS: [[f64; 3]; 8] = [
     [-1.0, 1.0, 1.0],
 ];
 
-/// 1/√3.
-const GAUSS: f64 = 0.577_350_269_189_625_8;
+/// 1/√3: coordinate of the two-point Gauss rule on [−1, 1]; both weights are 1.
+pub(crate) const GAUSS: f64 = 0.577_350_269_189_625_8;
 
 /// det J = det ∂x/∂ξ at a reference point [m³].
 fn jacobian(x: &[[f64; 3]; 8], at: [f64; 3]) -> f64 {

@@ -16,7 +16,7 @@ mod fracture_mesh;
 mod gmsh;
 mod hex_mesh;
 mod incidence;
-mod jacobian;
+pub(crate) mod jacobian;
 mod kernel;
 mod kernel_report;
 mod loose;

@@ -3,7 +3,7 @@
 use super::sweeps::SweepMatrix;
 use crate::SetupError;
 use crate::fsai::{Fsai, FsaiInverse};
-use crate::multigrid::{Correction, Smooth};
+use crate::multigrid::{Correction, Hand, Smooth};
 use fracas_operators::sparse::Csr;
 use fracas_operators::vector::axpy;
 use fracas_operators::{LinearOperator, Preconditioner, Real};
@@ -61,13 +61,7 @@ impl<R: Real> Smooth<R> for FsaiSmoother<R> {
         6 * self.a.rows() + self.fsai.work_len()
     }
 
-    fn before<'v>(
-        &self,
-        b: &'v mut [R],
-        x: &mut [R],
-        own: &'v mut [R],
-        _work: &mut [R],
-    ) -> &'v mut [R] {
+    fn before<'v>(&self, Hand { b, x, own, .. }: &'v mut Hand<'_, R>) -> &'v mut [R] {
         let (r, own) = own.split_at_mut(b.len());
         x.fill(R::zero());
         r.copy_from_slice(b);
@@ -76,15 +70,8 @@ impl<R: Real> Smooth<R> for FsaiSmoother<R> {
         r
     }
 
-    fn after(
-        &self,
-        correction: &Correction<'_, R>,
-        b: &mut [R],
-        x: &mut [R],
-        own: &mut [R],
-        _work: &mut [R],
-        residual: bool,
-    ) {
+    fn after(&self, correction: &Correction<'_, R>, hand: &mut Hand<'_, R>, residual: bool) {
+        let Hand { b, x, own, .. } = hand;
         let (r, own) = own.split_at_mut(b.len());
         correction.add_to(x);
         self.a.residual(b, x, r);

@@ -1,7 +1,7 @@
 //! Gauss–Seidel as a smoother: forward sweeps before the coarse correction, backward ones after it.
 
 use super::sweeps::SweepMatrix;
-use crate::multigrid::{Correction, Smooth};
+use crate::multigrid::{Correction, Hand, Smooth};
 use fracas_operators::{LinearOperator, Real};
 
 /// Sweeps by nodes over a matrix of 3×3 blocks.
@@ -26,13 +26,7 @@ impl<R: Real> Smooth<R> for GaussSeidel<R> {
         3 * self.a.rows()
     }
 
-    fn before<'v>(
-        &self,
-        b: &'v mut [R],
-        x: &mut [R],
-        own: &'v mut [R],
-        _work: &mut [R],
-    ) -> &'v mut [R] {
+    fn before<'v>(&self, Hand { b, x, own, .. }: &'v mut Hand<'_, R>) -> &'v mut [R] {
         // (D + L) x = b, so b − A x = −U x: two half products
         self.a.forward_from_zero(b, x);
         (1..self.sweeps).for_each(|_| self.a.forward(b, x));
@@ -43,15 +37,8 @@ impl<R: Real> Smooth<R> for GaussSeidel<R> {
         own
     }
 
-    fn after(
-        &self,
-        correction: &Correction<'_, R>,
-        b: &mut [R],
-        x: &mut [R],
-        _own: &mut [R],
-        _work: &mut [R],
-        residual: bool,
-    ) {
+    fn after(&self, correction: &Correction<'_, R>, hand: &mut Hand<'_, R>, residual: bool) {
+        let Hand { b, x, .. } = hand;
         correction.add_to(x);
         (0..self.sweeps).for_each(|_| self.a.backward(b, x));
         if residual {

@@ -3,7 +3,7 @@
 use super::block_jacobi::BlockJacobi;
 use super::lambda::largest_generalized;
 use super::level::Correction;
-use super::smooth::Smooth;
+use super::smooth::{Hand, Smooth};
 use fracas_operators::vector::axpy;
 use fracas_operators::{LinearOperator, Real};
 
@@ -125,27 +125,14 @@ impl<R: Real> Smooth<R> for BlockChebyshev<R> {
         3 * self.level.jacobi.nodes()
     }
 
-    fn before<'v>(
-        &self,
-        b: &'v mut [R],
-        x: &mut [R],
-        own: &'v mut [R],
-        work: &mut [R],
-    ) -> &'v mut [R] {
+    fn before<'v>(&self, Hand { b, x, own, work }: &'v mut Hand<'_, R>) -> &'v mut [R] {
         self.smooth::<true>(x, b, own, work);
         self.level.subtract_product(own, b, work);
         b
     }
 
-    fn after(
-        &self,
-        correction: &Correction<'_, R>,
-        b: &mut [R],
-        x: &mut [R],
-        own: &mut [R],
-        work: &mut [R],
-        residual: bool,
-    ) {
+    fn after(&self, correction: &Correction<'_, R>, hand: &mut Hand<'_, R>, residual: bool) {
+        let Hand { b, x, own, work } = hand;
         correction.write(own);
         axpy(R::one(), own, x);
         self.level.subtract_product(own, b, work);

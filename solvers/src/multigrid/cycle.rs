@@ -2,6 +2,7 @@
 
 use super::bottom::Bottom;
 use super::level::Level;
+use super::smooth::Hand;
 use super::step_length::step;
 use super::{LevelSummary, Smoothing, Summary};
 use fracas_operators::vector::{axpby, axpy, dot, scale};
@@ -154,10 +155,10 @@ impl<R: Real> Hierarchy<R> {
         self.cycle(0, r, x, work, false);
     }
 
-    /// `x ← M⁻¹ b` from level k down; b arrives in r, which leaves as `b − A x` if `residual`, else destroyed.
-    fn cycle(&self, k: usize, r: &mut [R], x: &mut [R], work: &mut [R], residual: bool) {
+    /// `x ← M⁻¹ b` from level k down; b leaves as `b − A x` if `residual`, else destroyed.
+    fn cycle(&self, k: usize, b: &mut [R], x: &mut [R], work: &mut [R], residual: bool) {
         let Some(level) = self.levels.get(k) else {
-            return self.bottom.solve(r, x, work);
+            return self.bottom.solve(b, x, work);
         };
         let smoother = level.smoother();
         let (own, work) = work.split_at_mut(smoother.own_len());
@@ -165,10 +166,11 @@ impl<R: Real> Hierarchy<R> {
         let (b_c, work) = work.split_at_mut(m);
         let (x_c, work) = work.split_at_mut(m);
         // x ← S b,  x_c ≈ A_c⁻¹ Pᵀ(b − A x)
-        level.restrict(smoother.before(r, x, own, work), b_c);
-        self.visit(self.visits[k], k + 1, b_c, x_c, work);
+        let mut hand = Hand { b, x, own, work };
+        level.restrict(smoother.before(&mut hand), b_c);
+        self.visit(self.visits[k], k + 1, b_c, x_c, hand.work);
         // x ← x + P x_c,  x ← x + Sᵀ(b − A x)
-        smoother.after(&level.correction(x_c), r, x, own, work, residual);
+        smoother.after(&level.correction(x_c), &mut hand, residual);
     }
 
     /// `x ≈ A⁻¹ b` on level k by one or two cycles; b arrives in r, which is destroyed.

@@ -46,5 +46,5 @@ pub use level::{Correction, Level, Transfer};
 pub use places::Places;
 pub(crate) use places::{NONE, Slots};
 pub use settings::Geometric;
-pub use smooth::Smooth;
+pub use smooth::{Hand, Smooth};
 pub use summary::{LevelSummary, Smoothing, Summary};

@@ -231,8 +231,9 @@ pub(super) fn to_corners<R: Real, L: Lanes<R>>(face: &Face<L>) -> [[L; 4]; 3] {
 mod tests {
     use super::*;
     use crate::elasticity::Elastic;
-    use crate::elasticity::element::{CORNERS, Geometry};
+    use crate::elasticity::element::Geometry;
     use crate::elasticity::matrix_free::modes::LEXICOGRAPHIC;
+    use crate::mesh::jacobian::CORNERS;
     use fracas_operators::laws::probe;
     use fracas_operators::simd::{Kernel, Level};
 

@@ -1,7 +1,7 @@
 //! Forces of any hexahedron from the modes of its displacement and of its shape, at 2×2×2 Gauss points.
 
 use super::modes::{D_X, D_Y, D_Z};
-use crate::elasticity::element::GAUSS;
+use crate::mesh::jacobian::GAUSS;
 use fracas_operators::Real;
 use fracas_operators::simd::Lanes;
 
