@@ -86,12 +86,12 @@ impl Sample {
         self.iterations_around(self.racp(settings).relaxed(Box::new(h), RELAXATION))
     }
 
-    fn racp(&self, settings: Geometric) -> RacpInverse<GeometricInverse> {
+    fn racp(&self, settings: Geometric) -> RacpInverse<'static> {
         let inverse = self.build(settings);
         RacpInverse::new(self.blocks.b1.clone(), self.c[0].clone(), inverse)
     }
 
-    fn iterations_around(&self, m: RacpInverse<GeometricInverse>) -> usize {
+    fn iterations_around(&self, m: RacpInverse<'_>) -> usize {
         let operator = SaddleOperator::new(&self.blocks);
         let b = self.blocks.rhs();
         let system = System {

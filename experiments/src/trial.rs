@@ -8,9 +8,7 @@ use fracas::matrix_free::{MatrixFreeSystem, RacpParts};
 use fracas::scene::{Body, Scene};
 use fracas_operators::LinearOperator;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
-use fracas_solvers::saddle::{
-    Cost, InnerChoice, Ready, SaddleBlocks, SaddleMethod, SaddleOperator,
-};
+use fracas_solvers::saddle::{Cost, Ready, SaddleBlocks, SaddleMethod, SaddleOperator};
 use fracas_solvers::{Observer, Silent};
 use std::fmt;
 use std::time::Instant;
@@ -38,13 +36,12 @@ impl Problem {
 
     /// M⁻¹ from the assembled blocks; around geometric multigrid C, B and S̃_u come from the body.
     fn ready(&self, method: &SaddleMethod) -> anyhow::Result<Ready> {
-        let racp = match method {
-            SaddleMethod::Racp(racp) if matches!(racp.inner, InnerChoice::Geometric(_)) => racp,
-            _ => return Ok(method.ready(&self.blocks)?),
+        let Some(racp) = method.matrix_free() else {
+            return Ok(method.ready(&self.blocks)?);
         };
         let system = self.body.stick_system(Some(JumpStabilization::PUBLISHED));
         let saddle = MatrixFreeSystem::new(&system, None)?.saddle;
-        let racp = RacpParts::new(racp, &saddle, &system, &mut Silent)?;
+        let racp = RacpParts::new(&racp, &saddle, &system, &mut Silent)?;
         Ok(Ready {
             relaxation: racp.inverse.relaxation(),
             inverse: Box::new(racp.inverse),

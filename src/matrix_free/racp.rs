@@ -1,14 +1,12 @@
 //! RACP around geometric multigrid, without an assembled A.
 
 use super::{MatrixFreeSaddle, PiecesError};
-use crate::contact::Coupling;
 use crate::elasticity::ElasticityError;
 use crate::multigrid::{GeometricError, GeometricInverse, Lost};
 use crate::system::StickSystem;
 use fracas_solvers::multigrid::Summary;
 use fracas_solvers::saddle::{InnerChoice, PartCost, Racp, RacpInverse};
 use fracas_solvers::{Observer, Step};
-use std::sync::Arc;
 use std::time::Instant;
 
 /// Why a body has no solver without an assembled A.
@@ -37,7 +35,7 @@ pub enum MatrixFreeError {
 /// RACP, ready, with what is known of its parts.
 pub struct RacpParts {
     /// M⁻¹.
-    pub inverse: RacpInverse<GeometricInverse, Arc<Coupling<f64>>>,
+    pub inverse: RacpInverse<'static>,
     /// Levels of S̃_u.
     pub hierarchy: Summary,
     /// What C and S̃_u cost.
@@ -89,7 +87,7 @@ impl RacpParts {
             inner_s: start.elapsed().as_secs_f64(),
             inner_flops: fracas_operators::Preconditioner::flops(&inner),
         };
-        let mut inverse = RacpInverse::with_operator(saddle.coupling().clone(), c, inner);
+        let mut inverse = RacpInverse::with_parts(saddle.coupling().clone(), c, inner);
         if let Some(h) = saddle.stabilization() {
             inverse = inverse.relaxed(Box::new(h.clone()), racp.relaxation);
         }

@@ -8,7 +8,6 @@ use super::krylov::{self, Asked, Ended, Solved};
 use super::newton::{Attempt, Iterate};
 use super::stability::{AtLimits, Holding, SOLVED};
 use super::state_c::{StickC, c_of};
-use super::state_inverse::StateInverse;
 use super::workspace::Resources;
 use super::{
     ContactJacobian, ContactProblem, Failure, LinearFailure, NewtonSystem, Prepared, State,
@@ -18,7 +17,9 @@ use crate::matrix_free::MatrixFreeError;
 use crate::scene::{FACTORIZED, RunInner};
 use fracas_operators::Preconditioner;
 use fracas_solvers::krylov::{KrylovChoice, Sqmr, System, least};
-use fracas_solvers::saddle::{AugmentationChoice, Block, EnergyNorms, InnerChoice, Racp, probe};
+use fracas_solvers::saddle::{
+    AugmentationChoice, Block, EnergyNorms, InnerChoice, Racp, RacpInverse, probe,
+};
 use fracas_solvers::{Observer, Step};
 
 /// Iterations per digit, over those of the first all-stick system, from which a preconditioner of the present states is
@@ -129,9 +130,10 @@ impl Linear {
                 }
             }
         }
+        let inverse = self.inverse(problem, jacobian, states)?;
         let system = System {
             operator: jacobian,
-            preconditioner: &self.inverse(problem, jacobian, states)?,
+            preconditioner: &inverse,
             rhs,
         };
         let asked = Asked {
@@ -143,6 +145,7 @@ impl Linear {
             patience: None,
         };
         let ended = krylov::solve(&system, asked, x, observer, &mut work);
+        drop(inverse);
         self.resources.work = work;
         let solved = match ended? {
             Ended::Solved(solved) => Solved { setup, ..solved },
@@ -178,6 +181,7 @@ impl Linear {
             };
             let krylov = KrylovChoice::default().flexible_for(&inverse);
             let probed = probe(krylov.method(), &system, norms, observer);
+            drop(inverse);
             self.smallest_ritz = least([self.smallest_ritz, probed.ritz]);
             self.probed = true;
         }
@@ -190,7 +194,7 @@ impl Linear {
         problem: &'s ContactProblem<'_>,
         jacobian: &'s ContactJacobian<'_>,
         states: &[ContactState],
-    ) -> Result<StateInverse<'s>, LinearFailure> {
+    ) -> Result<RacpInverse<'s>, LinearFailure> {
         let far = |ready: &Option<Ready>| match ready {
             Some(ready) => distance(&ready.of.states, states),
             None => usize::MAX,
@@ -206,13 +210,13 @@ impl Linear {
             Some(faces) => faces[f],
             None => FaceTangent::STICK,
         };
-        let c = (self.c.rules(tangent), self.c.coupled(tangent)?);
-        Ok(StateInverse::new(
-            problem.saddle().coupling(),
-            (jacobian.h, self.settings.relaxation),
-            c,
-            s_u.as_ref(),
-        ))
+        let rows = self.c.rows(tangent)?;
+        let b = problem.saddle().coupling().as_ref();
+        let inverse = RacpInverse::with_parts(b, rows, s_u.as_ref());
+        Ok(match jacobian.h {
+            Some(h) => inverse.relaxed(Box::new(h), self.settings.relaxation),
+            None => inverse,
+        })
     }
 
     /// The preconditioner of the all-stick body at first; that of the present states when the last system was slow. True

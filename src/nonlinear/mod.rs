@@ -37,7 +37,7 @@ mod springs;
 mod stability;
 mod state;
 mod state_c;
-mod state_inverse;
+mod state_rows;
 mod times;
 mod turns;
 mod workspace;

@@ -2,9 +2,10 @@
 
 use super::face_rules::{FaceRule, Matrix3};
 use super::jacobian::FaceTangent;
-use fracas_operators::Preconditioner;
+use super::state_rows::StateRows;
 use fracas_operators::small::times;
 use fracas_operators::sparse::Triplets;
+use fracas_operators::{Preconditioner, Properties};
 use fracas_solvers::SetupError;
 use fracas_solvers::saddle::{AugmentationMatrix, Block};
 
@@ -53,40 +54,58 @@ impl StickC {
         }
     }
 
-    /// C of the kept directions where it couples faces.
+    /// The rows of faces with these tangents.
     ///
     /// # Cost
-    /// A sparse factorization, where C couples faces.
+    /// A sparse factorization, where C couples faces of which some do not stick.
     ///
     /// # Errors
     /// Of a C that is not positive definite.
-    pub(super) fn coupled(
+    pub(super) fn rows(
         &self,
         tangent: impl Fn(usize) -> FaceTangent,
-    ) -> Result<Option<Coupled>, SetupError> {
-        let Some(c) = &self.coupled else {
-            return Ok(None);
+    ) -> Result<StateRows, SetupError> {
+        let rules = self.rules(&tangent);
+        let coupled = match &self.coupled {
+            None => None,
+            Some(c) => Some(self.kept(c, tangent)?),
         };
+        Ok(StateRows::new(rules, coupled))
+    }
+
+    /// A C that couples faces, in the directions that faces keep: where all of them stick as it is.
+    fn kept(
+        &self,
+        c: &AugmentationMatrix,
+        tangent: impl Fn(usize) -> FaceTangent,
+    ) -> Result<Coupled, SetupError> {
+        if (0..self.faces.len()).all(|f| tangent(f) == FaceTangent::STICK) {
+            return Ok(Coupled {
+                c: c.clone(),
+                kept: Vec::new(),
+            });
+        }
         let faces = self.faces.iter().enumerate();
         let states = faces.map(|(f, [c, _])| FaceRule::projected(&tangent(f), c));
         let (kept, extra): (Vec<Matrix3>, Vec<Matrix3>) = states.unzip();
-        Ok(Some(Coupled {
-            c: projected(c, &kept, &extra)?,
-            kept,
-        }))
+        let c = projected(c, &kept, &extra)?;
+        Ok(Coupled { c, kept })
     }
 }
 
 /// `E (E C E + X)⁻¹ E` of a C that couples faces: E = the directions that faces keep, X = what the laws of faces add.
 pub(super) struct Coupled {
     c: AugmentationMatrix,
-    /// E.
+    /// E; empty for E = I, X = 0.
     kept: Vec<Matrix3>,
 }
 
 impl Coupled {
     /// `z ← E (E C E + X)⁻¹ E r`.
     pub(super) fn solve(&self, r: &[f64], z: &mut [f64], work: &mut [f64]) {
+        if self.kept.is_empty() {
+            return self.c.solve(r, z, work);
+        }
         let (w, work) = work.split_at_mut(r.len());
         w.copy_from_slice(r);
         self.project(w);
@@ -102,6 +121,10 @@ impl Coupled {
 
     pub(super) fn work_len(&self) -> usize {
         3 * self.kept.len() + Preconditioner::work_len(&self.c)
+    }
+
+    pub(super) fn properties(&self) -> Properties {
+        self.c.properties()
     }
 
     pub(super) fn flops(&self) -> u64 {

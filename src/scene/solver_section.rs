@@ -2,7 +2,7 @@
 
 use std::num::NonZeroU32;
 
-use fracas_solvers::saddle::{self as solvers, InnerChoice, Racp};
+use fracas_solvers::saddle::{self as solvers, Racp};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -137,7 +137,7 @@ impl SolverSection {
     /// Whether a body with so many free displacements, on a grid or not, is preconditioned from an assembled A.
     pub fn assembles(&self, is_grid: bool, displacements: usize) -> bool {
         match (self.racp, self.inner) {
-            (Some(racp), _) => !matches!(racp.inner, InnerChoice::Geometric(_)),
+            (Some(racp), _) => !racp.is_matrix_free(),
             (None, RunInner::Exact | RunInner::Amg) => true,
             (None, RunInner::Geometric) => false,
             (None, RunInner::Auto) => !is_grid || displacements <= FACTORIZED,

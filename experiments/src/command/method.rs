@@ -80,16 +80,6 @@ pub(super) struct Chosen {
     pub(super) otherwise: Vec<SaddleMethod>,
 }
 
-/// The settings of RACP around geometric multigrid, where that is the method: it has no assembled A.
-pub(super) fn without_entries(method: &SaddleMethod) -> Option<Racp> {
-    match method {
-        SaddleMethod::Racp(racp) => {
-            Some(*racp).filter(|racp| matches!(racp.inner, InnerChoice::Geometric(_)))
-        }
-        _ => None,
-    }
-}
-
 /// Geometric multigrid where it cannot be.
 #[derive(Debug, thiserror::Error)]
 enum NotGeometric {

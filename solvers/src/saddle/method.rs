@@ -199,6 +199,14 @@ impl SaddleMethod {
         Ok(kept.inside(|inverse| EliminatedInverse::new(elimination, inverse)))
     }
 
+    /// The settings of RACP where A is never assembled.
+    pub fn matrix_free(&self) -> Option<Racp> {
+        match self {
+            Self::Racp(racp) => Some(*racp).filter(Racp::is_matrix_free),
+            _ => None,
+        }
+    }
+
     /// The choice of C, in methods that make one.
     pub fn augmentation(&self) -> Option<AugmentationChoice> {
         self.settings().augmentation()

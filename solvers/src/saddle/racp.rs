@@ -3,8 +3,8 @@
 use super::inner::{PartCost, Ready};
 use super::method::SaddleSettings;
 use super::{
-    AugmentationChoice, AugmentationMatrix, EliminatedInverse, Elimination, InnerChoice,
-    RELAXATION, Relaxation, RelaxationSummary, SaddleBlocks,
+    AugmentationChoice, AugmentationMatrix, ContactRows, EliminatedInverse, Elimination,
+    InnerChoice, RELAXATION, Relaxation, RelaxationSummary, SaddleBlocks,
 };
 use crate::multigrid::Geometric;
 use crate::{Prepare, SetupError};
@@ -15,8 +15,8 @@ use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
 /// `M⁻¹ = [I 0; C⁻¹Bᵀ I] · diag(S̃_u⁻¹, −C⁻¹) · [I BC⁻¹; 0 I]`, the inverse of `[A B; Bᵀ −C]` when
-/// `S̃_u = S_u = A + B C⁻¹ Bᵀ`. B is B1, also where B2 ≠ B1ᵀ; rows of slip and opening are eliminated around it
-/// ([`EliminatedInverse`]).
+/// `S̃_u = S_u = A + B C⁻¹ Bᵀ`. B is B1, also where B2 ≠ B1ᵀ; of slip and opening [`ContactRows`] see to, or
+/// [`EliminatedInverse`] around it.
 ///
 /// # Cost
 /// One solve with S̃_u, two with C, one product with B and one with Bᵀ, and that of a [`Relaxation`].
@@ -25,42 +25,47 @@ use std::time::Instant;
 ///
 /// # Source
 /// A. Franceschini, M. Ferronato, M. Frigo, C. Janna, CMAME 392 (2022) 114632.
-pub struct RacpInverse<S, B = Csr<f64>> {
-    b: B,
-    c: AugmentationMatrix,
-    s_u: S,
-    relaxation: Option<Relaxation<Box<dyn LinearOperator<f64>>>>,
+pub struct RacpInverse<'a> {
+    b: Box<dyn AdjointOperator<f64> + 'a>,
+    rows: Box<dyn ContactRows + 'a>,
+    s_u: Box<dyn Preconditioner<f64> + 'a>,
+    relaxation: Option<Relaxation<'a>>,
     layout: Layout<2>,
 }
 
-impl<S: Preconditioner<f64>> RacpInverse<S> {
+impl<'a> RacpInverse<'a> {
     /// From exact parts: B, C and S̃_u⁻¹.
-    pub fn new(b: SparseMatrix<f64>, c: AugmentationMatrix, s_u: S) -> Self {
-        Self::with_operator(Csr::with_transpose(b), c, s_u)
+    pub fn new(
+        b: SparseMatrix<f64>,
+        c: AugmentationMatrix,
+        s_u: impl Preconditioner<f64> + 'a,
+    ) -> Self {
+        Self::with_parts(Csr::with_transpose(b), c, s_u)
     }
-}
 
-impl<S: Preconditioner<f64>, B: AdjointOperator<f64>> RacpInverse<S, B> {
     /// From exact parts, B being any operator that knows its adjoint: nothing needs to be assembled.
-    pub fn with_operator(b: B, c: AugmentationMatrix, s_u: S) -> Self {
+    pub fn with_parts(
+        b: impl AdjointOperator<f64> + 'a,
+        rows: impl ContactRows + 'a,
+        s_u: impl Preconditioner<f64> + 'a,
+    ) -> Self {
         let shape = b.shape();
         assert_eq!(shape.rows, s_u.size(), "rows of B and size of S_u");
-        assert_eq!(shape.cols, c.size(), "columns of B and size of C");
-        let layout = Layout::new(["u", "t"], [shape.rows, shape.cols]);
+        assert_eq!(shape.cols, rows.size(), "columns of B and size of C");
         Self {
-            b,
-            c,
-            s_u,
+            b: Box::new(b),
+            rows: Box::new(rows),
+            s_u: Box::new(s_u),
             relaxation: None,
-            layout,
+            layout: Layout::new(["u", "t"], [shape.rows, shape.cols]),
         }
     }
 
     /// `W M⁻¹ Wᵀ` ([`Relaxation`]); γ = 0 leaves M⁻¹ as published.
     #[must_use]
-    pub fn relaxed(self, h: Box<dyn LinearOperator<f64>>, gamma: f64) -> Self {
-        assert_eq!(h.shape().rows, self.c.size(), "rows of H and size of C");
-        let relaxation = Relaxation::of(h, gamma, &self.c);
+    pub fn relaxed(self, h: Box<dyn LinearOperator<f64> + 'a>, gamma: f64) -> Self {
+        assert_eq!(h.shape().rows, self.rows.size(), "rows of H and size of C");
+        let relaxation = Relaxation::new(h, gamma, &*self.rows);
         Self { relaxation, ..self }
     }
 
@@ -68,14 +73,9 @@ impl<S: Preconditioner<f64>, B: AdjointOperator<f64>> RacpInverse<S, B> {
     pub fn relaxation(&self) -> RelaxationSummary {
         (self.relaxation.as_ref()).map_or_else(RelaxationSummary::default, Relaxation::summary)
     }
-
-    /// C.
-    pub fn augmentation(&self) -> &AugmentationMatrix {
-        &self.c
-    }
 }
 
-impl<S: Preconditioner<f64>, B: AdjointOperator<f64>> Preconditioner<f64> for RacpInverse<S, B> {
+impl Preconditioner<f64> for RacpInverse<'_> {
     fn size(&self) -> usize {
         self.layout.len()
     }
@@ -85,42 +85,45 @@ impl<S: Preconditioner<f64>, B: AdjointOperator<f64>> Preconditioner<f64> for Ra
         let [y_u, y_t] = self.layout.split_mut(y);
         let (w_u, work) = work.split_at_mut(x_u.len());
         let (w_t, work) = work.split_at_mut(x_t.len());
-        // w_t = Wᵀ x_t, y_t = C⁻¹ Wᵀ x_t
-        w_t.copy_from_slice(x_t);
+        // w_t = Wᵀ x_k, y_t = C⁻¹ Wᵀ x_k + Λ⁻¹ x_l
+        self.rows.keep(x_t, w_t);
         if let Some(w) = &self.relaxation {
-            w.apply_transpose(|r, z, work| self.c.solve(r, z, work), w_t, work);
+            w.apply_transpose(&*self.rows, w_t, work);
         }
-        self.c.solve(w_t, y_t, work);
-        // w_u = x_u + B C⁻¹ Wᵀ x_t
+        self.rows.solve(w_t, y_t, work);
+        self.rows.add_laws(x_t, y_t);
+        // y_u = S̃_u⁻¹ (x_u + B y_t)
         w_u.copy_from_slice(x_u);
         self.b.apply_add(1.0, y_t, w_u, work);
-        // y_u = S̃_u⁻¹ w_u
         self.s_u.solve(w_u, y_u, work);
-        // w_t = Bᵀ y_u − Wᵀ x_t
+        // w_t = Bᵀ y_u − Wᵀ x_k
         w_t.iter_mut().for_each(|w| *w = -*w);
         self.b.apply_adjoint_add(1.0, y_u, w_t, work);
-        // y_t = W C⁻¹ (Bᵀ y_u − Wᵀ x_t) = C⁻¹ Wᵀ (Bᵀ y_u − Wᵀ x_t)
+        // y_k = W C⁻¹ (Bᵀ y_u − Wᵀ x_k) = C⁻¹ Wᵀ (Bᵀ y_u − Wᵀ x_k)
         if let Some(w) = &self.relaxation {
-            w.apply_transpose(|r, z, work| self.c.solve(r, z, work), w_t, work);
+            w.apply_transpose(&*self.rows, w_t, work);
         }
-        self.c.solve(w_t, y_t, work);
+        self.rows.solve(w_t, y_t, work);
+        // y_l = −Λ⁻¹ (x_l + L_lk y_k)
+        self.rows.solve_laws(x_t, y_t);
     }
 
     fn work_len(&self) -> usize {
-        let c = Preconditioner::work_len(&self.c);
+        let c = self.rows.work_len();
         let relaxation = (self.relaxation.as_ref()).map_or(0, |w| w.work_len(c));
         let inside = self.s_u.work_len().max(self.b.work_len()).max(c);
         self.layout.len() + inside.max(relaxation)
     }
 
     fn flops(&self) -> u64 {
-        let c_inverse = Preconditioner::flops(&self.c);
+        let c_inverse = self.rows.flops();
         let relaxation = (self.relaxation.as_ref()).map_or(0, |w| 2 * w.flops(c_inverse));
-        2 * c_inverse + self.s_u.flops() + 2 * LinearOperator::flops(&self.b) + relaxation
+        let rows = 2 * c_inverse + self.rows.law_flops();
+        rows + self.s_u.flops() + 2 * self.b.flops() + relaxation
     }
 
     fn properties(&self) -> Properties {
-        self.s_u.properties().and(self.c.properties())
+        self.s_u.properties().and(self.rows.properties())
     }
 }
 
@@ -158,15 +161,18 @@ impl Racp {
             inner,
         }
     }
-}
 
-impl Racp {
     /// Around geometric multigrid, for scenes on a grid.
     pub fn geometric() -> Self {
         Self {
             inner: InnerChoice::Geometric(Geometric::default()),
             ..Self::default()
         }
+    }
+
+    /// True where S̃_u is that of a grid: A is never assembled then.
+    pub fn is_matrix_free(&self) -> bool {
+        matches!(self.inner, InnerChoice::Geometric(_))
     }
 
     /// With multigrid in f64.

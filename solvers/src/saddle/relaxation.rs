@@ -2,7 +2,6 @@
 
 mod polynomial;
 
-use super::AugmentationMatrix;
 use crate::multigrid::lambda::largest_generalized;
 use fracas_operators::{LinearOperator, Preconditioner};
 use polynomial::{POLYNOMIALS, Polynomial};
@@ -52,8 +51,8 @@ pub fn factor<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Erro
 ///
 /// # Source
 /// Derived here; `relaxation/tests.rs` checks the formula, the paper compares.
-pub struct Relaxation<H> {
-    h: H,
+pub struct Relaxation<'a> {
+    h: Box<dyn LinearOperator<f64> + 'a>,
     sigma: f64,
     polynomial: &'static Polynomial,
 }
@@ -67,19 +66,24 @@ pub struct RelaxationSummary {
     pub degree: usize,
 }
 
-impl<H: LinearOperator<f64>> Relaxation<H> {
+impl<'a> Relaxation<'a> {
     /// γ as asked for, less where `27γ/4 λ_max(C⁻¹H)` would be beyond [`REACH`]; `None` for γ = 0.
     ///
     /// # Cost
-    /// Ten products with H.
-    pub fn new(h: H, gamma: f64, c_inverse: impl FnMut(&[f64], &mut [f64])) -> Option<Self> {
+    /// Ten products with H and as many solves with C.
+    pub fn new(
+        h: Box<dyn LinearOperator<f64> + 'a>,
+        gamma: f64,
+        c: &dyn Preconditioner<f64>,
+    ) -> Option<Self> {
         if gamma == 0.0 {
             return None;
         }
-        let n = h.shape().rows;
         let mut work = vec![0.0; h.work_len()];
+        let mut work_c = vec![0.0; c.work_len()];
         let product = |x: &[f64], y: &mut [f64]| h.apply(x, y, &mut work);
-        let largest = largest_generalized(n, product, c_inverse);
+        let c_inverse = |r: &[f64], z: &mut [f64]| c.solve(r, z, &mut work_c);
+        let largest = largest_generalized(h.shape().rows, product, c_inverse);
         let sigma = (gamma / RELAXATION).min(REACH / largest);
         let polynomial = Polynomial::up_to(sigma * largest);
         Some(Self {
@@ -87,12 +91,6 @@ impl<H: LinearOperator<f64>> Relaxation<H> {
             sigma,
             polynomial,
         })
-    }
-
-    /// The same for a C.
-    pub(super) fn of(h: H, gamma: f64, c: &AugmentationMatrix) -> Option<Self> {
-        let mut work = vec![0.0; Preconditioner::work_len(c)];
-        Self::new(h, gamma, |r, z| c.solve(r, z, &mut work))
     }
 
     /// γ and the degree.
@@ -104,22 +102,17 @@ impl<H: LinearOperator<f64>> Relaxation<H> {
     }
 
     /// `r ← Wᵀ r = p(σ H C⁻¹) r`, by Horner's rule; `W C⁻¹ r` is C⁻¹ of it, which gets what [`work_len`](Self::work_len) leaves.
-    pub fn apply_transpose(
-        &self,
-        c_inverse: impl Fn(&[f64], &mut [f64], &mut [f64]),
-        r: &mut [f64],
-        work: &mut [f64],
-    ) {
+    pub fn apply_transpose(&self, c: &dyn Preconditioner<f64>, r: &mut [f64], work: &mut [f64]) {
         let (z, work) = work.split_at_mut(r.len());
         let (v, work) = work.split_at_mut(r.len());
         // p(x) = 1 + c₁x (1 + c₂/c₁ x (1 + c₃/c₂ x (…))): v ← r + c_k/c_{k−1} σ H C⁻¹ v from k = d down to 1
         let coefficients = self.polynomial.coefficients;
         v.copy_from_slice(r);
-        for (k, c) in coefficients.iter().enumerate().rev() {
+        for (k, c_k) in coefficients.iter().enumerate().rev() {
             let before = k.checked_sub(1).map_or(1.0, |k| coefficients[k]);
-            c_inverse(v, z, work);
+            c.solve(v, z, work);
             v.copy_from_slice(r);
-            self.h.apply_add(self.sigma * c / before, z, v, work);
+            self.h.apply_add(self.sigma * c_k / before, z, v, work);
         }
         r.copy_from_slice(v);
     }

@@ -6,7 +6,7 @@ mod precision;
 mod report;
 mod stages;
 
-use super::method::{Asked, Method, without_entries};
+use super::method::{Asked, Method};
 use super::progress::Progress;
 use super::source::{Source, System as Loaded};
 use super::{Status, explain, memory, output, rank};
@@ -170,7 +170,7 @@ impl Solve {
         progress: Progress,
         out: &mut dyn Write,
     ) -> anyhow::Result<Status> {
-        match (without_entries(&method), self.source.scene()) {
+        match (method.matrix_free(), self.source.scene()) {
             (Some(racp), Some(scene)) => self.matrix_free(scene, racp, inner, progress, out),
             _ => self.assembled(method, inner, progress, out),
         }
@@ -219,7 +219,7 @@ impl Solve {
                     let scene = self.source.scene();
                     let error = rank::blamed(error, scene, body.as_ref()).into();
                     method = inner.instead(error, &mut progress)?;
-                    if without_entries(&method).is_some() {
+                    if method.matrix_free().is_some() {
                         return self.by(method, inner, progress, out);
                     }
                 }

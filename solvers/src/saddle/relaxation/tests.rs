@@ -209,8 +209,10 @@ fn its_degree_rises_as_c_falls_below_h_until_it_gives_way() {
         }))
     };
     // λ_max(H) = 2 + 2 cos 36° = 3.618
-    let of =
-        |gamma, c: f64| Relaxation::new(h(), gamma, |r, z| (0..4).for_each(|i| z[i] = r[i] / c));
+    let of = |gamma, c: f64| {
+        let c = AugmentationMatrix::from_diagonal(vec![c; 4]).unwrap();
+        Relaxation::new(Box::new(h()), gamma, &c)
+    };
     assert!(of(0.0, 1.0).is_none());
     let summary = |gamma, c| of(gamma, c).unwrap().summary();
     let found = summary(0.1, 1.0);
