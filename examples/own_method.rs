@@ -117,7 +117,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
             "{name}: {} iterations, errors {:?}",
             solved.result?.iterations, solved.error
         );
-        assert!(solved.error.iter().all(|error| *error < 1e-8));
+        assert!(solved.error.iter().all(|(_, error)| error < 1e-8));
     }
     Ok(())
 }

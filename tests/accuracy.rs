@@ -9,12 +9,12 @@ use fracas::matrix_free::{MatrixFreeSaddle, RacpParts};
 use fracas::scene::{Body, Scene};
 use fracas_operators::random::Random;
 use fracas_operators::sparse::SparseMatrix;
-use fracas_operators::{LinearOperator, Preconditioner};
+use fracas_operators::{Fields, LinearOperator, Preconditioner};
 use fracas_solvers::Silent;
 use fracas_solvers::krylov::{Breakdown, Criteria, KrylovChoice, Outcome, System};
 use fracas_solvers::saddle::{
     Accurate, EnergyNorms, Measure, Racp, SaddleBlocks, SaddleMethod, SaddleOperator, StrainNorm,
-    solve_accurately,
+    T, U, solve_accurately,
 };
 use std::borrow::Cow;
 
@@ -187,7 +187,7 @@ fn reference(blocks: &SaddleBlocks, b: &[f64]) -> Option<Vec<f64>> {
 /// One system: what the iteration said, and the errors against the reference.
 struct Tried {
     accurate: Accurate,
-    truth: Option<[f64; 2]>,
+    truth: Option<Fields<f64>>,
 }
 
 fn tried(body: &Body, inner: &str, tolerance: f64) -> Option<Tried> {
@@ -296,7 +296,7 @@ fn converged_means_accurate_and_refused_means_not() {
             ),
             Err(breakdown) => (breakdown.iteration(), breakdown.to_string()),
         };
-        let errors = |e: [f64; 2]| format!("{:.1e} {:.1e}", e[0], e[1]);
+        let errors = |e: Fields<f64>| format!("{:.1e} {:.1e}", e[U], e[T]);
         let (estimate, exact) = (
             errors(accurate.error),
             truth.map_or("unknown".into(), errors),
@@ -305,7 +305,7 @@ fn converged_means_accurate_and_refused_means_not() {
             "{seed} {inner} {tolerance:.0e}: {said}; {its} iterations, {} passes, errors {estimate}, true {exact}",
             accurate.passes
         );
-        let Some([u, t]) = truth else {
+        let Some([u, t]) = truth.map(|errors| [errors[U], errors[T]]) else {
             counts[1] += 1;
             continue;
         };

@@ -6,7 +6,7 @@ use fracas::nonlinear::{Event, Failure, Simulation, State};
 use fracas::scene::Scene;
 use fracas_operators::random::Random;
 use fracas_solvers::Silent;
-use fracas_solvers::saddle::EnergyNorms;
+use fracas_solvers::saddle::{EnergyNorms, T, U};
 
 /// That of `[solver]` by default.
 const TOLERANCE: f64 = 1e-8;
@@ -113,7 +113,8 @@ fn errors(text: &str, state: &State, exact: &State, springs: bool) -> [f64; 2] {
     };
     let (x, y) = (whole(state), whole(exact));
     let e: Vec<f64> = x.iter().zip(&y).map(|(x, y)| x - y).collect();
-    EnergyNorms::relative(norms.error(&e), exact.size, TOLERANCE)
+    let errors = EnergyNorms::relative(norms.error(&e), exact.size, TOLERANCE);
+    [U, T].map(|field| errors[field])
 }
 
 /// Runs of a family with this method beside their references.

@@ -17,14 +17,14 @@ use fracas_operators::simd::Level;
 use fracas_operators::sparse::{Block3, Csr, Diagonal};
 use fracas_operators::tally::Tally;
 use fracas_operators::{
-    Adjoint, AdjointOperator, BlockOperator, Counted, Dense, Identity, Inverse, Layout,
-    LinearOperator, Preconditioner, Real, Timed,
+    Adjoint, AdjointOperator, BlockOperator, Counted, Dense, Identity, Layout, LinearOperator,
+    Preconditioner, Real, Timed,
 };
 use fracas_solvers::Silent;
 use fracas_solvers::direct::{DirectChoice, Kind};
 use fracas_solvers::fsai::{Fsai, FsaiInverse};
 use fracas_solvers::saddle::{
-    AugmentationChoice, Racp, SaddleBlocks, SaddleMethod, SaddleOperator, schur,
+    AugmentationChoice, Racp, SaddleBlocks, SaddleMethod, SaddleOperator, T, U, schur,
 };
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::alloc::{GlobalAlloc, Layout as Bytes, System};
@@ -169,60 +169,21 @@ fn operators<R: Real>(name: &str, body: &Body) -> Vec<Listed<R>> {
         let subject = Subject::Product(a);
         list.push((format!("{kind} of {name} in {}", R::NAME), subject, slack));
     };
-    product("Inverse", Box::new(Inverse(Identity { n: rows })), 0.0);
-    product(
-        "grid of blocks",
-        Box::new(Grid::new(restricted(), coupling())),
-        PER_ELEMENT,
-    );
+    // [A B; Bᵀ 0]
+    let layout = Layout::new([
+        (U, body.constraints.free_len()),
+        (T, 3 * body.fractures.faces.len()),
+    ]);
+    let grid = BlockOperator::new(layout)
+        .with([U, U], R::one(), restricted())
+        .with([U, T], R::one(), coupling())
+        .with([T, U], R::one(), Adjoint(coupling()));
+    product("grid of blocks", Box::new(grid), PER_ELEMENT);
     let system = body.stick_system(Some(JumpStabilization::default()));
     let unit = system.magnitude().unwrap().unit;
     let saddle = MatrixFreeSaddle::<R>::in_traction_unit(&system, unit).unwrap();
     product("MatrixFreeSaddle", Box::new(saddle), PER_ELEMENT);
     list
-}
-
-/// A [`BlockOperator`] that owns its blocks: `[A B; Bᵀ 0]`.
-struct Grid<R: Real> {
-    a: Restricted<Block3<R>>,
-    b: Coupling<R>,
-    transposed: Adjoint<Coupling<R>>,
-}
-
-impl<R: Real> Grid<R> {
-    fn new(a: Restricted<Block3<R>>, b: Coupling<R>) -> Self {
-        let transposed = Adjoint(b.clone());
-        Self { a, b, transposed }
-    }
-
-    fn whole(&self) -> BlockOperator<'_, R, 2> {
-        let shape = LinearOperator::<R>::shape(&self.b);
-        let layout = Layout::new(["u", "t"], [shape.rows, shape.cols]);
-        let one = R::one();
-        let blocks = [
-            [
-                Some((one, &self.a as &dyn LinearOperator<R>)),
-                Some((one, &self.b as _)),
-            ],
-            [Some((one, &self.transposed as _)), None],
-        ];
-        BlockOperator::new(layout, blocks)
-    }
-}
-
-impl<R: Real> LinearOperator<R> for Grid<R> {
-    fn shape(&self) -> fracas_operators::Shape {
-        self.whole().shape()
-    }
-    fn apply_add(&self, alpha: R, x: &[R], y: &mut [R], work: &mut [R]) {
-        self.whole().apply_add(alpha, x, y, work);
-    }
-    fn work_len(&self) -> usize {
-        self.whole().work_len()
-    }
-    fn flops(&self) -> u64 {
-        self.whole().flops()
-    }
 }
 
 /// Allocations of three products with `work_len()` entries.

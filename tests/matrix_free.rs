@@ -7,7 +7,7 @@ use fracas::scene::gallery;
 use fracas_operators::{LinearOperator, laws};
 use fracas_solvers::SetupError;
 use fracas_solvers::direct::DirectChoice;
-use fracas_solvers::saddle::{AugmentationChoice, SaddleOperator};
+use fracas_solvers::saddle::{AugmentationChoice, SaddleOperator, T, U};
 
 #[test]
 fn matrix_free_and_assembled_saddle_points_agree_on_every_scene() {
@@ -18,7 +18,7 @@ fn matrix_free_and_assembled_saddle_points_agree_on_every_scene() {
             let assembled = SaddleOperator::new(&blocks);
             let free = MatrixFreeSaddle::<f64>::new(&body.stick_system(stabilization)).unwrap();
             laws::check_operator(entry.name, &free, None).unwrap();
-            let [n_u, n_t] = free.layout().lengths;
+            let [n_u, n_t] = [U, T].map(|field| free.layout().length(field));
             // displacements of 1 m beside tractions of the size of the stiffness: both rows matter
             let mut x = laws::probe::<f64>(n_u + n_t, 9);
             x[n_u..].iter_mut().for_each(|t| *t *= 1e10);

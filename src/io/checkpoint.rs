@@ -4,6 +4,8 @@ use super::fingerprint::{Fingerprint, Hash};
 use super::write_atomically;
 use crate::contact::ContactState;
 use crate::nonlinear::{Prepared, State};
+use fracas_operators::{Field, Fields};
+use fracas_solvers::saddle::{T, U};
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -12,11 +14,11 @@ use std::path::{Path, PathBuf};
 const MAGIC: [u8; 8] = *b"fracasCK";
 
 /// Layout of what follows: another number, another layout.
-const VERSION: u64 = 3;
+const VERSION: u64 = 4;
 
-/// Words of eight bytes before the arrays: magic, version, length of the file, mesh, scene, step, time, loaded, next, force,
-/// traction, norms of u and t, krylov, n_u, faces.
-const HEADER: usize = 16;
+/// Words of eight bytes before the table of fields: magic, version, length of the file, mesh, scene, step, time, loaded, next, force,
+/// traction, krylov, faces, fields.
+const HEADER: usize = 14;
 
 /// Code of a face where no preconditioner is kept.
 const NOT_PREPARED: u8 = u8::MAX;
@@ -70,6 +72,14 @@ pub enum CheckpointError {
     Checksum {
         /// File.
         path: PathBuf,
+    },
+    /// Of other unknowns.
+    #[error("the checkpoint {} holds the fields {found}, this program reads u and t", path.display())]
+    OtherFields {
+        /// File.
+        path: PathBuf,
+        /// Their letters.
+        found: String,
     },
     /// Of another mesh or numbering.
     #[error("the checkpoint {} belongs to another mesh (or other fractures or held sides) than this scene", path.display())]
@@ -177,8 +187,8 @@ fn all(folder: &Path) -> io::Result<Vec<(usize, PathBuf)>> {
     Ok(found)
 }
 
-/// Header, u, t and γ as bits, C of the preconditioner, flips, states, those of the preconditioner, checksum; all numbers
-/// little-endian.
+/// The header, a table of the fields (letter, length, norm), their values as bits, then γ, C of the preconditioner, flips, states,
+/// those of the preconditioner and a checksum; all numbers little-endian.
 fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
     // by name: a state with more in it must not compile here
     let State {
@@ -188,7 +198,7 @@ fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
         next,
         force,
         traction,
-        size: [size_u, size_t],
+        size,
         krylov,
         prepared,
         u,
@@ -197,20 +207,20 @@ fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
         slip,
         flips,
     } = state;
-    let length = length(u.len() as u64, states.len() as u64);
-    let mut bytes = Vec::with_capacity(length as usize);
-    bytes.extend_from_slice(&MAGIC);
+    let fields = [(U, u), (T, t)];
+    let mut bytes = MAGIC.to_vec();
     let Fingerprint { mesh, scene } = fingerprint;
-    let whole = [VERSION, length, mesh, scene, *step as u64];
-    let scalars =
-        [time, loaded, next, force, traction, size_u, size_t, krylov].map(|v| v.to_bits());
-    let sizes = [u.len() as u64, states.len() as u64];
-    for words in [&whole[..], &scalars, &sizes] {
-        bytes.extend(words.iter().flat_map(|word| word.to_le_bytes()));
-    }
-    for values in [u, t, slip] {
-        bytes.extend(values.iter().flat_map(|v| v.to_le_bytes()));
-    }
+    // the length comes last
+    let whole = [VERSION, 0, mesh, scene, *step as u64];
+    let scalars = [time, loaded, next, force, traction, krylov].map(|v| v.to_bits());
+    let sizes = [states.len() as u64, fields.len() as u64];
+    let words = [&whole[..], &scalars, &sizes].concat();
+    let table =
+        fields.map(|(field, values)| [letter(field), values.len() as u64, size[field].to_bits()]);
+    let words = words.iter().chain(table.as_flattened());
+    bytes.extend(words.flat_map(|word| word.to_le_bytes()));
+    let values = fields.iter().flat_map(|(_, values)| *values).chain(slip);
+    bytes.extend(values.flat_map(|v| v.to_le_bytes()));
     match prepared {
         Some(prepared) => {
             let c = prepared.c.as_flattened().as_flattened();
@@ -224,16 +234,19 @@ fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
         Some(prepared) => bytes.extend(prepared.states.iter().map(|s| s.code())),
         None => bytes.resize(bytes.len() + states.len(), NOT_PREPARED),
     }
+    let length = bytes.len() as u64 + 8;
+    bytes[16..24].copy_from_slice(&length.to_le_bytes());
     let sum = checksum(&bytes);
     bytes.extend(sum.to_le_bytes());
     bytes
 }
 
-/// Bytes of a file with these sizes: u; three tractions, two components of slip, a block, a counter and two states per face.
-fn length(n_u: u64, faces: u64) -> u64 {
-    let words = (HEADER as u64 + 1).saturating_add(n_u);
-    let per_face = faces.saturating_mul(3 * 8 + 2 * 8 + 9 * 8 + 4 + 1 + 1);
-    words.saturating_mul(8).saturating_add(per_face)
+/// A field's letter as a word.
+fn letter(field: Field) -> u64 {
+    let mut word = [0; 8];
+    let bytes = field.letter.bytes();
+    word.iter_mut().zip(bytes).for_each(|(w, b)| *w = b);
+    u64::from_le_bytes(word)
 }
 
 fn checksum(bytes: &[u8]) -> u64 {
@@ -242,92 +255,141 @@ fn checksum(bytes: &[u8]) -> u64 {
     hash.value()
 }
 
+/// What is left of a file; nothing where it is too short.
+struct Rest<'b>(&'b [u8]);
+
+impl<'b> Rest<'b> {
+    fn take(&mut self, n: usize) -> Option<&'b [u8]> {
+        let (taken, rest) = self.0.split_at_checked(n)?;
+        self.0 = rest;
+        Some(taken)
+    }
+
+    fn word(&mut self) -> Option<u64> {
+        let word = self.take(8)?.try_into().ok()?;
+        Some(u64::from_le_bytes(word))
+    }
+
+    fn real(&mut self) -> Option<f64> {
+        self.word().map(f64::from_bits)
+    }
+
+    fn reals(&mut self, n: usize) -> Option<Vec<f64>> {
+        let (words, _) = self.take(n.checked_mul(8)?)?.as_chunks();
+        Some(words.iter().map(|w| f64::from_le_bytes(*w)).collect())
+    }
+
+    fn states(&mut self, n: usize) -> Option<Vec<ContactState>> {
+        let codes = self.take(n)?.iter();
+        codes.map(|code| ContactState::from_code(*code)).collect()
+    }
+}
+
 fn decode(bytes: &[u8], path: &Path, fingerprint: Fingerprint) -> Result<State, CheckpointError> {
     let path = || path.to_path_buf();
     if !bytes.starts_with(&MAGIC) {
         return Err(CheckpointError::Foreign { path: path() });
     }
     let found = bytes.len() as u64;
-    let word = |k: usize| {
-        let word = bytes.get(8 * k..8 * k + 8).and_then(|w| w.try_into().ok());
-        word.map(u64::from_le_bytes)
-            .ok_or_else(|| CheckpointError::Length {
-                path: path(),
-                found,
-                expected: 8 * (HEADER as u64 + 1),
-            })
+    let of_length = |expected: u64| CheckpointError::Length {
+        path: path(),
+        found,
+        expected,
     };
-    let version = word(1)?;
+    let mut rest = Rest(&bytes[MAGIC.len()..]);
+    let mut word = || {
+        let word = rest.word();
+        word.ok_or_else(|| of_length(8 * (HEADER as u64 + 1)))
+    };
+    let version = word()?;
     if version != VERSION {
         return Err(CheckpointError::Version {
             path: path(),
             found: version,
         });
     }
-    let expected = word(2)?;
+    let expected = word()?;
     if expected != found {
-        return Err(CheckpointError::Length {
-            path: path(),
-            found,
-            expected,
-        });
+        return Err(of_length(expected));
     }
-    let (n_u, faces) = (word(14)?, word(15)?);
+    let (mesh, scene) = (word()?, word()?);
+    let damaged = || CheckpointError::Checksum { path: path() };
     let (content, sum) = bytes.split_at(bytes.len() - 8);
-    if checksum(content).to_le_bytes() != sum || length(n_u, faces) != found {
-        return Err(CheckpointError::Checksum { path: path() });
+    if checksum(content).to_le_bytes() != sum {
+        return Err(damaged());
     }
-    if word(3)? != fingerprint.mesh {
+    if mesh != fingerprint.mesh {
         return Err(CheckpointError::OtherMesh { path: path() });
     }
-    if word(4)? != fingerprint.scene {
+    if scene != fingerprint.scene {
         return Err(CheckpointError::OtherScene { path: path() });
     }
-    // the file was read whole, so both fit into memory
-    let (n_u, faces) = (n_u as usize, faces as usize);
-    let (u, rest) = content[8 * HEADER..].split_at(8 * n_u);
-    let (t, rest) = rest.split_at(24 * faces);
-    let (slip, rest) = rest.split_at(16 * faces);
-    let (c, rest) = rest.split_at(72 * faces);
-    let (flips, rest) = rest.split_at(4 * faces);
-    let (states, prepared) = rest.split_at(faces);
-    let no_state = || CheckpointError::Checksum { path: path() };
-    let decoded = |codes: &[u8]| -> Option<Vec<ContactState>> {
-        codes.iter().map(|s| ContactState::from_code(*s)).collect()
-    };
-    let unprepared = prepared.iter().all(|code| *code == NOT_PREPARED);
-    Ok(State {
-        step: word(5)? as usize,
-        time: f64::from_bits(word(6)?),
-        loaded: f64::from_bits(word(7)?),
-        next: f64::from_bits(word(8)?),
-        force: f64::from_bits(word(9)?),
-        traction: f64::from_bits(word(10)?),
-        size: [f64::from_bits(word(11)?), f64::from_bits(word(12)?)],
-        krylov: f64::from_bits(word(13)?),
+    // behind magic, version, length and fingerprint
+    let rest = Rest(content.get(8 * 5..).unwrap_or_default());
+    match content_of(rest).ok_or_else(damaged)? {
+        Ok(state) => Ok(state),
+        Err(found) => Err(CheckpointError::OtherFields {
+            path: path(),
+            found,
+        }),
+    }
+}
+
+/// The state behind step and scalars, or the letters of fields that are not u and t; nothing where the file is too short.
+fn content_of(mut rest: Rest<'_>) -> Option<Result<State, String>> {
+    let step = rest.word()? as usize;
+    let [time, loaded, next, force, traction, krylov] = [(); 6].map(|()| rest.real());
+    let (faces, count) = (rest.word()? as usize, rest.word()?);
+    let table: Option<Vec<[u64; 3]>> = (0..count)
+        .map(|_| Some([rest.word()?, rest.word()?, rest.word()?]))
+        .collect();
+    let table = table?;
+    let letters: Vec<u64> = table.iter().map(|[letter, ..]| *letter).collect();
+    if letters != [U, T].map(letter) {
+        let letter = |word: &u64| String::from_utf8_lossy(&word.to_le_bytes()).into_owned();
+        let letters: Vec<String> = letters.iter().map(letter).collect();
+        return Some(Err(letters.join(", ").replace('\0', "")));
+    }
+    let norms = [U, T].into_iter().zip(&table);
+    let size = Fields::new(norms.map(|(field, [.., norm])| (field, f64::from_bits(*norm))));
+    let mut values = table
+        .iter()
+        .map(|[_, length, _]| rest.reals(*length as usize));
+    let (u, t) = (values.next()??, values.next()??);
+    let slip = rest.reals(faces.checked_mul(2)?)?;
+    let c = rest
+        .reals(faces.checked_mul(9)?)?
+        .as_chunks()
+        .0
+        .as_chunks()
+        .0
+        .to_vec();
+    let flips = rest.take(faces.checked_mul(4)?)?.as_chunks().0.iter();
+    let flips = flips.map(|n| u32::from_le_bytes(*n)).collect();
+    let states = rest.states(faces)?;
+    let unprepared = rest.0.iter().all(|code| *code == NOT_PREPARED);
+    Some(Ok(State {
+        step,
+        time: time?,
+        loaded: loaded?,
+        next: next?,
+        force: force?,
+        traction: traction?,
+        size,
+        krylov: krylov?,
         prepared: match unprepared {
             true => None,
             false => Some(Prepared {
-                states: decoded(prepared).ok_or_else(no_state)?,
-                c: reals(c).as_chunks().0.as_chunks().0.to_vec(),
+                states: rest.states(faces)?,
+                c,
             }),
         },
-        u: reals(u),
-        t: reals(t),
-        states: decoded(states).ok_or_else(no_state)?,
-        slip: reals(slip),
-        flips: flips
-            .as_chunks()
-            .0
-            .iter()
-            .map(|n| u32::from_le_bytes(*n))
-            .collect(),
-    })
-}
-
-fn reals(bytes: &[u8]) -> Vec<f64> {
-    let (words, _) = bytes.as_chunks();
-    words.iter().map(|w| f64::from_le_bytes(*w)).collect()
+        u,
+        t,
+        states,
+        slip,
+        flips,
+    }))
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use crate::system::StickSystem;
 use fracas_operators::operator::assert_product;
 use fracas_operators::sparse::{Csr, SparseMatrix};
 use fracas_operators::{AdjointOperator, Layout, LinearOperator, Real, Shape};
-use fracas_solvers::saddle::{EnergyNorms, Stiffness, StrainNorm, unit_of_tractions};
+use fracas_solvers::saddle::{EnergyNorms, Stiffness, StrainNorm, T, U, unit_of_tractions};
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -29,7 +29,7 @@ pub struct MatrixFreeSaddle<R> {
     a: Restricted<Box<dyn AdjointOperator<R>>>,
     b: Arc<Coupling<R>>,
     h: Option<Arc<Csr<R>>>,
-    unit: f64,
+    layout: Layout,
 }
 
 impl<R: Real> MatrixFreeSaddle<R> {
@@ -51,23 +51,24 @@ impl<R: Real> MatrixFreeSaddle<R> {
         let h = system
             .stabilization()
             .map(|h| Arc::new(Csr::new(scaled(&h, unit))));
+        let shape = b.shape();
+        let layout = Layout::new([(U, shape.rows), (T, shape.cols)]);
         Ok(Self {
             a: Restricted::new(full, system.constraints.clone()),
             b: Arc::new(b.in_traction_unit(R::of(unit))),
             h,
-            unit,
+            layout: layout.counted_in(T, unit),
         })
     }
 
-    /// n_u and n_t.
-    pub fn layout(&self) -> Layout<2> {
-        let shape = self.b.shape();
-        Layout::new(["u", "t"], [shape.rows, shape.cols])
+    /// The fields of its unknowns.
+    pub fn layout(&self) -> Layout {
+        self.layout
     }
 
     /// What tractions are counted in [Pa].
     pub fn unit(&self) -> f64 {
-        self.unit
+        self.layout.unit(T)
     }
 
     /// A.
@@ -93,7 +94,7 @@ impl MatrixFreeSaddle<f64> {
         magnitude: &'s Magnitude,
         strain: Option<StrainNorm<'s>>,
     ) -> EnergyNorms<'s> {
-        let square = self.unit * self.unit;
+        let square = self.unit() * self.unit();
         let c = magnitude.compliance.iter().map(|c| c * square).collect();
         let h = self.h.as_deref().map(Csr::matrix);
         EnergyNorms::new(self, h, c, Cow::Borrowed(&magnitude.stiffness)).against(strain)
@@ -102,16 +103,16 @@ impl MatrixFreeSaddle<f64> {
     /// `(f_f − A_fc u_c, −s B_cᵀ u_c)` for nodal forces `force` over all displacements [N] and tractions in units of s.
     pub fn rhs(&self, system: &StickSystem<'_>, force: &[f64]) -> Vec<f64> {
         let constraints = system.constraints;
-        let [n_u, n_t] = self.layout().lengths;
-        let mut rhs = Vec::with_capacity(n_u + n_t);
+        let n = self.layout.len();
+        let mut rhs = Vec::with_capacity(n);
         rhs.extend(constraints.free().iter().map(|dof| force[*dof as usize]));
         if !constraints.is_displaced() {
-            rhs.resize(n_u + n_t, 0.0);
+            rhs.resize(n, 0.0);
             return rhs;
         }
         crate::elasticity::lift(self.a.full(), constraints, &mut rhs);
         let jump = prescribed_jump(system.fractures, constraints);
-        rhs.extend(jump.into_iter().map(|jump| -self.unit * jump));
+        rhs.extend(jump.into_iter().map(|jump| -self.unit() * jump));
         rhs
     }
 }
@@ -179,13 +180,13 @@ fn scaled<R: Real>(h: &SparseMatrix<f64>, unit: f64) -> SparseMatrix<R> {
 
 impl<R: Real> LinearOperator<R> for MatrixFreeSaddle<R> {
     fn shape(&self) -> Shape {
-        Shape::square(self.layout().len())
+        Shape::square(self.layout.len())
     }
 
     fn apply_add(&self, alpha: R, x: &[R], y: &mut [R], work: &mut [R]) {
         assert_product(LinearOperator::shape(self), x, y);
-        let [x_u, x_t] = self.layout().split(x);
-        let [y_u, y_t] = self.layout().split_mut(y);
+        let [x_u, x_t] = self.layout.split([U, T], x);
+        let [y_u, y_t] = self.layout.split_mut([U, T], y);
         // y_u += α (A x_u + B x_t)
         self.a.apply_add(alpha, x_u, y_u, work);
         self.b.apply_add(alpha, x_t, y_u, work);

@@ -2,12 +2,12 @@
 
 use super::MatrixFreeSaddle;
 use fracas_operators::LinearOperator;
+use fracas_solvers::saddle::{T, U};
 
 impl MatrixFreeSaddle<f64> {
     /// `|B|ᵀ|u| + |b_t|` for right-hand side `b` and solution `x`.
     pub fn contact_scale(&self, x: &[f64], b: &[f64]) -> Vec<f64> {
-        let [u, _] = self.layout().split(x);
-        let [_, b_t] = self.layout().split(b);
+        let ([u], [b_t]) = (self.layout.split([U], x), self.layout.split([T], b));
         let mut scale: Vec<f64> = b_t.iter().map(|b| b.abs()).collect();
         self.coupling().add_absolute_jumps(u, &mut scale);
         scale
@@ -18,19 +18,21 @@ impl MatrixFreeSaddle<f64> {
     /// # Cost
     /// One product and three vectors.
     pub fn norm_inf_from_below(&self, stiffest: usize) -> f64 {
-        let n = self.layout().len();
-        let [n_u, n_t] = self.layout().lengths;
+        let n = self.layout.len();
         let (mut x, mut y) = (vec![0.0; n], vec![0.0; n]);
-        if n_u > 0 {
+        if self.layout.length(U) > 0 {
             x[stiffest] = 1.0;
             // a column is a row: 𝒜 is symmetric
             self.apply_add(1.0, &x, &mut y, &mut vec![0.0; self.work_len()]);
         }
         let stiffest = y.iter().map(|v| v.abs()).sum();
-        x[..n_u].fill(1.0);
-        let contact = &mut y[..n_t];
+        let ([u], [contact]) = (
+            self.layout.split_mut([U], &mut x),
+            self.layout.split_mut([T], &mut y),
+        );
+        u.fill(1.0);
         contact.fill(0.0);
-        self.coupling().add_absolute_jumps(&x[..n_u], contact);
+        self.coupling().add_absolute_jumps(u, contact);
         for (row, sum) in self
             .stabilization()
             .iter()

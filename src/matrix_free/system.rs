@@ -3,7 +3,7 @@
 use super::{Magnitude, MatrixFreeSaddle};
 use crate::elasticity::ElasticityError;
 use crate::system::StickSystem;
-use fracas_operators::LinearOperator;
+use fracas_operators::{Layout, LinearOperator};
 use fracas_solvers::saddle::{EnergyNorms, SaddleBlocks, SaddleSystem, StrainNorm};
 
 /// Nothing is assembled but H.
@@ -32,9 +32,8 @@ impl SaddleSystem for MatrixFreeSystem {
         &self.saddle
     }
 
-    fn lengths(&self) -> [usize; 3] {
-        let [n_u, n_t] = self.saddle.layout().lengths;
-        [n_u, n_t, 0]
+    fn layout(&self) -> Layout {
+        self.saddle.layout()
     }
 
     fn entries(&self) -> Option<&SaddleBlocks> {

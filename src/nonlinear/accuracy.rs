@@ -2,9 +2,10 @@
 
 use super::newton::{Attempt, Iterate};
 use super::{Event, Failure, LinearFailure};
-use fracas_solvers::saddle::{EnergyNorms, ErrorJudge, Judged, Measure};
+use fracas_operators::Fields;
+use fracas_solvers::saddle::{EnergyNorms, ErrorJudge, Judged, Measure, T, U};
 
-/// Errors of u and t at states that no longer change: `e = J⁻¹r ≈ M⁻¹r` of a Newton iterate, judged as in `solve`, against
+/// Errors of every field at states that no longer change: `e = J⁻¹r ≈ M⁻¹r` of a Newton iterate, judged as in `solve`, against
 /// the largest norms of the run so far.
 ///
 /// # Cost
@@ -13,8 +14,8 @@ pub(super) struct Accuracy<'s> {
     attempt: &'s Attempt<'s>,
     norms: EnergyNorms<'s>,
     judge: ErrorJudge,
-    /// Largest norms of u and t so far.
-    pub(super) size: [f64; 2],
+    /// Largest norm of every field so far.
+    pub(super) size: Fields<f64>,
     /// They know of this attempt.
     seen: bool,
 }
@@ -54,20 +55,20 @@ impl<'s> Accuracy<'s> {
         }
     }
 
-    /// (u, t), tractions in the balanced unit.
+    /// All fields, tractions in the balanced unit.
     fn balanced(&self, x: &Iterate) -> Vec<f64> {
-        let unit = self.attempt.problem.saddle().unit();
-        let mut whole = x.u.clone();
-        whole.extend(x.t.iter().map(|t| t / unit));
+        let layout = self.attempt.problem.saddle().layout();
+        let mut whole = vec![0.0; layout.len()];
+        let [u, t] = layout.split_mut([U, T], &mut whole);
+        u.copy_from_slice(&x.u);
+        (t.iter_mut().zip(&x.t)).for_each(|(t, pascal)| *t = pascal / layout.unit(T));
         whole
     }
 
     fn widen(&mut self, x: &[f64]) {
         let own = self.norms.solution(x);
-        for (size, own) in self.size.iter_mut().zip(own) {
-            // NaN of an iterate that is lost does not count
-            *size = size.max(own);
-        }
+        // NaN of an iterate that is lost does not count
+        self.size = self.size.map(|field, size| size.max(own[field]));
         self.seen = true;
     }
 

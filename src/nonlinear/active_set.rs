@@ -8,6 +8,7 @@ use super::proximal::Proximal;
 use super::rounds::{Ended, Search};
 use super::{Event, Failure, Instability, LinearRecord};
 use crate::contact::ContactState;
+use fracas_operators::Fields;
 use fracas_solvers::{Observer, Step};
 
 /// Rounds after which proximal iterations take over though no states have returned.
@@ -36,10 +37,10 @@ pub(super) struct Settled {
     pub(super) effective: Vec<f64>,
     /// [`slip_violation`](super::judge::slip_violation()).
     pub(super) slip_violation: f64,
-    /// Largest norms of u and t so far.
-    pub(super) size: [f64; 2],
-    /// Errors of u and t relative to them; NaN where only residuals are judged.
-    pub(super) error: [f64; 2],
+    /// Largest norm of every field so far.
+    pub(super) size: Fields<f64>,
+    /// Errors of the fields relative to them; NaN where only residuals are judged.
+    pub(super) error: Fields<f64>,
     /// What ran away on the way there.
     pub(super) unstable: Option<Box<Instability>>,
 }

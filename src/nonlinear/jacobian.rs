@@ -6,6 +6,7 @@ use fracas_operators::operator::assert_product;
 use fracas_operators::small::{Matrix3, times};
 use fracas_operators::sparse::Csr;
 use fracas_operators::{AdjointOperator, Layout, LinearOperator, Shape};
+use fracas_solvers::saddle::{T, U};
 
 /// 3×3 factors of a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,15 +37,10 @@ pub struct ContactJacobian<'a> {
     pub(super) b: &'a Coupling<f64>,
     pub(super) h: Option<&'a Csr<f64>>,
     pub(super) faces: Option<Vec<FaceTangent>>,
+    pub(super) layout: Layout,
 }
 
 impl ContactJacobian<'_> {
-    /// n_u and n_t.
-    pub fn layout(&self) -> Layout<2> {
-        let shape = self.b.shape();
-        Layout::new(["u", "t"], [shape.rows, shape.cols])
-    }
-
     /// True where every face is in stick or open: J is symmetric on the x that meet the laws `−λ t = b_l` of open faces.
     pub fn is_symmetric(&self) -> bool {
         let faces = self.faces.iter().flatten();
@@ -56,13 +52,13 @@ impl ContactJacobian<'_> {
 
 impl LinearOperator<f64> for ContactJacobian<'_> {
     fn shape(&self) -> Shape {
-        Shape::square(self.layout().len())
+        Shape::square(self.layout.len())
     }
 
     fn apply_add(&self, alpha: f64, x: &[f64], y: &mut [f64], work: &mut [f64]) {
         assert_product(self.shape(), x, y);
-        let [x_u, x_t] = self.layout().split(x);
-        let [y_u, y_t] = self.layout().split_mut(y);
+        let [x_u, x_t] = self.layout.split([U, T], x);
+        let [y_u, y_t] = self.layout.split_mut([U, T], y);
         // y_u += α (A x_u + B x_t)
         self.a.apply_add(alpha, x_u, y_u, work);
         self.b.apply_add(alpha, x_t, y_u, work);

@@ -18,7 +18,7 @@ use crate::scene::{FACTORIZED, RunInner};
 use fracas_operators::Preconditioner;
 use fracas_solvers::krylov::{KrylovChoice, Sqmr, System, least};
 use fracas_solvers::saddle::{
-    AugmentationChoice, Block, EnergyNorms, InnerChoice, Racp, RacpInverse, probe,
+    AugmentationChoice, Block, EnergyNorms, InnerChoice, Racp, RacpInverse, T, U, probe,
 };
 use fracas_solvers::{Observer, Step};
 
@@ -119,14 +119,14 @@ impl Linear {
         let setup = self.prepare(problem, jacobian, states, observer)?;
         let mut work = std::mem::take(&mut self.resources.work);
         // laws of open faces are met at the start, and every iterate keeps them
-        let n_u = problem.saddle().layout().lengths[0];
+        let layout = problem.saddle().layout();
         x.fill(0.0);
         if jacobian.is_symmetric() {
             let open = |f: &usize| states[*f] == ContactState::Open;
+            let ([x_t], [b_t]) = (layout.split_mut([T], x), layout.split([T], rhs));
             for f in (0..states.len()).filter(open) {
-                let at = n_u + 3 * f;
-                for k in 0..3 {
-                    x[at + k] = -rhs[at + k] / problem.law_entry(f);
+                for i in 3 * f..3 * f + 3 {
+                    x_t[i] = -b_t[i] / problem.law_entry(f);
                 }
             }
         }
@@ -356,22 +356,25 @@ impl Holding for Linear {
         let h = problem.stabilization(states);
         let point = [&x.u[..], &x.t];
         let at = problem.evaluate(states, h.as_ref(), point, attempt.start, attempt.load);
-        let (n_u, s) = (x.u.len(), problem.saddle().unit());
-        let mut rhs = vec![0.0; n_u + x.t.len()];
+        let layout = problem.saddle().layout();
+        let mut rhs = vec![0.0; layout.len()];
         let mut solved = vec![0.0; rhs.len()];
         Box::new(move |faces, drop, observer| {
             let jacobian = problem.jacobian(states, h.as_ref(), &at, true);
             rhs.fill(0.0);
+            let [rhs_t] = layout.split_mut([T], &mut rhs);
             for (face, drop) in faces.iter().zip(drop) {
-                let scale = s * problem.compliance()[face.face] * problem.faces()[face.face].area;
-                let row = n_u + 3 * face.face + 1;
-                (0..2).for_each(|k| rhs[row + k] = scale * drop * face.direction[k]);
+                let scale = layout.unit(T)
+                    * problem.compliance()[face.face]
+                    * problem.faces()[face.face].area;
+                let row = 3 * face.face + 1;
+                (0..2).for_each(|k| rhs_t[row + k] = scale * drop * face.direction[k]);
             }
             let at = (&jacobian, states);
             let done = self.solve(problem, at, &rhs, SOLVED, &mut solved, observer)?;
             match done.stopped {
                 true => Err(Failure::Stopped),
-                false => Ok(solved[..n_u].to_vec()),
+                false => Ok(layout.split([U], &solved)[0].to_vec()),
             }
         })
     }

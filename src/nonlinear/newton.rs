@@ -8,8 +8,10 @@ use super::{
 };
 use crate::contact::ContactState;
 use crate::elasticity::Constraints;
+use fracas_operators::Fields;
 use fracas_operators::sparse::Csr;
 use fracas_operators::vector::{axpy, norm2};
+use fracas_solvers::saddle::{T, U};
 use fracas_solvers::{Observer, Step};
 
 /// Halvings of a correction that the line search tries.
@@ -37,8 +39,8 @@ pub(super) struct Attempt<'s> {
     pub(super) scale: f64,
     /// Largest traction so far [Pa].
     pub(super) traction: f64,
-    /// Largest norms of u and t so far.
-    pub(super) size: [f64; 2],
+    /// Largest norm of every field so far.
+    pub(super) size: Fields<f64>,
     /// What prescribes displacements that are not 0, if anything does.
     pub(super) held: Option<Constraints>,
     pub(super) step: usize,
@@ -46,6 +48,11 @@ pub(super) struct Attempt<'s> {
 }
 
 impl Attempt<'_> {
+    /// Errors that nobody judges.
+    pub(super) fn unjudged(&self) -> Fields<f64> {
+        self.size.map(|_, _| f64::NAN)
+    }
+
     /// A linear system in this round and step of Newton, not solved yet.
     pub(super) fn record(
         &self,
@@ -111,14 +118,13 @@ pub(super) fn newton(
     observer: &mut dyn Observer,
 ) -> Result<(Evaluation, f64), Failure> {
     let problem = attempt.problem;
-    let unit = problem.saddle().unit();
-    let n_u = x.u.len();
+    let layout = problem.saddle().layout();
     let evaluate =
         |x: &Iterate| problem.evaluate(states, h, [&x.u, &x.t], attempt.start, attempt.load);
     let is_linear = states.iter().all(|s| s.is_linear());
     // an iteration that lags weakening may have to pass a larger residual
     let fixed_point = until.lagged && problem.weakens();
-    let mut correction = vec![0.0; n_u + x.t.len()];
+    let mut correction = vec![0.0; layout.len()];
     let (mut at, mut before) = (evaluate(x), f64::INFINITY);
     let mut iteration = 0;
     loop {
@@ -192,8 +198,9 @@ pub(super) fn newton(
         for backtrack in 0..=BACKTRACKS {
             x.u.copy_from_slice(&from.u);
             x.t.copy_from_slice(&from.t);
-            axpy(length, &correction[..n_u], &mut x.u);
-            axpy(length * unit, &correction[n_u..], &mut x.t);
+            let [d_u, d_t] = layout.split([U, T], &correction);
+            axpy(length, d_u, &mut x.u);
+            axpy(length * layout.unit(T), d_t, &mut x.t);
             at = evaluate(x);
             let new = norm2(&at.residual);
             let lowered = new <= (1.0 - DECREASE * length) * size;

@@ -6,7 +6,7 @@ use crate::elasticity::ElasticityError;
 use crate::jacobian::{turned, with_laws};
 use fracas_operators::sparse::Csr;
 use fracas_solvers::Observer;
-use fracas_solvers::saddle::SaddleBlocks;
+use fracas_solvers::saddle::{SaddleBlocks, T, U};
 
 /// `[A B1; B2 −H] (δu, δt) = −r` as Newton was about to solve it.
 #[derive(Clone, Debug)]
@@ -65,7 +65,7 @@ impl ContactProblem<'_> {
         let s = self.saddle().unit();
         // D H: H is symmetric
         let form = h.map(|h| turned(h.matrix(), rows).map(|v| v / (s * s)));
-        let (r_u, r_t) = at.residual.split_at(stick.n_u());
+        let [r_u, r_t] = self.saddle().layout().split([U, T], &at.residual);
         let all_stick = states.iter().all(|s| *s == ContactState::Stick);
         let unit = self.saddle().unit();
         Ok(SaddleBlocks {
@@ -129,7 +129,8 @@ mod tests {
             .build()
             .unwrap();
         let problem = ContactProblem::new(&body).unwrap();
-        let [n_u, n_t] = problem.saddle().layout().lengths;
+        let layout = problem.saddle().layout();
+        let (n_u, n_t) = (layout.length(U), layout.length(T));
         let number = |k: usize| (1.3 * k as f64).sin();
         let states: Vec<ContactState> = (0..n_t / 3)
             .map(|f| ContactState::from_code((f % 4) as u8).unwrap())
@@ -158,7 +159,8 @@ mod tests {
         let operator = SaddleOperator::new(&blocks);
         let mut z = vec![0.0; n_u + n_t];
         operator.apply(&scaled, &mut z, &mut vec![0.0; operator.work_len()]);
-        z[n_u..].iter_mut().for_each(|z| *z *= unit);
+        let [z_t] = layout.split_mut([T], &mut z);
+        z_t.iter_mut().for_each(|z| *z *= unit);
         let rhs: Vec<f64> = blocks
             .rhs_u
             .iter()
@@ -166,7 +168,7 @@ mod tests {
             .chain(blocks.rhs_t.iter().map(|r| unit * r))
             .collect();
         for (name, a, b) in [("J x", &y, &z), ("-r", &at.residual, &rhs)] {
-            for part in [0..n_u, n_u..n_u + n_t] {
+            for part in [layout.range(U), layout.range(T)] {
                 let size = part.clone().fold(0.0f64, |m, i| m.max(a[i].abs()));
                 assert!(size > 0.0, "{name}: nothing to compare");
                 for i in part {

@@ -12,7 +12,7 @@ use crate::scene::Body;
 use crate::system::StickSystem;
 use fracas_operators::sparse::Csr;
 use fracas_operators::{AdjointOperator, LinearOperator};
-use fracas_solvers::saddle::{EnergyNorms, SaddleBlocks, StrainNorm};
+use fracas_solvers::saddle::{EnergyNorms, SaddleBlocks, StrainNorm, T, U};
 
 /// What pushes on the body.
 #[derive(Clone, Debug, PartialEq)]
@@ -229,10 +229,10 @@ impl<'a> ContactProblem<'a> {
         load: &Load,
     ) -> Evaluation {
         let s = self.saddle.unit();
-        let n_u = u.len();
-        let mut residual = load.force.clone();
-        residual.resize(n_u + t.len(), 0.0);
-        let (r_u, r_t) = residual.split_at_mut(n_u);
+        let layout = self.saddle.layout();
+        let mut residual = vec![0.0; layout.len()];
+        let [r_u, r_t] = layout.split_mut([U, T], &mut residual);
+        r_u.copy_from_slice(&load.force);
         // r_u = f − A u − B t
         self.subtract_stiffness(u, r_u);
         self.add_forces(-1.0, t, r_u);
@@ -334,6 +334,7 @@ impl<'a> ContactProblem<'a> {
             a: self.saddle.stiffness(),
             b: self.saddle.coupling(),
             h,
+            layout: self.saddle.layout(),
             faces: (!all_stick).then(|| self.faces().iter().zip(rows).map(tangent).collect()),
         }
     }

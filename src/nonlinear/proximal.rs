@@ -327,7 +327,7 @@ mod tests {
                 load: &load,
                 scale: norm2(&load.force),
                 traction: 1e7,
-                size: [0.0; 2],
+                size: problem.saddle().layout().values(0.0),
                 held: None,
                 step: 0,
                 attempt: 0,

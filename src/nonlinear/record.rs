@@ -2,6 +2,7 @@
 
 use super::{Instability, State};
 use crate::contact::ContactState;
+use fracas_operators::Fields;
 
 /// An accepted step: a line of `history.csv`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -31,9 +32,9 @@ pub struct StepRecord {
     /// Largest distance of the shear traction of a slipping face from the one that Coulomb's law gives for its slip, over
     /// the largest traction of the run: what slip against the traction is worth. Unit: 1.
     pub max_slip_viol: f64,
-    /// Errors of u and t at its states, each relative to the largest norm so far, as the preconditioner shows them
+    /// Errors of the fields at its states, each relative to the largest norm so far, as the preconditioner shows them
     /// ([`EnergyNorms`](fracas_solvers::saddle::EnergyNorms)); NaN where residuals alone are judged. Unit: 1.
-    pub error: [f64; 2],
+    pub error: Fields<f64>,
     /// Largest slip ‖γ‖ of a face [m].
     pub slip_max: f64,
     /// Largest part of a jump that is neither slip nor opening [m].

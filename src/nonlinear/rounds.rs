@@ -61,7 +61,7 @@ impl Search<'_, '_> {
             effective: at.effective,
             slip_violation,
             size,
-            error: judged.map_or([f64::NAN; 2], |judged| judged.error),
+            error: judged.map_or(self.attempt.unjudged(), |judged| judged.error),
             unstable: None,
         }
     }

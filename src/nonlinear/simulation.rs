@@ -130,7 +130,7 @@ impl<'a> Simulation<'a> {
             next: 1.0,
             force: 0.0,
             traction: 0.0,
-            size: [0.0; 2],
+            size: self.problem.saddle().layout().values(0.0),
             krylov: 0.0,
             prepared: None,
             u: vec![0.0; self.problem.body().constraints.free_len()],

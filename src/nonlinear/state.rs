@@ -1,6 +1,7 @@
 //! Everything that a step starts from.
 
 use crate::contact::ContactState;
+use fracas_operators::Fields;
 use fracas_solvers::saddle::Block;
 
 /// What a preconditioner was built for; all that building it again needs beside the scene.
@@ -27,9 +28,9 @@ pub struct State {
     pub force: f64,
     /// Largest traction that a face had so far, rounds of the active set included [Pa]; states are judged relative to it.
     pub traction: f64,
-    /// Largest norms of u and t so far, in which errors are judged
-    /// ([`EnergyNorms::solution`](fracas_solvers::saddle::EnergyNorms::solution)) [√J, √J].
-    pub size: [f64; 2],
+    /// Largest norm of every field so far, in which errors are judged
+    /// ([`EnergyNorms::solution`](fracas_solvers::saddle::EnergyNorms::solution)) [√J].
+    pub size: Fields<f64>,
     /// Krylov iterations per digit of the first linear system of the run, 0 before it; others are judged against it.
     pub krylov: f64,
     /// What the preconditioner beside the all-stick one was built for, if there is one to keep.

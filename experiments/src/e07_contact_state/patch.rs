@@ -162,6 +162,7 @@ impl<'a> Laboratory<'a> {
                 let operator = SaddleOperator::new(&blocks);
                 let mut b = blocks.rhs();
                 operator.apply_add(1.0, &x, &mut b, &mut vec![0.0; operator.work_len()]);
+                drop(operator);
                 blocks.rhs_t = b.split_off(n_u);
                 blocks.rhs_u = b;
                 let jumps = self.system.jumps(&u);

@@ -10,7 +10,7 @@ use fracas_operators::{LinearOperator, Preconditioner};
 use fracas_solvers::Silent;
 use fracas_solvers::amg::Amg;
 use fracas_solvers::krylov::{Criteria, Outcome, System};
-use fracas_solvers::saddle::{InnerChoice, Racp, SaddleMethod, SaddleOperator};
+use fracas_solvers::saddle::{InnerChoice, Racp, SaddleMethod, SaddleOperator, T, U};
 use std::time::Instant;
 
 /// S̃_u⁻¹.
@@ -145,7 +145,7 @@ fn matrix_free(body: Body, mesh: f64) -> anyhow::Result<Row> {
     drop(force);
     let racp = Racp::geometric();
     let inverse = RacpParts::new(&racp, &saddle, &system, &mut Silent)?.inverse;
-    let [n_u, n_t] = saddle.layout().lengths;
+    let [n_u, n_t] = [U, T].map(|field| saddle.layout().length(field));
     drop(body);
     let setup = start.elapsed().as_secs_f64();
     let equations = Equations {

@@ -15,7 +15,7 @@ use fracas_solvers::Silent;
 use fracas_solvers::amg::Amg;
 use fracas_solvers::krylov::{Breakdown, Criteria, KrylovChoice, Outcome, System};
 use fracas_solvers::multigrid::Precision;
-use fracas_solvers::saddle::{Cost, InnerChoice, Racp, SaddleMethod, SaddleOperator};
+use fracas_solvers::saddle::{Cost, InnerChoice, Racp, SaddleMethod, SaddleOperator, U};
 
 /// S̃_u⁻¹, and which digits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -153,7 +153,7 @@ pub(super) fn reference(body: &Body, tolerance: f64) -> anyhow::Result<Reference
         RacpParts::new(&geometric(Precision::F64), &saddle, &system, &mut Silent)?.inverse;
     let mut x = vec![0.0; b.len()];
     let residual = iterate(&saddle, &inverse, &b, tolerance, &mut x).residual;
-    let t = x.split_off(saddle.layout().lengths[0]);
+    let t = x.split_off(saddle.layout().length(U));
     Ok(Reference {
         u: x,
         t: t.into_iter().map(|t| saddle.unit() * t).collect(),

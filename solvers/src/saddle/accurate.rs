@@ -3,6 +3,7 @@
 use super::{EnergyNorms, ErrorJudge, Judged, probe};
 use crate::krylov::{Breakdown, Criteria, KrylovMethod, Outcome, Report, System, least};
 use crate::{Observer, Step};
+use fracas_operators::Fields;
 use fracas_operators::twofold::add_twofold;
 use fracas_operators::vector::norm2;
 use schemars::JsonSchema;
@@ -12,7 +13,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Measure {
-    /// The errors of u and t, each relative to the solution's.
+    /// The errors of every field, each relative to the solution's.
     #[default]
     Error,
     /// ‖b − 𝒜x‖₂ relative to ‖b‖₂, as in published counts.
@@ -33,8 +34,8 @@ const FIRM: f64 = 100.0;
 pub struct Accurate {
     /// How the last pass ended, with the iterations, products and solves of all passes.
     pub result: Result<Report, Breakdown>,
-    /// `(‖e_u‖/‖u‖, ‖e_t‖/‖t‖)` for `e = M⁻¹r`, in [`EnergyNorms`], larger where M is poor.
-    pub error: [f64; 2],
+    /// `‖e_u‖/‖u‖`, `‖e_t‖/‖t‖`, … for `e = M⁻¹r`, in [`EnergyNorms`], larger where M is poor.
+    pub error: Fields<f64>,
     /// Times the iteration was started.
     pub passes: usize,
     /// Those of them for a residual in twice the digits.
@@ -88,7 +89,7 @@ pub fn solve_accurately(
         }
         let mut judged = match finite {
             true => left.judged(x, &mut judge, totals.smallest_ritz),
-            false => Judged::UNKNOWN,
+            false => Judged::unknown(norms),
         };
         let remaining = criteria.max_iterations.saturating_sub(totals.iterations);
         // far from b it is no rounding that keeps the residual from falling

@@ -2,7 +2,7 @@
 
 use super::inner::Ready;
 use super::method::SaddleSettings;
-use super::{AugmentationChoice, AugmentationMatrix, InnerChoice, SaddleBlocks};
+use super::{AugmentationChoice, AugmentationMatrix, InnerChoice, SaddleBlocks, T, U};
 use crate::SetupError;
 use crate::direct::DirectChoice;
 use fracas_operators::sparse::{Csr, SparseMatrix};
@@ -26,7 +26,7 @@ pub struct AugmentedLagrangianInverse<P> {
     h: Option<Csr<f64>>,
     c: AugmentationMatrix,
     s_u: P,
-    layout: Layout<2>,
+    layout: Layout,
 }
 
 impl<P: Preconditioner<f64>> AugmentedLagrangianInverse<P> {
@@ -39,7 +39,7 @@ impl<P: Preconditioner<f64>> AugmentedLagrangianInverse<P> {
     ) -> Self {
         assert_eq!(b.rows(), s_u.size(), "rows of B and size of S_u");
         assert_eq!(b.cols(), c.size(), "columns of B and size of C");
-        let layout = Layout::new(["u", "t"], [b.rows(), b.cols()]);
+        let layout = Layout::new([(U, b.rows()), (T, b.cols())]);
         Self {
             b: Csr::new(b),
             h: h.map(Csr::new),
@@ -56,8 +56,8 @@ impl<P: Preconditioner<f64>> Preconditioner<f64> for AugmentedLagrangianInverse<
     }
 
     fn solve(&self, x: &[f64], y: &mut [f64], work: &mut [f64]) {
-        let [x_u, x_t] = self.layout.split(x);
-        let [y_u, y_t] = self.layout.split_mut(y);
+        let [x_u, x_t] = self.layout.split([U, T], x);
+        let [y_u, y_t] = self.layout.split_mut([U, T], y);
         let (v_u, work) = work.split_at_mut(x_u.len());
         let (w_t, work) = work.split_at_mut(x_t.len());
         // y_t = −C⁻¹ x_t
@@ -81,7 +81,7 @@ impl<P: Preconditioner<f64>> Preconditioner<f64> for AugmentedLagrangianInverse<
     }
 
     fn work_len(&self) -> usize {
-        let c = self.layout.lengths[1] + Preconditioner::work_len(&self.c);
+        let c = self.layout.length(T) + Preconditioner::work_len(&self.c);
         self.layout.len() + self.s_u.work_len().max(c)
     }
 

@@ -4,65 +4,68 @@ use super::inner::Ready;
 use super::method::SaddleSettings;
 use super::scaling::ScaledInverse;
 use super::schur::{S_D, diagonal_schur};
-use super::{AugmentationChoice, InnerChoice, SaddleBlocks};
+use super::{AugmentationChoice, InnerChoice, SaddleBlocks, T, U};
 use crate::SetupError;
 use crate::direct::DirectChoice;
-use fracas_operators::{Layout, Preconditioner, Properties};
+use fracas_operators::{Field, Layout, Preconditioner, Properties};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// `M = diag(Â, Ŝ)`, symmetric positive definite where Â and Ŝ are.
+/// `M = diag(Â, Ŝ, …)`, a block for every field, symmetric positive definite where they are.
 ///
 /// - On A: `Â ≈ A`, `Ŝ ≈ S + H`, `S = BᵀA⁻¹B`. Exact parts and H = 0: eigenvalues 1, (1 ± √5)/2.
 /// - On S_u: `Â ≈ A + BC⁻¹Bᵀ`, `Ŝ = C`, for a singular A too. Exact parts and H = 0: eigenvalues 1 (n_u times) and
 ///   −σ/(1 + σ), σ = eig(C⁻¹S); −1 for every rigid-body mode.
 ///
 /// # Cost
-/// One solve with Â and one with Ŝ.
+/// One solve with every block.
 ///
 /// # Source
 /// M. F. Murphy, G. H. Golub, A. J. Wathen, SIAM J. Sci. Comput. 21 (2000) 1969–1972; C. Greif, D. Schötzau, ETNA 22
 /// (2006) 114–121, for the augmented one.
-pub struct BlockDiagonalInverse<P, S> {
-    p: P,
-    s: S,
-    layout: Layout<2>,
+pub struct BlockDiagonalInverse<'a> {
+    layout: Layout,
+    blocks: Vec<(Field, Box<dyn Preconditioner<f64> + 'a>)>,
 }
 
-impl<P: Preconditioner<f64>, S: Preconditioner<f64>> BlockDiagonalInverse<P, S> {
-    /// From exact parts: Â⁻¹ and Ŝ⁻¹.
-    pub fn new(p: P, s: S) -> Self {
-        let layout = Layout::new(["u", "t"], [p.size(), s.size()]);
-        Self { p, s, layout }
+impl<'a> BlockDiagonalInverse<'a> {
+    /// From exact parts: `Â⁻¹` of u, `Ŝ⁻¹` of t, and those of further fields, in the order of the fields.
+    pub fn new(blocks: Vec<(Field, Box<dyn Preconditioner<f64> + 'a>)>) -> Self {
+        let lengths = blocks.iter().map(|(field, block)| (*field, block.size()));
+        Self {
+            layout: Layout::new(lengths),
+            blocks,
+        }
     }
 }
 
-impl<P: Preconditioner<f64>, S: Preconditioner<f64>> Preconditioner<f64>
-    for BlockDiagonalInverse<P, S>
-{
+impl Preconditioner<f64> for BlockDiagonalInverse<'_> {
     fn size(&self) -> usize {
         self.layout.len()
     }
 
     fn solve(&self, x: &[f64], y: &mut [f64], work: &mut [f64]) {
-        let [x_u, x_t] = self.layout.split(x);
-        let [y_u, y_t] = self.layout.split_mut(y);
-        // y_u = Â⁻¹ x_u
-        self.p.solve(x_u, y_u, work);
-        // y_t = Ŝ⁻¹ x_t
-        self.s.solve(x_t, y_t, work);
+        for (field, block) in &self.blocks {
+            let ([x_k], [y_k]) = (
+                self.layout.split([*field], x),
+                self.layout.split_mut([*field], y),
+            );
+            block.solve(x_k, y_k, work);
+        }
     }
 
     fn work_len(&self) -> usize {
-        self.p.work_len().max(self.s.work_len())
+        let lengths = self.blocks.iter().map(|(_, block)| block.work_len());
+        lengths.max().unwrap_or(0)
     }
 
     fn flops(&self) -> u64 {
-        self.p.flops() + self.s.flops()
+        self.blocks.iter().map(|(_, block)| block.flops()).sum()
     }
 
     fn properties(&self) -> Properties {
-        self.p.properties().and(self.s.properties())
+        let of = self.blocks.iter().map(|(_, block)| block.properties());
+        of.fold(Properties::LINEAR, Properties::and)
     }
 }
 
@@ -89,7 +92,7 @@ impl SaddleSettings for BlockDiagonal {
         if let Some(choice) = self.augmentation {
             let c = choice.compute(blocks, direct.as_ref())?.matrix;
             let p = self.inner.prepare(blocks, &c)?;
-            return Ok(p.inside(|p| BlockDiagonalInverse::new(p, c)));
+            return Ok(p.inside(|p| BlockDiagonalInverse::new(vec![(U, p), (T, Box::new(c))])));
         }
         let coordinates = blocks.coordinates.as_deref();
         let p = self.inner.of_matrix(&blocks.a, coordinates)?;
@@ -99,7 +102,7 @@ impl SaddleSettings for BlockDiagonal {
             ..blocks.clone()
         };
         let s = ScaledInverse::new(&diagonal_schur(&symmetric)?, direct.as_ref(), S_D)?;
-        Ok(p.inside(|p| BlockDiagonalInverse::new(p, s)))
+        Ok(p.inside(|p| BlockDiagonalInverse::new(vec![(U, p), (T, Box::new(s))])))
     }
 
     fn augmentation(&self) -> Option<AugmentationChoice> {

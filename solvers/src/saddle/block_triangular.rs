@@ -3,7 +3,7 @@
 use super::inner::Ready;
 use super::method::SaddleSettings;
 use super::schur::diagonal_schur_inverse;
-use super::{InnerChoice, SaddleBlocks};
+use super::{InnerChoice, SaddleBlocks, T, U};
 use crate::SetupError;
 use crate::direct::DirectChoice;
 use fracas_operators::sparse::{Csr, SparseMatrix};
@@ -23,7 +23,7 @@ pub struct BlockTriangularInverse<P, S> {
     b1: Csr<f64>,
     p: P,
     s: S,
-    layout: Layout<2>,
+    layout: Layout,
 }
 
 impl<P: Preconditioner<f64>, S: Preconditioner<f64>> BlockTriangularInverse<P, S> {
@@ -31,7 +31,7 @@ impl<P: Preconditioner<f64>, S: Preconditioner<f64>> BlockTriangularInverse<P, S
     pub fn new(b1: SparseMatrix<f64>, p: P, s: S) -> Self {
         assert_eq!(b1.rows(), p.size(), "rows of B1 and size of A");
         assert_eq!(b1.cols(), s.size(), "columns of B1 and size of S");
-        let layout = Layout::new(["u", "t"], [b1.rows(), b1.cols()]);
+        let layout = Layout::new([(U, b1.rows()), (T, b1.cols())]);
         Self {
             b1: Csr::new(b1),
             p,
@@ -49,8 +49,8 @@ impl<P: Preconditioner<f64>, S: Preconditioner<f64>> Preconditioner<f64>
     }
 
     fn solve(&self, x: &[f64], y: &mut [f64], work: &mut [f64]) {
-        let [x_u, x_t] = self.layout.split(x);
-        let [y_u, y_t] = self.layout.split_mut(y);
+        let [x_u, x_t] = self.layout.split([U, T], x);
+        let [y_u, y_t] = self.layout.split_mut([U, T], y);
         let (v_u, work) = work.split_at_mut(x_u.len());
         // y_t = −Ŝ⁻¹ x_t
         self.s.solve(x_t, y_t, work);
@@ -62,7 +62,7 @@ impl<P: Preconditioner<f64>, S: Preconditioner<f64>> Preconditioner<f64>
     }
 
     fn work_len(&self) -> usize {
-        self.layout.lengths[0] + self.p.work_len().max(self.s.work_len())
+        self.layout.length(U) + self.p.work_len().max(self.s.work_len())
     }
 
     fn flops(&self) -> u64 {

@@ -4,7 +4,7 @@ mod inverse;
 
 pub use inverse::EliminatedInverse;
 
-use super::SaddleBlocks;
+use super::{SaddleBlocks, T};
 use fracas_operators::sparse::{Csr, SparseMatrix, Triplets};
 
 /// Relative difference of entries that counts as rounding.
@@ -123,10 +123,11 @@ impl Elimination {
     /// Every M⁻¹ of [`EliminatedInverse`] keeps these residuals at zero, and on that subspace 𝒜 is as symmetric as the
     /// system without the rows.
     pub fn start(&self, rhs: &[f64]) -> Vec<f64> {
-        let n_u = self.kept.n_u();
+        let layout = self.kept.layout();
         let mut x = vec![0.0; rhs.len()];
-        for (i, h_ii) in self.local.iter().zip(&self.diagonal) {
-            x[n_u + i] = -rhs[n_u + i] / h_ii;
+        let ([x_t], [g]) = (layout.split_mut([T], &mut x), layout.split([T], rhs));
+        for (&i, h_ii) in self.local.iter().zip(&self.diagonal) {
+            x_t[i] = -g[i] / h_ii;
         }
         x
     }

@@ -1,10 +1,10 @@
 //! Norms in which an error of (u, t) is judged, each part against that of the solution.
 
-use super::SaddleBlocks;
-use fracas_operators::LinearOperator;
+use super::{SaddleBlocks, T, U};
 use fracas_operators::random::signed;
 use fracas_operators::sparse::{CsrView, SparseMatrix};
 use fracas_operators::vector::dot;
+use fracas_operators::{Field, Fields, Layout, LinearOperator};
 use std::borrow::Cow;
 
 /// `√(vᵀKv)` of the displacements of a solution with the prescribed ones in their places; K = stiffness in full numbering.
@@ -23,13 +23,14 @@ const SINGLE: f64 = 1_048_576.0;
 /// `‖e_u‖² = e_uᵀA e_u + (B2 e_u)ᵀ (C_0 + diag H)⁻¹ (B2 e_u)` and `‖e_t‖² = e_tᵀ (C_0 + H) e_t`, `C_0 = diag(B1ᵀ diag(A)⁻¹ B1)`.
 ///
 /// The norm of e_u is the energy norm, and sees the motion of blocks that A leaves free by their jumps; that of e_t is the energy
-/// of what the tractions move. Neither depends on units, on the method, or on how stiff the rock is that a prescribed
+/// of what the tractions move. A further field p has that of its own block, `‖e_p‖² = e_pᵀ T e_p`. None depends on units, on the method, or on how stiff the rock is that a prescribed
 /// displacement holds.
 ///
 /// # Cost
-/// One product with 𝒜 and one with H per error, two vectors of n.
+/// One product with 𝒜 and one with H (T) per error, two vectors of n.
 pub struct EnergyNorms<'a> {
     operator: &'a dyn LinearOperator<f64>,
+    layout: Layout,
     h: Option<CsrView<'a, f64>>,
     /// C_0.
     c: Vec<f64>,
@@ -41,7 +42,8 @@ pub struct EnergyNorms<'a> {
     entries: Option<&'a SaddleBlocks>,
     /// Jumps count in the norm of e_u.
     jumps: bool,
-    n_u: usize,
+    /// T of further fields.
+    others: Vec<(Field, &'a SparseMatrix<f64>)>,
 }
 
 impl<'a> EnergyNorms<'a> {
@@ -64,8 +66,8 @@ impl<'a> EnergyNorms<'a> {
             *c += h.copied().unwrap_or(0.0).max(0.0);
         }
         Self {
-            n_u: n - c.len(),
             operator,
+            layout: Layout::new([(U, stiffness.len()), (T, c.len())]),
             h: h.map(CsrView::new),
             c,
             diagonal,
@@ -73,7 +75,21 @@ impl<'a> EnergyNorms<'a> {
             stiffness,
             entries: None,
             jumps: true,
+            others: Vec::new(),
         }
+    }
+
+    /// The same for a system with a further field, which is judged by its own symmetric positive semi-definite block.
+    #[must_use]
+    pub fn and(mut self, field: Field, block: &'a SparseMatrix<f64>) -> Self {
+        self.layout = self.layout.with(field, block.rows());
+        self.others.push((field, block));
+        self
+    }
+
+    /// The fields of an error.
+    pub fn layout(&self) -> Layout {
+        self.layout
     }
 
     /// Takes residuals from these blocks, in twice the digits, where f64 has no more to say ([`SaddleBlocks::residual`]).
@@ -107,6 +123,7 @@ impl<'a> EnergyNorms<'a> {
     /// It matters where stiff rock moves far and soft rock bears the load.
     pub fn add_rounding(&self, x: &[f64], r: &mut [f64]) -> f64 {
         let mut square = 0.0;
+        let (r, x) = (&mut r[self.layout.range(U)], &x[self.layout.range(U)]);
         for ((r, x), a) in r.iter_mut().zip(x).zip(self.stiffness.entries()) {
             let rounding = f64::EPSILON * a * x;
             *r += rounding;
@@ -123,58 +140,75 @@ impl<'a> EnergyNorms<'a> {
     /// A residual with its share of every eigenvector: independent entries, as large as `√diag(A)` and `√diag(C_0 + H)`.
     pub fn random_residual(&self) -> Vec<f64> {
         let of_t = self.diagonal.iter().copied();
-        let size = self.stiffness.entries().chain(of_t).enumerate();
-        size.map(|(i, a)| a.sqrt() * signed(i as u64)).collect()
+        let entry = |entry: Option<&f64>| entry.map_or(0.0, |entry| entry.abs());
+        let others = (self.others.iter()).flat_map(|(_, block)| block.diag_iter().map(entry));
+        let size = self.stiffness.entries().chain(of_t).chain(others);
+        let random = |(i, a): (usize, f64)| a.sqrt() * signed(i as u64);
+        size.enumerate().map(random).collect()
     }
 
-    /// `(‖e_u‖, ‖e_t‖)` of an error.
-    pub fn error(&self, e: &[f64]) -> [f64; 2] {
-        [
-            self.displacements(e, self.jumps),
-            self.tractions(&e[self.n_u..]),
-        ]
+    /// `‖e_u‖`, `‖e_t‖`, … of an error.
+    pub fn error(&self, e: &[f64]) -> Fields<f64> {
+        self.norms(e, self.displacements(e, self.jumps))
     }
 
-    /// `(‖u‖, ‖t‖)` of a solution, which errors are judged against.
-    pub fn solution(&self, x: &[f64]) -> [f64; 2] {
-        let u = match &self.strain {
-            Some(norm) => norm(&x[..self.n_u]),
+    /// `‖u‖`, `‖t‖`, … of a solution, which errors are judged against.
+    pub fn solution(&self, x: &[f64]) -> Fields<f64> {
+        let [u] = self.layout.split([U], x);
+        let norm_u = match &self.strain {
+            Some(norm) => norm(u),
             None => self.displacements(x, false),
         };
-        [u, self.tractions(&x[self.n_u..])]
+        self.norms(x, norm_u)
     }
 
-    /// `(‖e_u‖/‖u‖, ‖e_t‖/‖t‖)` of these norms, where each is to be at most `tolerance`; a part that all but vanishes counts as
-    /// `min(1e-6, 1e-14/tolerance)` of both, so that an error of 1e-14 of both is always small enough.
-    pub fn relative(error: [f64; 2], of: [f64; 2], tolerance: f64) -> [f64; 2] {
-        let least = LEAST_SHARE.min(ROUNDING / tolerance) * of[0].hypot(of[1]);
-        [0, 1].map(|part: usize| ratio(error[part], of[part].max(least)))
+    /// The norm of u beside those of the other fields of v.
+    fn norms(&self, v: &[f64], u: f64) -> Fields<f64> {
+        let [t] = self.layout.split([T], v);
+        let norms = Fields::new([(U, u), (T, self.tractions(t))]);
+        self.others.iter().fold(norms, |norms, (field, block)| {
+            let [p] = self.layout.split([*field], v);
+            norms.with(*field, energy(&CsrView::new(block), p).sqrt())
+        })
+    }
+
+    /// `‖e_u‖/‖u‖`, `‖e_t‖/‖t‖`, … of these norms, where each is to be at most `tolerance`; a field that all but vanishes counts as
+    /// `min(1e-6, 1e-14/tolerance)` of all, so that an error of 1e-14 of all is always small enough.
+    pub fn relative(error: Fields<f64>, of: Fields<f64>, tolerance: f64) -> Fields<f64> {
+        let all = of.iter().fold(0.0, |all: f64, (_, norm)| all.hypot(norm));
+        let least = LEAST_SHARE.min(ROUNDING / tolerance) * all;
+        error.map(|field, error| ratio(error, of[field].max(least)))
     }
 
     /// `√(vᵀA v)`, with the springs of the jumps where they are asked for.
     fn displacements(&self, v: &[f64], jumps: bool) -> f64 {
-        let n_u = self.n_u;
+        let [u] = self.layout.split([U], v);
         let mut part = vec![0.0; v.len()];
-        part[..n_u].copy_from_slice(&v[..n_u]);
+        let [part_u] = self.layout.split_mut([U], &mut part);
+        part_u.copy_from_slice(u);
         let mut image = vec![0.0; v.len()];
         let mut work = vec![0.0; self.operator.work_len()];
         self.operator.apply(&part, &mut image, &mut work);
-        let energy = dot(&part[..n_u], &image[..n_u]);
+        let [force, jump] = self.layout.split([U, T], &image);
+        let energy = dot(u, force);
         let weights = self.diagonal.iter().filter(|_| jumps);
-        let springs = image[n_u..].iter().zip(weights).map(|(g, c)| g * g / c);
+        let springs = jump.iter().zip(weights).map(|(g, c)| g * g / c);
         (energy.max(0.0) + springs.sum::<f64>()).sqrt()
     }
 
     /// `√(tᵀ(C_0 + H)t)`.
     fn tractions(&self, t: &[f64]) -> f64 {
         let c: f64 = t.iter().zip(&self.c).map(|(t, c)| c * t * t).sum();
-        let h = self.h.as_ref().map_or(0.0, |h| {
-            let mut image = vec![0.0; t.len()];
-            h.apply(t, &mut image, &mut vec![0.0; h.work_len()]);
-            dot(t, &image)
-        });
-        (c + h.max(0.0)).sqrt()
+        let h = self.h.as_ref().map_or(0.0, |h| energy(h, t));
+        (c + h).sqrt()
     }
+}
+
+/// `vᵀMv`, 0 where that is less.
+fn energy(m: &CsrView<'_, f64>, v: &[f64]) -> f64 {
+    let mut image = vec![0.0; v.len()];
+    m.apply(v, &mut image, &mut vec![0.0; m.work_len()]);
+    dot(v, &image).max(0.0)
 }
 
 /// The diagonal of A to a factor of two, in a byte per entry.
@@ -194,6 +228,16 @@ impl Stiffness {
             largest,
             halvings: halvings.collect(),
         }
+    }
+
+    /// n_u.
+    pub fn len(&self) -> usize {
+        self.halvings.len()
+    }
+
+    /// True for none.
+    pub fn is_empty(&self) -> bool {
+        self.halvings.is_empty()
     }
 
     /// Largest over smallest entry, to a factor of √2.

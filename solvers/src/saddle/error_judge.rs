@@ -1,6 +1,7 @@
 //! What M⁻¹r says of the error of an iterate.
 
 use super::EnergyNorms;
+use fracas_operators::Fields;
 
 /// Ritz value of M⁻¹𝒜 above which M⁻¹r is taken for the error. Unit: 1.
 pub(super) const TRUSTED: f64 = 0.1;
@@ -17,7 +18,7 @@ const STEP: [f64; 2] = [1e-4, 0.1];
 /// Share by which a pass has to lower the error: else rounding is all that is left. Unit: 1.
 const GAIN: f64 = 0.5;
 
-/// Judges the errors of u and t, pass by pass, by `e = 𝒜⁻¹r = (M⁻¹𝒜)⁻¹ M⁻¹r ≈ M⁻¹r`.
+/// Judges the errors of every field, pass by pass, by `e = 𝒜⁻¹r = (M⁻¹𝒜)⁻¹ M⁻¹r ≈ M⁻¹r`.
 ///
 /// Where M is poor, M⁻¹r may be too small by the eigenvalue θ of M⁻¹𝒜 nearest to zero: 1/|θ|, θ a Ritz value of the iteration, is
 /// a bound, and what a further pass changes shows the error before it. The geometric mean of both is taken, and no less than a tenth
@@ -31,9 +32,9 @@ pub struct ErrorJudge {
 /// Errors of an iterate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Judged {
-    /// `(‖e_u‖/‖u‖, ‖e_t‖/‖t‖)` in [`EnergyNorms`], larger than those of M⁻¹r where M is poor.
-    pub error: [f64; 2],
-    /// The larger one of M⁻¹r itself.
+    /// `‖e_u‖/‖u‖`, `‖e_t‖/‖t‖`, … in [`EnergyNorms`], larger than those of M⁻¹r where M is poor.
+    pub error: Fields<f64>,
+    /// The largest one of M⁻¹r itself.
     pub estimate: f64,
     /// True where the pass did not halve the error: rounding leaves of x what it leaves.
     pub stands: bool,
@@ -43,21 +44,25 @@ pub struct Judged {
 
 impl Judged {
     /// Of an iterate that is not finite.
-    pub const UNKNOWN: Self = Self {
-        error: [f64::NAN; 2],
-        estimate: f64::NAN,
-        stands: false,
-        hidden: 1.0,
-    };
-
-    /// The larger error.
-    pub fn worst(&self) -> f64 {
-        self.error[0].max(self.error[1])
+    pub fn unknown(norms: &EnergyNorms<'_>) -> Self {
+        Self {
+            error: norms.layout().values(f64::NAN),
+            estimate: f64::NAN,
+            stands: false,
+            hidden: 1.0,
+        }
     }
 
-    /// What has the larger error.
+    /// The largest error.
+    pub fn worst(&self) -> f64 {
+        largest(&self.error)
+    }
+
+    /// What has the largest error.
     pub fn part(&self) -> &'static str {
-        ["displacements", "tractions"][usize::from(self.error[1] > self.error[0])]
+        let errors = self.error.iter();
+        let worst = errors.reduce(|worst, next| if next.1 > worst.1 { next } else { worst });
+        worst.map_or("unknowns", |(field, _)| field.name)
     }
 
     /// By how much the next pass is to lower the residual on the way to this tolerance.
@@ -72,7 +77,7 @@ impl Judged {
 #[derive(Clone, Debug)]
 struct Pass {
     /// Norms of M⁻¹r, not relative to anything.
-    error: [f64; 2],
+    error: Fields<f64>,
     estimate: f64,
     /// Kept where M is poor.
     x: Vec<f64>,
@@ -96,7 +101,7 @@ impl ErrorJudge {
         &mut self,
         norms: &EnergyNorms<'_>,
         (e, x): (&[f64], &[f64]),
-        of: [f64; 2],
+        of: Fields<f64>,
         ritz: Option<f64>,
     ) -> Judged {
         let size = norms.error(e);
@@ -104,11 +109,11 @@ impl ErrorJudge {
         let is_poor = ritz.is_none_or(|ritz| ritz < TRUSTED);
         let bound = ritz.map_or(f64::INFINITY, |ritz| TRUSTED / ritz);
         let factor = match (&self.last, is_poor) {
-            (_, false) => [1.0; 2],
-            (None, true) => [bound; 2],
+            (_, false) => size.map(|_, _| 1.0),
+            (None, true) => size.map(|_, _| bound),
             (Some(before), true) => {
                 let seen = before.effectivity(norms, x);
-                seen.map(|seen| match bound.is_finite() {
+                seen.map(|_, seen| match bound.is_finite() {
                     true => (seen.clamp(1.0, bound) * bound)
                         .sqrt()
                         .max(bound / OPTIMISM),
@@ -116,7 +121,7 @@ impl ErrorJudge {
                 })
             }
         };
-        let estimate = relative[0].max(relative[1]);
+        let estimate = largest(&relative);
         let stands = (self.last.as_ref()).is_some_and(|last| estimate > GAIN * last.estimate);
         self.last = Some(Pass {
             error: size,
@@ -124,7 +129,7 @@ impl ErrorJudge {
             x: if is_poor { x.to_vec() } else { Vec::new() },
         });
         Judged {
-            error: [0, 1].map(|part: usize| relative[part] * factor[part]),
+            error: relative.map(|field, error| error * factor[field]),
             estimate,
             stands,
             hidden: ritz.filter(|_| is_poor).unwrap_or(1.0),
@@ -133,16 +138,21 @@ impl ErrorJudge {
 }
 
 impl Pass {
-    /// Error over its estimate, part by part, the next iterate standing for the solution; infinite where that is not known.
-    fn effectivity(&self, norms: &EnergyNorms<'_>, next: &[f64]) -> [f64; 2] {
+    /// Error over its estimate, field by field, the next iterate standing for the solution; infinite where that is not known.
+    fn effectivity(&self, norms: &EnergyNorms<'_>, next: &[f64]) -> Fields<f64> {
         if self.x.is_empty() {
-            return [f64::INFINITY; 2];
+            return self.error.map(|_, _| f64::INFINITY);
         }
         let change: Vec<f64> = next.iter().zip(&self.x).map(|(y, x)| y - x).collect();
-        let change = norms.error(&change);
-        [0, 1].map(|part: usize| match change[part] {
+        norms.error(&change).map(|field, change| match change {
             0.0 => 1.0,
-            change => change / self.error[part],
+            change => change / self.error[field],
         })
     }
+}
+
+/// The largest value, NaN for none.
+fn largest(values: &Fields<f64>) -> f64 {
+    let values = values.iter().map(|(_, value)| value);
+    values.fold(f64::NAN, f64::max)
 }

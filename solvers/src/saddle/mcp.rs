@@ -3,7 +3,7 @@
 use super::inner::Ready;
 use super::method::SaddleSettings;
 use super::schur::primal_schur;
-use super::{AugmentationMatrix, InnerChoice, SaddleBlocks};
+use super::{AugmentationMatrix, InnerChoice, SaddleBlocks, T, U};
 use crate::SetupError;
 use crate::eigen::{LanczosSettings, extreme_eigenvalues};
 use crate::fsai::Fsai;
@@ -33,7 +33,7 @@ pub struct McpInverse<P, S> {
     gamma: f64,
     p: P,
     s: S,
-    layout: Layout<2>,
+    layout: Layout,
 }
 
 impl<P: Preconditioner<f64>, S: Preconditioner<f64>> McpInverse<P, S> {
@@ -41,7 +41,7 @@ impl<P: Preconditioner<f64>, S: Preconditioner<f64>> McpInverse<P, S> {
     pub fn new(b: SparseMatrix<f64>, gamma: f64, p: P, s: S) -> Self {
         assert_eq!(b.rows(), p.size(), "rows of B and size of P");
         assert_eq!(b.cols(), s.size(), "columns of B and size of S");
-        let layout = Layout::new(["u", "t"], [b.rows(), b.cols()]);
+        let layout = Layout::new([(U, b.rows()), (T, b.cols())]);
         Self {
             b: Csr::with_transpose(b),
             gamma,
@@ -58,8 +58,8 @@ impl<P: Preconditioner<f64>, S: Preconditioner<f64>> Preconditioner<f64> for Mcp
     }
 
     fn solve(&self, x: &[f64], y: &mut [f64], work: &mut [f64]) {
-        let [x_u, x_t] = self.layout.split(x);
-        let [y_u, y_t] = self.layout.split_mut(y);
+        let [x_u, x_t] = self.layout.split([U, T], x);
+        let [y_u, y_t] = self.layout.split_mut([U, T], y);
         let (v_u, work) = work.split_at_mut(x_u.len());
         let (w_t, work) = work.split_at_mut(x_t.len());
         // v_u = x_u + γ B x_t

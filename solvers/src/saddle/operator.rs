@@ -1,116 +1,56 @@
 //! 𝒜 as an operator and as one assembled matrix.
 
-use super::SaddleBlocks;
-use fracas_operators::operator::assert_product;
+use super::{P, SaddleBlocks, T, U};
 use fracas_operators::sparse::{Csr, CsrView, SparseMatrix};
-use fracas_operators::{BlockOperator, Layout, LinearOperator, Shape};
+use fracas_operators::{BlockOperator, LinearOperator, Shape};
 
 /// `𝒜 = [A B1; B2 −H]`, or `[A B1 Q1; B2 −H 0; Q2 0 T]` with flow, ready for products.
 ///
 /// # Cost
 /// One product: `2 (nnz A + nnz B1 + nnz B2 + nnz H)` flops. B1ᵀ is stored so that both couplings run by rows.
-#[derive(Clone, Debug)]
-pub struct SaddleOperator<'a> {
-    a: CsrView<'a, f64>,
-    b1: CsrView<'a, f64>,
-    b2: SecondCoupling<'a>,
-    h: Option<CsrView<'a, f64>>,
-    flow: Option<FlowOperators<'a>>,
-}
-
-/// B2: given, or B1ᵀ stored by rows.
-#[derive(Clone, Debug)]
-enum SecondCoupling<'a> {
-    Given(CsrView<'a, f64>),
-    Transposed(Csr<f64>),
-}
-
-#[derive(Clone, Debug)]
-struct FlowOperators<'a> {
-    q1: CsrView<'a, f64>,
-    q2: CsrView<'a, f64>,
-    t: CsrView<'a, f64>,
-}
+pub struct SaddleOperator<'a>(BlockOperator<'a, f64>);
 
 impl<'a> SaddleOperator<'a> {
     /// Borrows the blocks.
     pub fn new(blocks: &'a SaddleBlocks) -> Self {
-        let flow = blocks.flow.as_ref().map(|f| FlowOperators {
-            q1: CsrView::new(&f.q1),
-            q2: CsrView::new(&f.q2),
-            t: CsrView::new(&f.t),
-        });
-        let b2 = match &blocks.b2 {
-            Some(b2) => SecondCoupling::Given(CsrView::new(b2)),
-            None => SecondCoupling::Transposed(Csr::new(blocks.b1.transpose_view().to_csr())),
+        let a = CsrView::new(&blocks.a);
+        let b1 = CsrView::new(&blocks.b1);
+        let b2: Box<dyn LinearOperator<f64> + 'a> = match &blocks.b2 {
+            Some(b2) => Box::new(CsrView::new(b2)),
+            None => Box::new(Csr::new(blocks.b1.transpose_view().to_csr())),
         };
-        Self {
-            a: CsrView::new(&blocks.a),
-            b1: CsrView::new(&blocks.b1),
-            b2,
-            h: blocks.h.as_ref().map(CsrView::new),
-            flow,
+        let mut operator = BlockOperator::new(blocks.layout())
+            .with([U, U], 1.0, a)
+            .with([U, T], 1.0, b1)
+            .with([T, U], 1.0, b2);
+        if let Some(h) = &blocks.h {
+            operator = operator.with([T, T], -1.0, CsrView::new(h));
         }
-    }
-
-    /// `[A B1; B2 −H]` without flow.
-    fn two_fields(&self) -> BlockOperator<'_, f64, 2> {
-        let layout = Layout::new(["u", "t"], [self.b1.shape().rows, self.b1.shape().cols]);
-        let b2: &dyn LinearOperator<f64> = match &self.b2 {
-            SecondCoupling::Given(b2) => b2,
-            SecondCoupling::Transposed(b2) => b2,
-        };
-        BlockOperator::new(
-            layout,
-            [
-                [Some((1.0, &self.a)), Some((1.0, &self.b1))],
-                [
-                    Some((1.0, b2)),
-                    self.h
-                        .as_ref()
-                        .map(|h| (-1.0, h as &dyn LinearOperator<f64>)),
-                ],
-            ],
-        )
-    }
-
-    /// Unknowns of u and t.
-    fn mechanical(&self) -> usize {
-        self.b1.shape().rows + self.b1.shape().cols
+        if let Some(flow) = &blocks.flow {
+            operator = operator
+                .with([U, P], 1.0, CsrView::new(&flow.q1))
+                .with([P, U], 1.0, CsrView::new(&flow.q2))
+                .with([P, P], 1.0, CsrView::new(&flow.t));
+        }
+        Self(operator)
     }
 }
 
 impl LinearOperator<f64> for SaddleOperator<'_> {
     fn shape(&self) -> Shape {
-        let n_p = self.flow.as_ref().map_or(0, |f| f.t.shape().rows);
-        Shape::square(self.mechanical() + n_p)
+        self.0.shape()
     }
 
     fn apply_add(&self, alpha: f64, x: &[f64], y: &mut [f64], work: &mut [f64]) {
-        assert_product(self.shape(), x, y);
-        let ((x_ut, x_p), (y_ut, y_p)) = (
-            x.split_at(self.mechanical()),
-            y.split_at_mut(self.mechanical()),
-        );
-        self.two_fields().apply_add(alpha, x_ut, y_ut, work);
-        if let Some(flow) = &self.flow {
-            let n_u = self.b1.shape().rows;
-            flow.q1.apply_add(alpha, x_p, &mut y_ut[..n_u], work);
-            flow.q2.apply_add(alpha, &x_ut[..n_u], y_p, work);
-            flow.t.apply_add(alpha, x_p, y_p, work);
-        }
+        self.0.apply_add(alpha, x, y, work);
     }
 
     fn work_len(&self) -> usize {
-        0
+        self.0.work_len()
     }
 
     fn flops(&self) -> u64 {
-        let flow = self
-            .flow
-            .as_ref()
-            .map_or(0, |f| f.q1.flops() + f.q2.flops() + f.t.flops());
-        self.two_fields().flops() + flow
+        self.0.flops()
     }
 }
 
@@ -128,25 +68,26 @@ impl SaddleBlocks {
 
     /// `‖𝒜‖_∞`, the largest row sum of absolute values.
     pub fn norm_inf(&self) -> f64 {
-        let (n_u, n_t) = (self.n_u(), self.n_t());
         let mut sums = vec![0.0; self.size()];
-        add_row_sums(&self.a, &mut sums);
-        add_row_sums(&self.b1, &mut sums);
+        let [of_u, of_t] = self.layout().split_mut([U, T], &mut sums);
+        add_row_sums(&self.a, of_u);
+        add_row_sums(&self.b1, of_u);
         match &self.b2 {
-            Some(b2) => add_row_sums(b2, &mut sums[n_u..]),
+            Some(b2) => add_row_sums(b2, of_t),
             None => {
                 for (value, (_, j)) in &self.b1 {
-                    sums[n_u + j as usize] += value.abs();
+                    of_t[j as usize] += value.abs();
                 }
             }
         }
         if let Some(h) = &self.h {
-            add_row_sums(h, &mut sums[n_u..]);
+            add_row_sums(h, of_t);
         }
         if let Some(flow) = &self.flow {
-            add_row_sums(&flow.q1, &mut sums);
-            add_row_sums(&flow.q2, &mut sums[n_u + n_t..]);
-            add_row_sums(&flow.t, &mut sums[n_u + n_t..]);
+            let [of_u, of_p] = self.layout().split_mut([U, P], &mut sums);
+            add_row_sums(&flow.q1, of_u);
+            add_row_sums(&flow.q2, of_p);
+            add_row_sums(&flow.t, of_p);
         }
         sums.into_iter().fold(0.0, f64::max)
     }
@@ -161,13 +102,15 @@ impl SaddleBlocks {
                 &transposed
             }
         };
-        let (u, t, p) = (0, self.n_u(), self.n_u() + self.n_t());
+        let first = |field| self.layout().range(field).start;
+        let (u, t) = (first(U), first(T));
         let h: Vec<Placed<'_>> = self.h.iter().map(|h| (-1.0, t, h)).collect();
         let mut rows = vec![
             vec![(1.0, u, &self.a), (1.0, t, &self.b1)],
             [vec![(1.0, u, b2)], h].concat(),
         ];
         if let Some(flow) = &self.flow {
+            let p = first(P);
             rows[0].push((1.0, p, &flow.q1));
             rows.push(vec![(1.0, u, &flow.q2), (1.0, p, &flow.t)]);
         }
@@ -282,7 +225,7 @@ mod tests {
                     assert_eq!(dense.entry(i, j), *assembled.get(i, j).unwrap_or(&0.0));
                 }
             }
-            for (k, i) in (n_u..n_u + n_t).enumerate() {
+            for (k, i) in blocks.layout().range(T).enumerate() {
                 let h = |j| {
                     blocks
                         .h

@@ -4,7 +4,7 @@ use super::inner::{PartCost, Ready};
 use super::method::SaddleSettings;
 use super::{
     AugmentationChoice, AugmentationMatrix, ContactRows, EliminatedInverse, Elimination,
-    InnerChoice, RELAXATION, Relaxation, RelaxationSummary, SaddleBlocks,
+    InnerChoice, RELAXATION, Relaxation, RelaxationSummary, SaddleBlocks, T, U,
 };
 use crate::multigrid::Geometric;
 use crate::{Prepare, SetupError};
@@ -30,7 +30,7 @@ pub struct RacpInverse<'a> {
     rows: Box<dyn ContactRows + 'a>,
     s_u: Box<dyn Preconditioner<f64> + 'a>,
     relaxation: Option<Relaxation<'a>>,
-    layout: Layout<2>,
+    layout: Layout,
 }
 
 impl<'a> RacpInverse<'a> {
@@ -57,7 +57,7 @@ impl<'a> RacpInverse<'a> {
             rows: Box::new(rows),
             s_u: Box::new(s_u),
             relaxation: None,
-            layout: Layout::new(["u", "t"], [shape.rows, shape.cols]),
+            layout: Layout::new([(U, shape.rows), (T, shape.cols)]),
         }
     }
 
@@ -81,8 +81,8 @@ impl Preconditioner<f64> for RacpInverse<'_> {
     }
 
     fn solve(&self, x: &[f64], y: &mut [f64], work: &mut [f64]) {
-        let [x_u, x_t] = self.layout.split(x);
-        let [y_u, y_t] = self.layout.split_mut(y);
+        let [x_u, x_t] = self.layout.split([U, T], x);
+        let [y_u, y_t] = self.layout.split_mut([U, T], y);
         let (w_u, work) = work.split_at_mut(x_u.len());
         let (w_t, work) = work.split_at_mut(x_t.len());
         // w_t = Wᵀ x_k, y_t = C⁻¹ Wᵀ x_k + Λ⁻¹ x_l

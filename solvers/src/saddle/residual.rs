@@ -1,6 +1,6 @@
 //! b − 𝒜x in twice the digits.
 
-use super::SaddleBlocks;
+use super::{P, SaddleBlocks, T, U};
 use fracas_operators::Twofold;
 use fracas_operators::sparse::SparseMatrix;
 use rayon::prelude::*;
@@ -35,10 +35,9 @@ impl SaddleBlocks {
 
     /// `sums ← sums − 𝒜x`.
     fn subtract_product(&self, x: &[f64], sums: &mut [Twofold]) {
-        let (u, x_tp) = x.split_at(self.n_u());
-        let (t, p) = x_tp.split_at(self.n_t());
-        let (sums_u, sums_tp) = sums.split_at_mut(self.n_u());
-        let (sums_t, sums_p) = sums_tp.split_at_mut(self.n_t());
+        let layout = self.layout();
+        let [u, t] = layout.split([U, T], x);
+        let [sums_u, sums_t] = layout.split_mut([U, T], sums);
         add_rows(-1.0, &self.a, u, sums_u);
         add_rows(-1.0, &self.b1, t, sums_u);
         match &self.b2 {
@@ -53,6 +52,8 @@ impl SaddleBlocks {
             add_rows(1.0, h, t, sums_t);
         }
         if let Some(flow) = &self.flow {
+            let [p] = layout.split([P], x);
+            let [sums_u, sums_p] = layout.split_mut([U, P], sums);
             add_rows(-1.0, &flow.q1, p, sums_u);
             add_rows(-1.0, &flow.q2, u, sums_p);
             add_rows(-1.0, &flow.t, p, sums_p);

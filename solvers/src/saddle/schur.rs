@@ -1,11 +1,11 @@
 //! The primal Schur complement `S_u = A + B C⁻¹ Bᵀ` and its exact inverse.
 
 use super::scaling::ScaledInverse;
-use super::{AugmentationMatrix, SaddleBlocks};
+use super::{AugmentationMatrix, SaddleBlocks, T, U};
 use crate::SetupError;
 use crate::direct::{DirectChoice, DirectSolver, Factorization, Kind};
 use fracas_operators::sparse::{SparseMatrix, Triplets};
-use fracas_operators::{Preconditioner, Properties};
+use fracas_operators::{Layout, Preconditioner, Properties};
 
 /// `S_u = A + (BF)(BF)ᵀ` with `C⁻¹ = F Fᵀ`: symmetric to the last bit where A is.
 ///
@@ -45,7 +45,7 @@ pub fn exact_inverse(
             .factor(&matrix)
             .map_err(about_s_u)?;
         return Ok(Box::new(QuasiDefinite {
-            n_u: blocks.n_u(),
+            layout: Layout::new([(U, blocks.n_u()), (T, blocks.n_t())]),
             factors,
         }));
     }
@@ -128,23 +128,25 @@ fn quasi_definite(blocks: &SaddleBlocks, c: &AugmentationMatrix) -> SparseMatrix
 
 /// S_u⁻¹ through factors of `[A B; Bᵀ −C]`.
 struct QuasiDefinite {
-    n_u: usize,
+    layout: Layout,
     factors: Box<dyn Factorization>,
 }
 
 impl Preconditioner<f64> for QuasiDefinite {
     fn size(&self) -> usize {
-        self.n_u
+        self.layout.length(U)
     }
 
     fn solve(&self, r: &[f64], z: &mut [f64], work: &mut [f64]) {
         let n = self.factors.size();
         let (x, work) = work.split_at_mut(n);
         let (y, work) = work.split_at_mut(n);
-        x[..self.n_u].copy_from_slice(r);
-        x[self.n_u..].fill(0.0);
+        let [x_u, x_t] = self.layout.split_mut([U, T], x);
+        x_u.copy_from_slice(r);
+        x_t.fill(0.0);
         self.factors.solve(x, y, work);
-        z.copy_from_slice(&y[..self.n_u]);
+        let [y_u] = self.layout.split([U], y);
+        z.copy_from_slice(y_u);
     }
 
     fn work_len(&self) -> usize {

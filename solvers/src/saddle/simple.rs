@@ -3,7 +3,7 @@
 use super::inner::Ready;
 use super::method::SaddleSettings;
 use super::schur::diagonal_schur_inverse;
-use super::{InnerChoice, SaddleBlocks};
+use super::{InnerChoice, SaddleBlocks, T, U};
 use crate::SetupError;
 use crate::direct::DirectChoice;
 use fracas_operators::sparse::{Csr, SparseMatrix};
@@ -27,7 +27,7 @@ pub struct SimpleInverse<P, S> {
     s: S,
     /// diag(A)⁻¹ in place of the second P.
     inverse_diagonal: Option<Vec<f64>>,
-    layout: Layout<2>,
+    layout: Layout,
 }
 
 impl<P: Preconditioner<f64>, S: Preconditioner<f64>> SimpleInverse<P, S> {
@@ -40,7 +40,7 @@ impl<P: Preconditioner<f64>, S: Preconditioner<f64>> SimpleInverse<P, S> {
             (b1.cols(), b1.rows()),
             "B2 and B1ᵀ differ in shape"
         );
-        let layout = Layout::new(["u", "t"], [b1.rows(), b1.cols()]);
+        let layout = Layout::new([(U, b1.rows()), (T, b1.cols())]);
         Self {
             b1: Csr::new(b1),
             b2: Csr::new(b2),
@@ -54,7 +54,7 @@ impl<P: Preconditioner<f64>, S: Preconditioner<f64>> SimpleInverse<P, S> {
     /// The same with `Q = diag(q)`.
     #[must_use]
     pub fn correcting_by(mut self, q: Vec<f64>) -> Self {
-        assert_eq!(q.len(), self.layout.lengths[0], "length of Q and n_u");
+        assert_eq!(q.len(), self.layout.length(U), "length of Q and n_u");
         self.inverse_diagonal = Some(q);
         self
     }
@@ -66,8 +66,8 @@ impl<P: Preconditioner<f64>, S: Preconditioner<f64>> Preconditioner<f64> for Sim
     }
 
     fn solve(&self, x: &[f64], y: &mut [f64], work: &mut [f64]) {
-        let [x_u, x_t] = self.layout.split(x);
-        let [y_u, y_t] = self.layout.split_mut(y);
+        let [x_u, x_t] = self.layout.split([U, T], x);
+        let [y_u, y_t] = self.layout.split_mut([U, T], y);
         let (v_u, work) = work.split_at_mut(x_u.len());
         let (w_t, work) = work.split_at_mut(x_t.len());
         // y_u = P x_u

@@ -1,7 +1,7 @@
 //! What iterating and judging need of a saddle point, assembled or not.
 
-use super::{EnergyNorms, SaddleBlocks, SaddleOperator, StrainNorm};
-use fracas_operators::{LinearOperator, vector};
+use super::{EnergyNorms, P, SaddleBlocks, SaddleOperator, StrainNorm, T, U};
+use fracas_operators::{Layout, LinearOperator, vector};
 use std::borrow::Cow;
 
 /// A generalized saddle point `𝒜 = [A B1; B2 −H]` (with flow `[A B1 Q1; B2 −H 0; Q2 0 T]`), assembled or not.
@@ -9,8 +9,8 @@ pub trait SaddleSystem {
     /// 𝒜.
     fn operator(&self) -> &dyn LinearOperator<f64>;
 
-    /// n_u, n_t, n_p.
-    fn lengths(&self) -> [usize; 3];
+    /// The fields of its unknowns.
+    fn layout(&self) -> Layout;
 
     /// The blocks, for methods that read entries; `None` where nothing is assembled.
     fn entries(&self) -> Option<&SaddleBlocks>;
@@ -37,13 +37,13 @@ pub trait SaddleSystem {
         }
         let over = |r: f64, scale: f64| if r == 0.0 { 0.0 } else { r / scale };
         let number = |v: f64| v.is_finite().then_some(v);
-        let [n_u, n_t, _] = self.lengths();
+        let [r_t] = self.layout().split([T], &r);
         let jumps = vector::norm_inf(&self.contact_scale(x, b));
         let scale = self.norm_inf() * vector::norm_inf(x) + vector::norm_inf(b);
         ResidualNorms {
             relative: number(over(vector::norm2(&r), vector::norm2(b))),
             backward: number(over(vector::norm_inf(&r), scale)),
-            contact: number(over(vector::norm_inf(&r[n_u..n_u + n_t]), jumps)),
+            contact: number(over(vector::norm_inf(r_t), jumps)),
         }
     }
 }
@@ -82,8 +82,8 @@ impl SaddleSystem for Assembled<'_> {
         &self.operator
     }
 
-    fn lengths(&self) -> [usize; 3] {
-        [self.blocks.n_u(), self.blocks.n_t(), self.blocks.n_p()]
+    fn layout(&self) -> Layout {
+        self.blocks.layout()
     }
 
     fn entries(&self) -> Option<&SaddleBlocks> {
@@ -100,9 +100,9 @@ impl SaddleSystem for Assembled<'_> {
     }
 
     fn contact_scale(&self, x: &[f64], b: &[f64]) -> Vec<f64> {
-        let [n_u, n_t, _] = self.lengths();
-        let mut scale: Vec<f64> = b[n_u..n_u + n_t].iter().map(|b| b.abs()).collect();
-        for (row, u) in self.blocks.b1.outer_iterator().zip(&x[..n_u]) {
+        let ([u], [b_t]) = (self.layout().split([U], x), self.layout().split([T], b));
+        let mut scale: Vec<f64> = b_t.iter().map(|b| b.abs()).collect();
+        for (row, u) in self.blocks.b1.outer_iterator().zip(u) {
             row.iter().for_each(|(j, b)| scale[j] += (b * u).abs());
         }
         scale
@@ -112,7 +112,12 @@ impl SaddleSystem for Assembled<'_> {
         let c = self.blocks.contact_compliance();
         let stiffness = Cow::Owned(self.blocks.stiffness());
         let strain = self.strain.as_deref().filter(|_| own);
-        EnergyNorms::new(&self.operator, self.blocks.h.as_ref(), c, stiffness)
+        let norms = EnergyNorms::new(&self.operator, self.blocks.h.as_ref(), c, stiffness);
+        let norms = match &self.blocks.flow {
+            Some(flow) => norms.and(P, &flow.t),
+            None => norms,
+        };
+        norms
             .against(strain.map(|norm| -> StrainNorm<'_> { Box::new(norm) }))
             .with_entries(self.blocks)
     }

@@ -5,9 +5,9 @@ use super::product::Preconditioned;
 use super::similarity::Similarity;
 use crate::SetupError;
 use crate::eigen::dense;
-use crate::saddle::{AugmentationMatrix, SaddleBlocks};
+use crate::saddle::{AugmentationMatrix, SaddleBlocks, T, U};
 use faer::{Mat, c64};
-use fracas_operators::{LinearOperator, Preconditioner};
+use fracas_operators::{Layout, LinearOperator, Preconditioner};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::str::FromStr;
@@ -201,7 +201,7 @@ impl Judge<'_> {
         re: (Vec<f64>, Vec<f64>),
         im: Option<(Vec<f64>, Vec<f64>)>,
     ) -> Mode {
-        let n_u = re.0.len();
+        let layout = Layout::new([(U, re.0.len()), (T, re.1.len())]);
         let x: Vec<f64> = re.0.into_iter().chain(re.1).collect();
         let y: Vec<f64> = im.map_or_else(
             || vec![0.0; x.len()],
@@ -223,7 +223,7 @@ impl Judge<'_> {
             residual += (d * r_x).powi(2) + (d * r_y).powi(2);
             let share = (d * x[i]).powi(2) + (d * y[i]).powi(2);
             energy += share;
-            if i < n_u {
+            if layout.range(U).contains(&i) {
                 energy_u += share;
             }
             if share > largest.0 {
@@ -238,8 +238,8 @@ impl Judge<'_> {
         };
         Mode {
             eigenvalue: (lambda.re, lambda.im),
-            u: part(0..n_u),
-            t: part(n_u..x.len()),
+            u: part(layout.range(U)),
+            t: part(layout.range(T)),
             traction_share: (energy - energy_u) / energy,
             residual: (residual / energy).sqrt(),
         }

@@ -10,7 +10,7 @@ fn state(step: usize) -> State {
         next: f64::MIN_POSITIVE / 4.0,
         force: 2.0 / 3.0,
         traction: 1e300,
-        size: [1e-300, 0.7],
+        size: Fields::new([(U, 1e-300), (T, 0.7)]),
         krylov: 2.5,
         prepared: Some(Prepared {
             states: vec![ContactState::Open, ContactState::Stick],
@@ -67,6 +67,7 @@ fn every_bit_comes_back() {
     let read = read_checkpoint(&path, OWN).unwrap();
     let scalars = |s: &State| [s.time, s.loaded, s.next, s.force, s.traction].map(f64::to_bits);
     assert_eq!((read.step, scalars(&read)), (12, scalars(&written)));
+    assert_eq!((read.size, read.krylov), (written.size, written.krylov));
     assert_eq!(bits(&read.u), bits(&written.u));
     assert_eq!(bits(&read.t), bits(&written.t));
     assert_eq!(bits(&read.slip), bits(&written.slip));
@@ -156,4 +157,35 @@ fn a_checkpoint_of_something_else_is_refused() {
     };
     assert!(refused(6, 8).contains("another mesh"));
     assert!(refused(7, 9).contains("same mesh but other materials"));
+}
+
+#[test]
+fn a_checkpoint_with_other_fields_or_of_another_layout_is_refused_in_a_sentence() {
+    let with = |at: usize, word: u64| {
+        let mut bytes = encode(&state(1), OWN);
+        bytes[8 * at..8 * at + 8].copy_from_slice(&word.to_le_bytes());
+        let content = bytes.len() - 8;
+        let sum = checksum(&bytes[..content]);
+        bytes[content..].copy_from_slice(&sum.to_le_bytes());
+        decode(&bytes, Path::new("file"), OWN)
+            .unwrap_err()
+            .to_string()
+    };
+    let pressures = u64::from_le_bytes(*b"p\0\0\0\0\0\0\0");
+    assert_eq!(
+        with(HEADER + 3, pressures),
+        "the checkpoint file holds the fields u, p, this program reads u and t"
+    );
+    assert_eq!(
+        with(1, 3),
+        "the checkpoint file has layout 3, this program reads layout 4"
+    );
+    // tables that reach beyond the file
+    for (at, word) in [
+        (HEADER - 1, u64::MAX),
+        (HEADER - 2, u64::MAX / 2),
+        (HEADER + 1, u64::MAX),
+    ] {
+        assert!(with(at, word).contains("is damaged"));
+    }
 }

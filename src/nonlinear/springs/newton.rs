@@ -10,6 +10,7 @@ use crate::nonlinear::record::count;
 use crate::nonlinear::turns::Turns;
 use crate::nonlinear::workspace::Resources;
 use crate::nonlinear::{Failure, LinearFailure, LinearRecord};
+use fracas_operators::Fields;
 use fracas_operators::vector::{axpy, norm2};
 use fracas_solvers::saddle::Judged;
 use fracas_solvers::{Observer, Step};
@@ -73,7 +74,7 @@ struct Judgement {
 pub(super) struct Solution {
     pub(super) at: Evaluation,
     /// Errors of u and t; NaN where only residuals are judged.
-    pub(super) error: [f64; 2],
+    pub(super) error: Fields<f64>,
 }
 
 /// Springs of stiffness κ per face [Pa/m] around multipliers, three per face [Pa].
@@ -297,6 +298,6 @@ pub(super) fn newton(
     }
     Ok(Solution {
         at,
-        error: judged.map_or([f64::NAN; 2], |last| last.errors.error),
+        error: judged.map_or(attempt.unjudged(), |last| last.errors.error),
     })
 }

@@ -1,6 +1,7 @@
 //! Rows of `history.csv`, `solver.csv` and `energy.csv`.
 
 use fracas::nonlinear::{EnergyRecord, LinearRecord, StepRecord};
+use fracas_solvers::saddle::{T, U};
 
 /// First line of `history.csv`.
 pub(super) const HISTORY: &str = "step,time_s,dt_s,active_it,newton_it,lin_it,lin_res,stick,newslip,slip,open,changed_area,max_pen,max_tau_viol,slip_max_m,h_jump_max_m,h_overlap_max_m,cuts,wall_s,max_slip_viol,arrested,error_u,error_t\n";
@@ -37,8 +38,8 @@ pub(super) fn row(record: &StepRecord, wall_s: Option<f64>) -> String {
         r.cuts,
         r.max_slip_viol,
         u8::from(r.arrested),
-        error(r.error[0]),
-        error(r.error[1])
+        error(r.error[U]),
+        error(r.error[T])
     )
 }
 
@@ -112,6 +113,7 @@ pub(super) fn column(name: &str) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fracas_operators::Fields;
 
     fn record() -> StepRecord {
         StepRecord {
@@ -128,7 +130,7 @@ mod tests {
             max_tau_viol: 1e20,
             max_slip_viol: 2e-7,
             arrested: true,
-            error: [1e-9, f64::NAN],
+            error: Fields::new([(U, 1e-9), (T, f64::NAN)]),
             slip_max: 5e-324,
             h_jump: 2e-5,
             h_overlap: 1e-5,

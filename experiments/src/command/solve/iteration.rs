@@ -10,7 +10,7 @@ use fracas_operators::matrix_market::write_vector;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, System};
 use fracas_solvers::multigrid::Summary;
 use fracas_solvers::saddle::{
-    Accurate, Cost, Measure, RelaxationSummary, SaddleBlocks, SaddleSystem,
+    Accurate, Cost, Measure, P, RelaxationSummary, SaddleBlocks, SaddleSystem, T, U,
 };
 use fracas_solvers::spectrum::Explanation;
 use std::io::Write;
@@ -116,9 +116,10 @@ impl Solve {
         let method = krylov.method();
         let own = built.rhs == RightHandSide::Folder;
         let norms = built.equations.norms(own);
-        // pressures have no norm of their own yet
-        let measure = match built.equations.lengths() {
-            [_, _, 0] => Measure::from(self.measure),
+        // T of a folder may be no norm of pressures
+        let layout = built.equations.layout();
+        let measure = match layout.length(P) {
+            0 => Measure::from(self.measure),
             _ => Measure::Residual,
         };
         let may_stop = built.in_double.is_some() && built.preconditioner.properties().single;
@@ -198,14 +199,13 @@ impl Solve {
         let cost = Cost::new(operator, preconditioner);
         let sharp = norms.entries().filter(|_| refinements > 0);
         let residual = built.equations.residual(&x, b, sharp);
-        let [n_u, n_t, n_p] = built.equations.lengths();
         let mut report = SolveReport {
             outcome: "breakdown",
             iterations: 0,
             relative_residual: residual.relative,
             measure,
-            error_u: number(error[0]),
-            error_t: number(error[1]),
+            error_u: number(error[U]),
+            error_t: number(error[T]),
             smallest_ritz: (result.as_ref().ok()).and_then(|report| report.smallest_ritz),
             backward_error: residual.backward,
             contact_residual: residual.contact,
@@ -221,9 +221,9 @@ impl Solve {
             rhs: built.rhs,
             tolerance: self.tolerance,
             traction_unit: built.unit,
-            n_u,
-            n_t,
-            n_p,
+            n_u: layout.length(U),
+            n_t: layout.length(T),
+            n_p: layout.length(P),
             c_app: cost.c_app(),
             c_s: None,
             cost_convention: Cost::CONVENTION,
@@ -243,7 +243,8 @@ impl Solve {
         };
         report.record(&result, before, |iterations| cost.c_s(iterations, &krylov));
         if let Some(path) = &self.solution {
-            x[n_u..n_u + n_t].iter_mut().for_each(|t| *t *= built.unit);
+            let [t] = layout.split_mut([T], &mut x);
+            t.iter_mut().for_each(|t| *t *= built.unit);
             write_vector(path, &x)?;
         }
         match &self.json {

@@ -6,7 +6,7 @@ use super::{Inner, Solve, Status, memory};
 use crate::command::progress::Progress;
 use anyhow::Context;
 use fracas::matrix_free::{MatrixFreeError, MatrixFreeSystem, RacpParts};
-use fracas_solvers::saddle::{Racp, SaddleBlocks};
+use fracas_solvers::saddle::{Racp, SaddleBlocks, T, U};
 use std::io::Write;
 use std::time::Instant;
 
@@ -30,7 +30,7 @@ impl Solve {
         let unit = saddle.unit();
         let own = saddle.rhs(&system, &force);
         drop(force);
-        let [n_u, n_t] = saddle.layout().lengths;
+        let [n_u, n_t] = [U, T].map(|field| saddle.layout().length(field));
         progress.say(&format!("n_u = {n_u}, n_t = {n_t}, n_p = 0"));
         let has_rhs = own.iter().any(|b| *b != 0.0);
         let (rhs, b) = self.right_hand_side(has_rhs, own, &mut progress);

@@ -47,7 +47,10 @@ fn exact_parts_on_a_have_three_eigenvalues() {
     let blocks = random(12, 5, 0.0, 8);
     let f = Full::new(&blocks);
     let s = f.b1.transpose() * (inverse(&f.a) * &f.b1);
-    let m = BlockDiagonalInverse::new(DenseInverse::of(&f.a), DenseInverse::of(&s));
+    let m = BlockDiagonalInverse::new(vec![
+        (U, Box::new(DenseInverse::of(&f.a))),
+        (T, Box::new(DenseInverse::of(&s))),
+    ]);
     let root = 5.0f64.sqrt();
     let mut expected = vec![1.0; 7];
     expected.extend([0.5 * (1.0 + root); 5]);
@@ -110,7 +113,7 @@ fn minres_converges_with_both_forms() {
 fn the_flops_are_those_of_the_parts() {
     let p = Counted::new(DenseInverse::of(&Mat::identity(4, 4)));
     let s = Counted::new(DenseInverse::of(&Mat::identity(3, 3)));
-    let m = BlockDiagonalInverse::new(&p, &s);
+    let m = BlockDiagonalInverse::new(vec![(U, Box::new(&p)), (T, Box::new(&s))]);
     m.solve(&[1.0; 7], &mut [0.0; 7], &mut []);
     assert_eq!((p.applications(), s.applications()), (1, 1));
     assert_eq!(m.flops(), 2 * 16 + 2 * 9);

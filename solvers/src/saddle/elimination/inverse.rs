@@ -1,6 +1,7 @@
 //! The preconditioner of the whole system from one of the system without the eliminated rows.
 
 use super::Elimination;
+use crate::saddle::{T, U};
 use fracas_operators::{Layout, LinearOperator, Preconditioner, Properties};
 
 /// `M⁻¹` of the whole system from one of the system without the rows l:
@@ -12,13 +13,13 @@ use fracas_operators::{Layout, LinearOperator, Preconditioner, Properties};
 pub struct EliminatedInverse<M> {
     elimination: Elimination,
     inner: M,
-    layout: Layout<2>,
+    layout: Layout,
 }
 
 impl<M: Preconditioner<f64>> EliminatedInverse<M> {
     /// Around an M'⁻¹ for [`Elimination::kept`].
     pub fn new(elimination: Elimination, inner: M) -> Self {
-        let layout = Layout::new(["u", "t"], [elimination.kept.n_u(), elimination.kept.n_t()]);
+        let layout = Layout::new([(U, elimination.kept.n_u()), (T, elimination.kept.n_t())]);
         assert_eq!(inner.size(), layout.len(), "size of M' and unknowns");
         Self {
             elimination,
@@ -44,9 +45,9 @@ impl<M: Preconditioner<f64>> Preconditioner<f64> for EliminatedInverse<M> {
         } = &self.elimination;
         let (w, work) = work.split_at_mut(x.len());
         let (w_l, work) = work.split_at_mut(local.len());
-        let [_, x_t] = self.layout.split(x);
+        let [x_t] = self.layout.split([T], x);
         w.copy_from_slice(x);
-        let [w_u, w_t] = self.layout.split_mut(w);
+        let [w_u, w_t] = self.layout.split_mut([U, T], w);
         // w_u = x_u + B1_l H_ll⁻¹ x_l, w_l = 0
         for ((w_l, h_ll), &l) in w_l.iter_mut().zip(diagonal).zip(local) {
             *w_l = x_t[l] / h_ll;
@@ -55,7 +56,7 @@ impl<M: Preconditioner<f64>> Preconditioner<f64> for EliminatedInverse<M> {
         b1_l.apply_add(1.0, w_l, w_u, &mut []);
         // (y_u, y_k) = M'⁻¹ (w_u, x_k)
         self.inner.solve(w, y, work);
-        let [y_u, y_t] = self.layout.split_mut(y);
+        let [y_u, y_t] = self.layout.split_mut([U, T], y);
         // y_l = H_ll⁻¹ (B2_l y_u − H_lk y_k − x_l)
         w_l.iter_mut().zip(local).for_each(|(w, &l)| *w = -x_t[l]);
         b2_l.apply_add(1.0, y_u, w_l, &mut []);

@@ -8,7 +8,7 @@ use crate::saddle::oracle::unsymmetric;
 use crate::saddle::samples::{random, sparse, trusses};
 use crate::saddle::{
     AugmentationMatrix, AugmentedLagrangianInverse, BlockDiagonalInverse, BlockTriangularInverse,
-    Cost, FlowBlocks, McpInverse, RacpInverse, SaddleOperator, SimpleInverse,
+    Cost, FlowBlocks, McpInverse, RacpInverse, SaddleOperator, SimpleInverse, T, U,
 };
 use fracas_operators::laws::{check_parts, check_preconditioner, probe};
 use fracas_operators::sparse::Triplets;
@@ -301,7 +301,7 @@ fn every_part_counts() {
     })
     .unwrap();
     check_parts("block diagonal", both, |[p, s]| {
-        BlockDiagonalInverse::new(p, s)
+        BlockDiagonalInverse::new(vec![(U, Box::new(p)), (T, Box::new(s))])
     })
     .unwrap();
     check_parts("MCP", both, |[p, s]| McpInverse::new(b.clone(), 1.0, p, s)).unwrap();

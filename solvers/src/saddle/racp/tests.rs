@@ -102,11 +102,10 @@ fn its_cost_is_counted_in_products_with_the_saddle_point() {
     let m = RacpInverse::new(blocks.b1.clone(), c, fracas_operators::Identity { n: 12 });
     let (a, b) = (Csr::new(blocks.a.clone()), Csr::new(blocks.b1.clone()));
     let b2 = Csr::new(blocks.b1.transpose_view().to_csr());
-    let layout = Layout::new(["u", "t"], [12, 6]);
-    let saddle = BlockOperator::new(
-        layout,
-        [[Some((1.0, &a)), Some((1.0, &b))], [Some((1.0, &b2)), None]],
-    );
+    let saddle = BlockOperator::new(blocks.layout())
+        .with([U, U], 1.0, &a)
+        .with([U, T], 1.0, &b)
+        .with([T, U], 1.0, &b2);
     let expected =
         (2 * 6 + 2 * 2 * (72 + 12)) as f64 / (2 * (144 + 12) + 2 * (72 + 12) + 2 * (72 + 6)) as f64;
     assert!((Cost::new(&saddle, &m).c_app() - expected).abs() < 1e-14);

@@ -3,7 +3,8 @@ use crate::Prepare;
 use crate::eigen::dense;
 use crate::saddle::samples::{random, sparse};
 use crate::saddle::{
-    AugmentationChoice, InnerChoice, Racp, RacpInverse, SaddleBlocks, SaddleOperator,
+    AugmentationChoice, AugmentationMatrix, InnerChoice, Racp, RacpInverse, SaddleBlocks,
+    SaddleOperator,
 };
 use crate::smoothers::JacobiInverse;
 use faer::Mat;
