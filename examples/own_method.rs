@@ -4,11 +4,11 @@
 
 use fracas::scene::named;
 use fracas_operators::sparse::Csr;
-use fracas_operators::{LinearOperator, Preconditioner, Properties};
+use fracas_operators::{Layout, LinearOperator, Preconditioner, Properties};
 use fracas_solvers::direct::{DirectChoice, Factorization, Kind};
 use fracas_solvers::krylov::{Criteria, KrylovChoice, System};
 use fracas_solvers::saddle::{
-    CustomMethod, EnergyNorms, Measure, SaddleBlocks, SaddleMethod, SaddleOperator,
+    CustomMethod, EnergyNorms, Measure, SaddleBlocks, SaddleMethod, SaddleOperator, T, U,
     solve_accurately,
 };
 use fracas_solvers::{Named, SetupError, Silent};
@@ -22,6 +22,7 @@ struct Inverse {
     a: Box<dyn Factorization>,
     b2: Csr<f64>,
     schur: Vec<f64>,
+    layout: Layout,
 }
 
 impl Named for LowerTriangle {
@@ -38,7 +39,13 @@ impl CustomMethod for LowerTriangle {
         let c = blocks.contact_compliance().into_iter().enumerate();
         let schur = c.map(|(i, c)| c + h(i).unwrap_or(0.0)).collect();
         let b2 = Csr::new(blocks.b2_rows());
-        Ok(Box::new(Inverse { a, b2, schur }))
+        let layout = blocks.layout();
+        Ok(Box::new(Inverse {
+            a,
+            b2,
+            schur,
+            layout,
+        }))
     }
 
     fn takes_flow(&self) -> bool {
@@ -52,15 +59,15 @@ impl CustomMethod for LowerTriangle {
 
 impl Preconditioner<f64> for Inverse {
     fn size(&self) -> usize {
-        self.a.size() + self.schur.len()
+        self.layout.len()
     }
 
     fn solve(&self, x: &[f64], y: &mut [f64], work: &mut [f64]) {
-        let n_u = self.a.size();
-        let (y_u, y_t) = y.split_at_mut(n_u);
-        self.a.solve(&x[..n_u], y_u, work);
+        let [x_u, x_t] = self.layout.split([U, T], x);
+        let [y_u, y_t] = self.layout.split_mut([U, T], y);
+        self.a.solve(x_u, y_u, work);
         self.b2.apply(y_u, y_t, &mut []);
-        for ((y, x), s) in y_t.iter_mut().zip(&x[n_u..]).zip(&self.schur) {
+        for ((y, x), s) in y_t.iter_mut().zip(x_t).zip(&self.schur) {
             *y = (*y - x) / s;
         }
     }

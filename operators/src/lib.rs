@@ -39,7 +39,7 @@ pub use count::Counted;
 pub use dense::Dense;
 pub use fields::{Field, Fields, Layout};
 pub use operator::{AdjointOperator, LinearOperator};
-pub use preconditioner::{Identity, Inverse, Preconditioner, Properties};
+pub use preconditioner::{Identity, Preconditioner, Properties};
 pub use real::Real;
 pub use shape::Shape;
 pub use timed::Timed;

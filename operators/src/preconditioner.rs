@@ -1,12 +1,11 @@
 //! Preconditioners solve: `z ← M⁻¹ r`.
 
-use crate::operator::assert_product;
-use crate::{LinearOperator, Real, Shape};
+use crate::Real;
 
 /// An approximate solver: `z ← M⁻¹ r`.
 ///
-/// A preconditioner is deliberately *not* a [`LinearOperator`]: the only bridge is [`Inverse`], so "is this the matrix
-/// or its inverse?" is a question for the compiler.
+/// A preconditioner is deliberately *not* a [`LinearOperator`](crate::LinearOperator), so "is this the matrix or its inverse?" is a
+/// question for the compiler.
 pub trait Preconditioner<R: Real>: Send + Sync {
     /// Length of `r` and `z`.
     fn size(&self) -> usize;
@@ -123,34 +122,5 @@ impl<R: Real> Preconditioner<R> for Identity {
     }
     fn properties(&self) -> Properties {
         Properties::LOCAL
-    }
-}
-
-/// `M⁻¹` as an operator that multiplies.
-#[derive(Clone, Copy, Debug)]
-pub struct Inverse<M>(pub M);
-
-impl<R: Real, M: Preconditioner<R>> LinearOperator<R> for Inverse<M> {
-    fn shape(&self) -> Shape {
-        Shape::square(self.0.size())
-    }
-
-    fn apply_add(&self, alpha: R, x: &[R], y: &mut [R], work: &mut [R]) {
-        assert_product(self.shape(), x, y);
-        let (z, work) = work.split_at_mut(self.0.size());
-        self.0.solve(x, z, work);
-        crate::vector::axpy(alpha, z, y);
-    }
-
-    fn apply(&self, x: &[R], y: &mut [R], work: &mut [R]) {
-        self.0.solve(x, y, &mut work[self.0.size()..]);
-    }
-
-    fn work_len(&self) -> usize {
-        self.0.size() + self.0.work_len()
-    }
-
-    fn flops(&self) -> u64 {
-        self.0.flops() + 2 * self.0.size() as u64
     }
 }

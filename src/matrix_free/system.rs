@@ -4,7 +4,7 @@ use super::{Magnitude, MatrixFreeSaddle};
 use crate::elasticity::ElasticityError;
 use crate::system::StickSystem;
 use fracas_operators::{Layout, LinearOperator};
-use fracas_solvers::saddle::{EnergyNorms, SaddleBlocks, SaddleSystem, StrainNorm};
+use fracas_solvers::saddle::{EnergyNorms, SaddleSystem, StrainNorm};
 
 /// Nothing is assembled but H.
 pub struct MatrixFreeSystem {
@@ -36,11 +36,7 @@ impl SaddleSystem for MatrixFreeSystem {
         self.saddle.layout()
     }
 
-    fn entries(&self) -> Option<&SaddleBlocks> {
-        None
-    }
-
-    fn is_symmetric(&self) -> bool {
+    fn has_short_recurrences(&self) -> bool {
         true
     }
 

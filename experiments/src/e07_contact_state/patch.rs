@@ -8,7 +8,7 @@ use fracas_operators::vector::{axpy, norm2};
 use fracas_solvers::Prepare;
 use fracas_solvers::Silent;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
-use fracas_solvers::saddle::{Racp, SaddleBlocks, SaddleOperator};
+use fracas_solvers::saddle::{Racp, SaddleBlocks, SaddleOperator, T, U};
 
 /// Newton steps that a fixed state may take; each step after the first one without new slip squares the error.
 const NEWTON_LIMIT: usize = 12;
@@ -108,7 +108,8 @@ impl<'a> Laboratory<'a> {
         let unit = system.stick().traction_unit();
         let blocks = system.stick().in_traction_unit(unit);
         let x = solve(&blocks, &blocks.rhs())?;
-        let stick_t = x[blocks.n_u()..].iter().map(|t| unit * t).collect();
+        let [t] = blocks.layout().split([T], &x);
+        let stick_t = t.iter().map(|t| unit * t).collect();
         Ok(Self {
             body,
             system,
@@ -180,8 +181,9 @@ impl<'a> Laboratory<'a> {
                 });
             }
             let d = solve(&blocks, &blocks.rhs())?;
-            axpy(1.0, &d[..n_u], &mut u);
-            axpy(self.unit, &d[n_u..], &mut t);
+            let [d_u, d_t] = blocks.layout().split([U, T], &d);
+            axpy(1.0, d_u, &mut u);
+            axpy(self.unit, d_t, &mut t);
             steps += 1;
         }
     }

@@ -6,7 +6,7 @@ use fracas::mesh::{BoxGrid, BuiltMesh, Distort, PlaneFracture, face_geometry};
 use fracas::system::StickSystem;
 use fracas_operators::vector::axpy;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
-use fracas_solvers::saddle::{Racp, SaddleOperator};
+use fracas_solvers::saddle::{Racp, SaddleOperator, T, U};
 use fracas_solvers::{Prepare, Silent};
 
 /// The rock.
@@ -160,7 +160,7 @@ pub(super) fn solve(n: usize, stabilization: Option<JumpStabilization>) -> anyho
         report.relative_residual,
         report.iterations
     );
-    let (u, t) = x.split_at(n_u);
+    let [u, t] = blocks.layout().split([U, T], &x);
     let (mut error, mut norm) = (0.0, 0.0);
     for (dof, u) in constraints.free().iter().zip(u) {
         let exact = displacement(nodes[*dof as usize / 3])[*dof as usize % 3];

@@ -4,7 +4,7 @@ use super::scaling::ScaledInverse;
 use super::{AugmentationMatrix, SaddleBlocks, T, U};
 use crate::SetupError;
 use crate::direct::{DirectChoice, DirectSolver, Factorization, Kind};
-use fracas_operators::sparse::{SparseMatrix, Triplets};
+use fracas_operators::sparse::SparseMatrix;
 use fracas_operators::{Layout, Preconditioner, Properties};
 
 /// `S_u = A + (BF)(BF)ᵀ` with `C⁻¹ = F Fᵀ`: symmetric to the last bit where A is.
@@ -109,21 +109,13 @@ fn about_s_u(error: SetupError) -> SetupError {
 
 /// `[A B; Bᵀ −C]`.
 fn quasi_definite(blocks: &SaddleBlocks, c: &AugmentationMatrix) -> SparseMatrix<f64> {
-    let (n_u, n_t) = (blocks.n_u(), blocks.n_t());
-    let mut triplets = Triplets::new((n_u + n_t, n_u + n_t));
-    for (i, row) in blocks.a.outer_iterator().enumerate() {
-        row.iter().for_each(|(j, v)| triplets.add_triplet(i, j, *v));
-    }
-    for (i, row) in blocks.b1.outer_iterator().enumerate() {
-        for (j, v) in row.iter() {
-            triplets.add_triplet(i, n_u + j, *v);
-            triplets.add_triplet(n_u + j, i, *v);
-        }
-    }
-    for (value, (i, j)) in &c.entries() {
-        triplets.add_triplet(n_u + i as usize, n_u + j as usize, -value);
-    }
-    triplets.to_csr()
+    let augmented = SaddleBlocks {
+        b2: None,
+        h: Some(c.entries()),
+        flow: None,
+        ..blocks.clone()
+    };
+    augmented.assembled()
 }
 
 /// S_u⁻¹ through factors of `[A B; Bᵀ −C]`.

@@ -12,11 +12,8 @@ pub trait SaddleSystem {
     /// The fields of its unknowns.
     fn layout(&self) -> Layout;
 
-    /// The blocks, for methods that read entries; `None` where nothing is assembled.
-    fn entries(&self) -> Option<&SaddleBlocks>;
-
-    /// 𝒜 = 𝒜ᵀ, and so is the preconditioner that belongs to it.
-    fn is_symmetric(&self) -> bool;
+    /// True where 𝒜 and whatever preconditions it are symmetric, so that short recurrences apply.
+    fn has_short_recurrences(&self) -> bool;
 
     /// `‖𝒜‖_∞`, or a lower bound close to it.
     fn norm_inf(&self) -> f64;
@@ -86,12 +83,8 @@ impl SaddleSystem for Assembled<'_> {
         self.blocks.layout()
     }
 
-    fn entries(&self) -> Option<&SaddleBlocks> {
-        Some(self.blocks)
-    }
-
-    fn is_symmetric(&self) -> bool {
-        // not every method of the list is
+    fn has_short_recurrences(&self) -> bool {
+        // not every method of the list is symmetric
         false
     }
 

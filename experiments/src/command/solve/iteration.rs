@@ -83,7 +83,7 @@ impl Solve {
         let fitted = memory::krylov_that_fits(
             built.equations.operator(),
             built.preconditioner,
-            built.equations.is_symmetric(),
+            built.equations.has_short_recurrences(),
         )?;
         Ok((fitted.choice, fitted.reason))
     }
