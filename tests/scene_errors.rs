@@ -57,6 +57,19 @@ fn unknown_keys_and_values_get_their_nearest_match_and_their_line() {
         text.starts_with("s.toml:20:8: unknown value `roler`, did you mean `roller`?; known here: roller, fixed\n"),
         "{text}"
     );
+    let solver = |racp: &str| {
+        let section = format!("[solver]\nracp = {racp}\n\n[[boundary]]");
+        refused("[[boundary]]", &section)
+    };
+    let text = solver("{ inner = { geometric = { degre = 2 } } }");
+    assert!(
+        text.contains("unknown key `degre`, did you mean `degree`?"),
+        "{text}"
+    );
+    let text = solver("{ inner = { geometrc = {} } }");
+    assert!(text.contains("did you mean `geometric`?"), "{text}");
+    let text = solver("{ inner = { ssor = { omega = 3 } } }");
+    assert!(text.contains("omega = 3: expected"), "{text}");
     let text = refused("[[boundary]]", "[[boundry]]");
     assert!(
         text.contains("unknown key `boundry`, did you mean `boundary`?"),

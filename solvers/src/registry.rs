@@ -6,6 +6,7 @@
 use serde::{Serialize, Serializer};
 use std::fmt::{Debug, Formatter, Result as Formatted};
 use std::hash::{Hash, Hasher};
+use std::str::FromStr;
 use std::sync::{PoisonError, RwLock};
 
 /// A part with a name.
@@ -20,9 +21,11 @@ pub(crate) struct Registry<T: ?Sized + 'static> {
     parts: RwLock<Vec<&'static T>>,
 }
 
-/// A name that two parts of a family would share.
+/// A name that two parts of a family would share, or that is read as another part's with its settings (`gmres:50`).
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the {what} {name:?} exists already; give yours another name")]
+#[error(
+    "the {what} {name:?} exists already, or is read as another one with its settings; give yours another name"
+)]
 pub struct NameTaken {
     /// The family.
     pub what: &'static str,
@@ -39,20 +42,26 @@ impl<T: ?Sized + Named> Registry<T> {
         }
     }
 
-    /// Makes a part known, from here on and in every thread; `own` are the names of the house's parts.
-    pub(crate) fn register(
+    /// Makes a part known, from here on and in every thread; `C` is its family, whose parser must not know the name yet, and find
+    /// it whole: settings stand behind `:` and `=`.
+    pub(crate) fn register<C: FromStr>(
         &self,
         part: &'static T,
-        mut own: impl Iterator<Item = &'static str>,
     ) -> Result<Registered<T>, NameTaken> {
         let name = part.name();
+        let is_taken = name.contains([':', '=']) || name.parse::<C>().is_ok();
         let mut parts = self.parts.write().unwrap_or_else(PoisonError::into_inner);
-        if own.any(|known| known == name) || parts.iter().any(|known| known.name() == name) {
-            let what = self.what;
-            return Err(NameTaken { what, name });
+        if is_taken || parts.iter().any(|known| known.name() == name) {
+            return Err(self.taken(name));
         }
         parts.push(part);
         Ok(Registered(part))
+    }
+
+    /// The answer to a name that is not free.
+    pub(crate) fn taken(&self, name: &'static str) -> NameTaken {
+        let what = self.what;
+        NameTaken { what, name }
     }
 
     /// All of them.
@@ -125,19 +134,28 @@ mod tests {
 
     #[test]
     fn a_part_is_found_by_its_name_which_no_other_takes() {
+        /// A parser that knows two names, and one of them with settings.
+        struct Family;
+        impl FromStr for Family {
+            type Err = ();
+
+            fn from_str(name: &str) -> Result<Self, ()> {
+                let known = ["own", "own 50"].contains(&name);
+                known.then_some(Self).ok_or(())
+            }
+        }
         static PARTS: Registry<Part> = Registry::new("part");
         static MINE: Part = Part("mine");
-        let own = || ["own"].into_iter();
-        let mine = PARTS.register(&MINE, own()).unwrap();
+        let mine = PARTS.register::<Family>(&MINE).unwrap();
         assert_eq!(PARTS.find("mine"), Some(mine));
         assert_eq!(PARTS.find("own"), None);
         assert_eq!(PARTS.names(), ", mine");
         assert_eq!(serde_json::to_string(&mine).unwrap(), "\"mine\"");
-        static OWN: Part = Part("own");
-        for taken in [&MINE, &OWN] {
-            let error = PARTS.register(taken, own()).unwrap_err().to_string();
+        static OTHERS: [Part; 4] = [Part("own"), Part("own 50"), Part("mine:50"), Part("a=b")];
+        for taken in OTHERS.iter().chain([&MINE]) {
+            let error = PARTS.register::<Family>(taken).unwrap_err().to_string();
             let expected = format!(
-                "the part {:?} exists already; give yours another name",
+                "the part {:?} exists already, or is read as another one with its settings; give yours another name",
                 taken.0
             );
             assert_eq!(error, expected);

@@ -30,16 +30,7 @@ impl Assembled {
         let InnerChoice::Amg(asked) = inner else {
             return Ok(inner.prepare(blocks, c)?.inverse);
         };
-        // around a C that couples faces multigrid is that of its blocks: C⁻¹ would couple all of them
-        let by_faces = match c.is_sparse() {
-            true => None,
-            false => {
-                let blocks = c.of_faces().into_iter().map(|[c, _]| c);
-                Some(AugmentationMatrix::from_face_blocks(blocks.collect())?)
-            }
-        };
-        let root = by_faces.as_ref().unwrap_or(c).inverse_root()?;
-        let f = &blocks.b1 * &root;
+        let f = &blocks.b1 * &c.for_schur()?.inverse_root()?;
         let coordinates = blocks.coordinates.as_deref();
         let inverse = match &self.plan {
             // aggregates of the stuck body may leave nothing to hold an open one; the plan stays that of the stuck body,

@@ -45,8 +45,7 @@ impl DirectChoice {
     /// # Errors
     /// [`NameTaken`] where another solver has it.
     pub fn register(solver: &'static dyn DirectSolver) -> Result<Self, NameTaken> {
-        let own = ["auto", "faer", "cholmod", "umfpack"].into_iter();
-        SOLVERS.register(solver, own).map(Self::Other)
+        SOLVERS.register::<Self>(solver).map(Self::Other)
     }
 
     /// The backend.

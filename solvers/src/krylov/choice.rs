@@ -1,9 +1,8 @@
 //! Reading and writing a [`KrylovChoice`]: `gmres`, `gmres:50`, `{ gmres = { restart = 50 } }`.
 
 use super::{Fgmres, Gmres, KrylovChoice, METHODS};
+use crate::written::{self, Written};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::borrow::Cow;
 use std::fmt;
@@ -83,25 +82,16 @@ impl Serialize for KrylovChoice {
 
 impl<'de> Deserialize<'de> for KrylovChoice {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(NameOrTable)
+        written::read(deserializer)
     }
 }
 
-struct NameOrTable;
+impl Written for KrylovChoice {
+    const EXPECTED: &'static str =
+        "a Krylov method such as \"gmres:50\" or { gmres = { restart = 50 } }";
 
-impl<'de> Visitor<'de> for NameOrTable {
-    type Value = KrylovChoice;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a Krylov method such as \"gmres:50\" or { gmres = { restart = 50 } }")
-    }
-
-    fn visit_str<E: Error>(self, text: &str) -> Result<KrylovChoice, E> {
-        text.parse().map_err(E::custom)
-    }
-
-    fn visit_map<M: MapAccess<'de>>(self, map: M) -> Result<KrylovChoice, M::Error> {
-        KrylovChoice::deserialize(MapAccessDeserializer::new(map))
+    fn from_table<'de, D: Deserializer<'de>>(table: D) -> Result<Self, D::Error> {
+        Self::deserialize(table)
     }
 }
 

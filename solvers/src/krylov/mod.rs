@@ -145,8 +145,7 @@ impl KrylovChoice {
     /// # Errors
     /// [`NameTaken`] where another method has it.
     pub fn register(method: &'static dyn CustomKrylov) -> Result<Self, NameTaken> {
-        let own = Self::all().into_iter().map(|own| own.name());
-        METHODS.register(method, own).map(Self::Other)
+        METHODS.register::<Self>(method).map(Self::Other)
     }
 
     /// The chosen method.

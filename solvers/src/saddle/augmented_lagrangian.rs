@@ -103,7 +103,6 @@ pub struct AugmentedLagrangian {
     /// C = W/γ; global is the classical W = I.
     pub augmentation: AugmentationChoice,
     /// S̃_u⁻¹.
-    #[serde(deserialize_with = "crate::saddle::inner::name_or_settings")]
     #[schemars(with = "crate::saddle::inner::NameOrSettings")]
     pub inner: InnerChoice,
 }

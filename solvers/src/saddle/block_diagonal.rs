@@ -77,7 +77,6 @@ pub struct BlockDiagonal {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub augmentation: Option<AugmentationChoice>,
     /// Â⁻¹.
-    #[serde(deserialize_with = "crate::saddle::inner::name_or_settings")]
     #[schemars(with = "crate::saddle::inner::NameOrSettings")]
     pub inner: InnerChoice,
 }

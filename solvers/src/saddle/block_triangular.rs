@@ -79,7 +79,6 @@ impl<P: Preconditioner<f64>, S: Preconditioner<f64>> Preconditioner<f64>
 #[serde(default, deny_unknown_fields)]
 pub struct BlockTriangular {
     /// Â⁻¹.
-    #[serde(deserialize_with = "crate::saddle::inner::name_or_settings")]
     #[schemars(with = "crate::saddle::inner::NameOrSettings")]
     pub inner: InnerChoice,
 }

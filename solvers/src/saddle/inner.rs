@@ -8,17 +8,19 @@ use crate::fsai::{Fsai, FsaiKind};
 use crate::multigrid::{Geometric, MultigridInverse, Smoother, Summary};
 use crate::registry::{NameTaken, Named, Registered, Registry};
 use crate::smoothers::{Jacobi, Ssor};
+use crate::written::{self, Written};
 use crate::{DofCoordinate, Prepare, SetupError};
 use fracas_operators::Preconditioner;
 use fracas_operators::sparse::SparseMatrix;
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 use std::str::FromStr;
 
 /// Which `S̃_u⁻¹`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[serde(remote = "Self", rename_all = "snake_case")]
+#[schemars(rename = "InnerChoice")]
 pub enum InnerChoice {
     /// S_u⁻¹ by a sparse factorization.
     Exact {
@@ -37,7 +39,7 @@ pub enum InnerChoice {
     /// Geometric multigrid of S_u on the grid of a scene; matrices alone have none.
     Geometric(Geometric),
     /// Somebody else's.
-    #[serde(untagged, skip_deserializing)]
+    #[serde(skip)]
     #[schemars(skip)]
     Other(Registered<dyn InnerSolver>),
 }
@@ -64,27 +66,13 @@ pub trait InnerSolver: Named {
         blocks: &SaddleBlocks,
         c: &AugmentationMatrix,
     ) -> Result<Box<dyn Preconditioner<f64>>, SetupError> {
-        let s_u = schur::primal_schur(&blocks.a, &blocks.b1, c)?;
+        let s_u = schur::primal_schur(&blocks.a, &blocks.b1, &*c.for_schur()?)?;
         self.of_matrix(&s_u, blocks.coordinates.as_deref())
             .map_err(|error| error.in_block("S_u"))
     }
 }
 
 static SOLVERS: Registry<dyn InnerSolver> = Registry::new("inner solver");
-
-/// Names of the house's inner solvers.
-const NAMES: [&str; 10] = [
-    "exact",
-    "amg",
-    "amg:gauss_seidel",
-    "amg:fsai",
-    "amg:chebyshev",
-    "fsai",
-    "fsai:static",
-    "jacobi",
-    "ssor",
-    "geometric",
-];
 
 /// An approximate inverse that is ready, with what is known of it.
 pub struct Ready {
@@ -196,8 +184,11 @@ impl InnerChoice {
     /// # Errors
     /// [`NameTaken`] where another solver has it.
     pub fn register(solver: &'static dyn InnerSolver) -> Result<Self, NameTaken> {
-        let own = NAMES.into_iter().chain(["auto"]);
-        SOLVERS.register(solver, own).map(Self::Other)
+        match solver.name() {
+            // what command lines call a choice of theirs
+            name @ "auto" => Err(SOLVERS.taken(name)),
+            _ => SOLVERS.register::<Self>(solver).map(Self::Other),
+        }
     }
 
     /// `S̃_u⁻¹` for these blocks and this C.
@@ -218,6 +209,7 @@ impl InnerChoice {
             Self::Geometric(_) => return Err(no_grid()),
             _ => {}
         }
+        let c = &*c.for_schur()?;
         if let (Self::Amg(settings), true) = (self, c.is_sparse()) {
             // S_u = A + F Fᵀ is never assembled entry by entry
             let f = &blocks.b1 * &c.inverse_root()?;
@@ -310,9 +302,33 @@ impl FromStr for InnerChoice {
     }
 }
 
+impl Serialize for InnerChoice {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Other(solver) => solver.serialize(serializer),
+            own => Self::serialize(own, serializer),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for InnerChoice {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        written::read(deserializer)
+    }
+}
+
+impl Written for InnerChoice {
+    const EXPECTED: &'static str = "an inner solver such as \"ssor\" or { ssor = { omega = 1.2 } }";
+
+    fn from_table<'de, D: Deserializer<'de>>(table: D) -> Result<Self, D::Error> {
+        Self::deserialize(table)
+    }
+}
+
 /// `"ssor"` or `{ ssor = { omega = 1.2 } }`.
-#[derive(Deserialize, JsonSchema)]
+#[derive(JsonSchema)]
 #[serde(untagged)]
+#[expect(dead_code, reason = "what it describes is read as an InnerChoice")]
 pub(crate) enum NameOrSettings {
     /// Plain name, default settings.
     Name(String),
@@ -320,19 +336,54 @@ pub(crate) enum NameOrSettings {
     Settings(InnerChoice),
 }
 
-/// Reads both spellings of an inner solver.
-pub(crate) fn name_or_settings<'de, D: serde::Deserializer<'de>>(
-    deserializer: D,
-) -> Result<InnerChoice, D::Error> {
-    match NameOrSettings::deserialize(deserializer)? {
-        NameOrSettings::Name(name) => name.parse().map_err(serde::de::Error::custom),
-        NameOrSettings::Settings(settings) => Ok(settings),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Names of the house's inner solvers.
+    const NAMES: [&str; 10] = [
+        "exact",
+        "amg",
+        "amg:gauss_seidel",
+        "amg:fsai",
+        "amg:chebyshev",
+        "fsai",
+        "fsai:static",
+        "jacobi",
+        "ssor",
+        "geometric",
+    ];
+
+    #[test]
+    fn tables_are_read_and_an_unknown_key_is_answered_with_those_that_there_are() {
+        let read = |text: &str| serde_json::from_str::<InnerChoice>(text);
+        for choice in [
+            InnerChoice::default(),
+            "amg".parse().unwrap(),
+            "geometric:k".parse().unwrap(),
+        ] {
+            let written = serde_json::to_string(&choice).unwrap();
+            assert_eq!(read(&written).unwrap(), choice);
+        }
+        for (text, said) in [
+            (
+                r#"{"geometric":{"degre":2}}"#,
+                "unknown field `degre`, expected one of `degree`, ",
+            ),
+            (
+                r#"{"geometrc":{"degree":2}}"#,
+                "unknown variant `geometrc`, expected one of `exact`, ",
+            ),
+            (
+                r#"{"ssor":{"omega":3}}"#,
+                "relaxation omega = 3: expected a number between 0 and 2",
+            ),
+            ("7", "expected an inner solver such as \"ssor\""),
+        ] {
+            let error = read(text).unwrap_err().to_string();
+            assert!(error.contains(said), "{error}");
+        }
+    }
 
     #[test]
     fn every_name_gives_itself_back_and_a_wrong_one_hears_of_all() {

@@ -105,7 +105,6 @@ pub struct Mcp {
     /// 0 classical MCP on A itself. A factor has no unit, γ has.
     pub gamma_factor: f64,
     /// P.
-    #[serde(deserialize_with = "crate::saddle::inner::name_or_settings")]
     #[schemars(with = "crate::saddle::inner::NameOrSettings")]
     pub inner: InnerChoice,
     /// G with `GᵀG ≈ (A + γBBᵀ)⁻¹` in `S = H + (GB)ᵀ(GB)`, and G₂₂ with `G₂₂ᵀG₂₂ ≈ S⁻¹`.

@@ -6,11 +6,10 @@ use super::{
     EliminatedInverse, Elimination, InnerChoice, Mcp, RELAXATION, Racp, SaddleBlocks, Simple,
 };
 use crate::registry::{NameTaken, Named, Registered, Registry};
+use crate::written::{self, Written};
 use crate::{Prepare, SetupError};
 use fracas_operators::Preconditioner;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::borrow::Cow;
 use std::fmt;
@@ -74,7 +73,7 @@ pub enum SaddleMethod {
     /// Sparse LU of the whole matrix.
     Direct(Direct),
     /// Somebody else's.
-    #[serde(untagged, skip_deserializing)]
+    #[serde(skip)]
     Other(Registered<dyn CustomMethod>),
 }
 
@@ -138,8 +137,7 @@ impl SaddleMethod {
     /// # Errors
     /// [`NameTaken`] where another method has it.
     pub fn register(method: &'static dyn CustomMethod) -> Result<Self, NameTaken> {
-        let own = Self::all().into_iter().map(|own| own.name());
-        METHODS.register(method, own).map(Self::Other)
+        METHODS.register::<Self>(method).map(Self::Other)
     }
 
     /// The settings of the chosen method.
@@ -344,31 +342,24 @@ impl FromStr for SaddleMethod {
 
 impl Serialize for SaddleMethod {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Self::serialize(self, serializer)
+        match self {
+            Self::Other(method) => method.serialize(serializer),
+            own => Self::serialize(own, serializer),
+        }
     }
 }
 
 impl<'de> Deserialize<'de> for SaddleMethod {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(NameOrTable)
+        written::read(deserializer)
     }
 }
 
-struct NameOrTable;
+impl Written for SaddleMethod {
+    const EXPECTED: &'static str = "a method such as \"racp\" or { racp = { inner = \"amg\" } }";
 
-impl<'de> Visitor<'de> for NameOrTable {
-    type Value = SaddleMethod;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a method such as \"racp\" or { racp = { inner = \"amg\" } }")
-    }
-
-    fn visit_str<E: Error>(self, text: &str) -> Result<SaddleMethod, E> {
-        text.parse().map_err(E::custom)
-    }
-
-    fn visit_map<M: MapAccess<'de>>(self, map: M) -> Result<SaddleMethod, M::Error> {
-        SaddleMethod::deserialize(MapAccessDeserializer::new(map))
+    fn from_table<'de, D: Deserializer<'de>>(table: D) -> Result<Self, D::Error> {
+        Self::deserialize(table)
     }
 }
 

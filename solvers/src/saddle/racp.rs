@@ -137,7 +137,6 @@ pub struct Racp {
     #[serde(deserialize_with = "crate::saddle::relaxation::factor")]
     pub relaxation: f64,
     /// S̃_u⁻¹.
-    #[serde(deserialize_with = "crate::saddle::inner::name_or_settings")]
     #[schemars(with = "crate::saddle::inner::NameOrSettings")]
     pub inner: InnerChoice,
 }

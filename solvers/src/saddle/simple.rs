@@ -124,7 +124,6 @@ pub struct Simple {
     /// Q.
     pub correction: Correction,
     /// P.
-    #[serde(deserialize_with = "crate::saddle::inner::name_or_settings")]
     #[schemars(with = "crate::saddle::inner::NameOrSettings")]
     pub inner: InnerChoice,
 }

@@ -3,6 +3,8 @@
 use crate::SetupError;
 use fracas_operators::Shape;
 use fracas_operators::sparse::{SparseMatrix, first_not_finite};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer};
 use std::borrow::Cow;
 
 /// The matrix in messages.
@@ -60,6 +62,20 @@ pub(crate) fn positive_diagonal(
         }
     };
     (0..a.rows()).map(entry).collect()
+}
+
+/// Reads ω in (0, 2).
+///
+/// # Errors
+/// A number outside.
+pub(crate) fn omega<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    let omega = f64::deserialize(deserializer)?;
+    match omega > 0.0 && omega < 2.0 {
+        true => Ok(omega),
+        false => Err(D::Error::custom(format!(
+            "relaxation omega = {omega}: expected a number between 0 and 2"
+        ))),
+    }
 }
 
 /// Checks `0 < ω < limit`.

@@ -31,6 +31,7 @@ pub enum JacobiBlock {
 #[serde(default, deny_unknown_fields)]
 pub struct Jacobi {
     /// Damping ω in (0, 2).
+    #[serde(deserialize_with = "super::entries::omega")]
     pub omega: f64,
     /// Points or nodes.
     pub block: JacobiBlock,

@@ -23,6 +23,7 @@ use serde::{Deserialize, Serialize};
 #[serde(default, deny_unknown_fields)]
 pub struct Ssor {
     /// Relaxation ω in (0, 2).
+    #[serde(deserialize_with = "super::entries::omega")]
     pub omega: f64,
 }
 

@@ -30,7 +30,6 @@ pub struct SpectrumRequest {
     /// C.
     pub augmentation: AugmentationChoice,
     /// S̃_u⁻¹.
-    #[serde(deserialize_with = "crate::saddle::inner::name_or_settings")]
     #[schemars(with = "crate::saddle::inner::NameOrSettings")]
     pub inner: InnerChoice,
     /// Largest dense eigenvalue problem; above it only outer eigenvalues are found.

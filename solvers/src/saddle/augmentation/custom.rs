@@ -6,6 +6,7 @@ use crate::SetupError;
 use crate::direct::{DirectChoice, Factorization, Kind};
 use fracas_operators::sparse::{Csr, SparseMatrix};
 use fracas_operators::{LinearOperator, Preconditioner, Properties, Shape};
+use std::borrow::Cow;
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -46,8 +47,32 @@ impl Custom {
 
 impl AugmentationMatrix {
     /// Any C.
-    pub fn custom(c: Arc<dyn CustomAugmentation>) -> Self {
-        Self::Custom(Custom { c, factor: 1.0 })
+    ///
+    /// # Cost
+    /// Two products with C and one solve.
+    ///
+    /// # Errors
+    /// [`SetupError::NotApplicable`] where sizes, entries, products and solves are not those of one symmetric C,
+    /// [`SetupError::NotPositiveDefinite`] with the row.
+    pub fn custom(c: Arc<dyn CustomAugmentation>) -> Result<Self, SetupError> {
+        check(&*c)?;
+        Ok(Self::Custom(Custom { c, factor: 1.0 }))
+    }
+
+    /// What an approximate S̃_u is assembled of: C, but of a C that couples faces its blocks, as C⁻¹ and with it S_u would have an
+    /// entry for every two rows beside a fracture. A dense C serves theory and stays.
+    ///
+    /// # Errors
+    /// [`SetupError::NotPositiveDefinite`] with the row.
+    pub fn for_schur(&self) -> Result<Cow<'_, Self>, SetupError> {
+        if !matches!(self, Self::Custom(_)) || self.is_sparse() {
+            return Ok(Cow::Borrowed(self));
+        }
+        let by_faces = match self.size().is_multiple_of(3) {
+            true => Self::from_face_blocks(self.of_faces().into_iter().map(|[c, _]| c).collect()),
+            false => Self::from_diagonal(self.diagonal_entries()),
+        };
+        by_faces.map(Cow::Owned)
     }
 
     /// A sparse symmetric C that couples faces: a tridiagonal one along a fracture, say.
@@ -58,7 +83,7 @@ impl AugmentationMatrix {
     /// # Errors
     /// [`SetupError::NotPositiveDefinite`] with the row.
     pub fn from_sparse(c: SparseMatrix<f64>) -> Result<Self, SetupError> {
-        Ok(Self::custom(Arc::new(Sparse::new(c)?)))
+        Self::custom(Arc::new(Sparse::new(c)?))
     }
 }
 
@@ -80,43 +105,13 @@ impl Debug for Factors {
 
 impl Sparse {
     fn new(c: SparseMatrix<f64>) -> Result<Self, SetupError> {
-        assert_eq!(c.rows(), c.cols(), "rows and columns of C");
-        for i in 0..c.rows() {
-            let c_ii = c.get(i, i).copied().unwrap_or(0.0);
-            if !(c_ii > 0.0 && c_ii.is_finite()) {
-                return Err(not_positive_definite(i));
-            }
-        }
-        if let Some(row) = unsymmetric_row(&c) {
-            return Err(SetupError::NotApplicable {
-                method: "C",
-                reason: format!(
-                    "row {} of C is not its column: C has to be symmetric",
-                    row + 1
-                ),
-            });
-        }
+        check_entries(&c)?;
         let symbolic = DirectChoice::Faer.solver()?.analyze(&c, Kind::Spd)?;
         let factors = symbolic.factor(&c).map_err(|error| error.in_block("C"))?;
-        let sparse = Self {
+        Ok(Self {
             c: Csr::new(c),
             factors: Factors(factors),
-        };
-        sparse.check()?;
-        Ok(sparse)
-    }
-
-    /// Refuses a C whose C⁻¹ has no digits: of C⁻¹(C 1) the row that is farthest from 1.
-    fn check(&self) -> Result<(), SetupError> {
-        let n = self.c.shape().rows;
-        let (mut r, mut z) = (vec![0.0; n], vec![0.0; n]);
-        self.c.apply(&vec![1.0; n], &mut r, &mut []);
-        self.solve(&r, &mut z, &mut vec![0.0; Preconditioner::work_len(self)]);
-        let far = |z: &f64| z.is_nan() || (z - 1.0).abs() > ZERO_PIVOT.sqrt();
-        match z.iter().position(far) {
-            Some(row) => Err(not_positive_definite(row)),
-            None => Ok(()),
-        }
+        })
     }
 }
 
@@ -167,6 +162,68 @@ impl CustomAugmentation for Sparse {
 
     fn inverse_root(&self) -> Option<SparseMatrix<f64>> {
         None
+    }
+}
+
+/// Refuses entries that are not those of a symmetric C with a positive diagonal.
+fn check_entries(c: &SparseMatrix<f64>) -> Result<(), SetupError> {
+    assert_eq!(c.rows(), c.cols(), "rows and columns of C");
+    for i in 0..c.rows() {
+        let c_ii = c.get(i, i).copied().unwrap_or(0.0);
+        if !(c_ii > 0.0 && c_ii.is_finite()) {
+            return Err(not_positive_definite(i));
+        }
+    }
+    match unsymmetric_row(c) {
+        None => Ok(()),
+        Some(row) => Err(no_c(format!(
+            "row {} of C is not its column: C has to be symmetric",
+            row + 1
+        ))),
+    }
+}
+
+/// Refuses a C that is not what its entries are, or whose C⁻¹ has no digits: of C⁻¹(C 1) the row that is farthest from 1.
+fn check(c: &dyn CustomAugmentation) -> Result<(), SetupError> {
+    let entries = c.entries();
+    let n = entries.rows();
+    let (shape, size) = (c.shape(), Preconditioner::size(c));
+    if entries.cols() != n || shape != Shape::square(n) || size != n {
+        return Err(no_c(format!(
+            "its entries are {n}×{}, its products {shape} and its solves of {size} rows",
+            entries.cols()
+        )));
+    }
+    check_entries(&entries)?;
+    let ones = vec![1.0; n];
+    let (mut r, mut z) = (vec![0.0; n], vec![0.0; n]);
+    let len = LinearOperator::work_len(c).max(Preconditioner::work_len(c));
+    let mut work = vec![0.0; len];
+    c.apply(&ones, &mut r, &mut work);
+    for (i, row) in entries.outer_iterator().enumerate() {
+        let (sum, size) = row
+            .data()
+            .iter()
+            .fold((0.0, 0.0), |(sum, size), v| (sum + v, size + v.abs()));
+        if r[i].is_nan() || (r[i] - sum).abs() > ZERO_PIVOT.sqrt() * size {
+            return Err(no_c(format!(
+                "row {} of its products is not that of its entries",
+                i + 1
+            )));
+        }
+    }
+    c.solve(&r, &mut z, &mut work);
+    let far = |z: &f64| z.is_nan() || (z - 1.0).abs() > ZERO_PIVOT.sqrt();
+    match z.iter().position(far) {
+        Some(row) => Err(not_positive_definite(row)),
+        None => Ok(()),
+    }
+}
+
+fn no_c(reason: String) -> SetupError {
+    SetupError::NotApplicable {
+        method: "C",
+        reason,
     }
 }
 

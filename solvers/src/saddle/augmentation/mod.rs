@@ -29,8 +29,9 @@ use super::SaddleBlocks;
 use crate::SetupError;
 use crate::direct::DirectSolver;
 use crate::registry::Registered;
+use crate::written::{self, Written};
 use schemars::JsonSchema;
-use serde::de::{Error, MapAccess, Visitor};
+use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;
 use std::str::FromStr;
@@ -180,32 +181,23 @@ impl FromStr for AugmentationChoice {
 /// `"local_h"`, `"global_times=2"` or `{ global_times = 2.0 }`.
 impl<'de> Deserialize<'de> for AugmentationChoice {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(NameOrFactor)
+        written::read(deserializer)
     }
 }
 
-struct NameOrFactor;
+impl Written for AugmentationChoice {
+    const EXPECTED: &'static str =
+        "the name of an augmentation such as \"local_h\", or { global_times = 2.0 }";
 
-impl<'de> Visitor<'de> for NameOrFactor {
-    type Value = AugmentationChoice;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("the name of an augmentation such as \"local_h\", or { global_times = 2.0 }")
-    }
-
-    fn visit_str<E: Error>(self, text: &str) -> Result<AugmentationChoice, E> {
-        text.parse().map_err(E::custom)
-    }
-
-    fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<AugmentationChoice, M::Error> {
-        const KEY: &str = "global_times";
-        match map.next_key::<String>()? {
-            Some(key) if key == KEY => format!("{KEY}={}", map.next_value::<f64>()?)
-                .parse()
-                .map_err(M::Error::custom),
-            Some(key) => Err(M::Error::unknown_field(&key, &[KEY])),
-            None => Err(M::Error::missing_field(KEY)),
+    fn from_table<'de, D: Deserializer<'de>>(table: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields)]
+        struct Times {
+            global_times: f64,
         }
+        let Times { global_times } = Times::deserialize(table)?;
+        let name = format!("global_times={global_times}");
+        name.parse().map_err(D::Error::custom)
     }
 }
 

@@ -33,8 +33,7 @@ impl AugmentationChoice {
     /// # Errors
     /// [`NameTaken`] where another definition has it.
     pub fn register(rule: &'static dyn AugmentationRule) -> Result<Self, NameTaken> {
-        let own = Self::ALL.into_iter().map(Self::name);
-        RULES.register(rule, own).map(Self::Other)
+        RULES.register::<Self>(rule).map(Self::Other)
     }
 
     /// The registered ones.

@@ -155,3 +155,94 @@ fn what_is_no_c_is_refused_with_its_row() {
     let nan = of(|i, j| if i == j { f64::NAN } else { 0.0 });
     assert!(nan.contains('C'), "{nan}");
 }
+
+/// A C of one number, with products, solves and entries of its own.
+#[derive(Debug)]
+struct Told {
+    entries: SparseMatrix<f64>,
+    product: f64,
+    inverse: f64,
+    size: usize,
+}
+
+impl LinearOperator<f64> for Told {
+    fn shape(&self) -> Shape {
+        Shape::square(3)
+    }
+
+    fn apply_add(&self, alpha: f64, x: &[f64], y: &mut [f64], _: &mut [f64]) {
+        y.iter_mut()
+            .zip(x)
+            .for_each(|(y, x)| *y += alpha * self.product * x);
+    }
+
+    fn flops(&self) -> u64 {
+        9
+    }
+}
+
+impl Preconditioner<f64> for Told {
+    fn size(&self) -> usize {
+        self.size
+    }
+
+    fn solve(&self, r: &[f64], z: &mut [f64], _: &mut [f64]) {
+        z.iter_mut().zip(r).for_each(|(z, r)| *z = self.inverse * r);
+    }
+
+    fn flops(&self) -> u64 {
+        3
+    }
+
+    fn properties(&self) -> Properties {
+        Properties::LINEAR
+    }
+}
+
+impl CustomAugmentation for Told {
+    fn entries(&self) -> SparseMatrix<f64> {
+        self.entries.clone()
+    }
+
+    fn inverse_root(&self) -> Option<SparseMatrix<f64>> {
+        None
+    }
+}
+
+#[test]
+fn a_c_from_outside_is_one_symmetric_positive_definite_matrix() {
+    let diagonal = |c: f64| sparse(3, 3, |i, j| if i == j { c } else { 0.0 });
+    let told = |entries, product, inverse, size| {
+        let told = Told {
+            entries,
+            product,
+            inverse,
+            size,
+        };
+        AugmentationMatrix::custom(Arc::new(told))
+    };
+    assert!(told(diagonal(2.0), 2.0, 0.5, 3).is_ok());
+    let skew = |i: usize, j: usize| {
+        if i == j {
+            2.0
+        } else {
+            0.1 * (i as f64 - j as f64)
+        }
+    };
+    for (c, said) in [
+        (told(diagonal(2.0), 2.0, 0.5, 4), "its solves of 4 rows"),
+        (
+            told(diagonal(2.0), 3.0, 1.0 / 3.0, 3),
+            "row 1 of its products",
+        ),
+        (told(diagonal(2.0), 2.0, 0.4, 3), "row 1"),
+        (told(diagonal(-2.0), -2.0, -0.5, 3), "row 1"),
+        (
+            told(sparse(3, 3, skew), 2.0, 0.5, 3),
+            "row 1 of C is not its column",
+        ),
+    ] {
+        let error = c.unwrap_err().to_string();
+        assert!(error.contains(said), "{error}");
+    }
+}
