@@ -14,7 +14,7 @@ use fracas_operators::laws::{
     check_adjoint, check_flops, check_flops_of_solve, check_operator, check_preconditioner, probe,
 };
 use fracas_operators::simd::Level;
-use fracas_operators::sparse::{Block3, Csr, Diagonal};
+use fracas_operators::sparse::{Csr, Diagonal};
 use fracas_operators::tally::Tally;
 use fracas_operators::{
     Adjoint, AdjointOperator, BlockOperator, Counted, Dense, Identity, Layout, LinearOperator,

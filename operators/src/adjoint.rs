@@ -17,12 +17,16 @@ impl<R: Real, A: AdjointOperator<R>> LinearOperator<R> for Adjoint<A> {
         self.0.work_len()
     }
     fn flops(&self) -> u64 {
-        self.0.flops()
+        self.0.adjoint_flops()
     }
 }
 
 impl<R: Real, A: AdjointOperator<R>> AdjointOperator<R> for Adjoint<A> {
     fn apply_adjoint_add(&self, alpha: R, x: &[R], y: &mut [R], work: &mut [R]) {
         self.0.apply_add(alpha, x, y, work);
+    }
+
+    fn adjoint_flops(&self) -> u64 {
+        self.0.flops()
     }
 }

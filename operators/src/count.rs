@@ -57,6 +57,10 @@ impl<R: Real, A: AdjointOperator<R>> AdjointOperator<R> for Counted<A> {
     fn apply_adjoint_add(&self, alpha: R, x: &[R], y: &mut [R], work: &mut [R]) {
         self.count().apply_adjoint_add(alpha, x, y, work);
     }
+
+    fn adjoint_flops(&self) -> u64 {
+        self.inner.adjoint_flops()
+    }
 }
 
 impl<R: Real, M: Preconditioner<R>> Preconditioner<R> for Counted<M> {

@@ -130,4 +130,8 @@ impl<R: Real> AdjointOperator<R> for Dense<R> {
             *y_j += alpha * sum;
         }
     }
+
+    fn adjoint_flops(&self) -> u64 {
+        2 * (self.shape.rows * self.shape.cols) as u64
+    }
 }

@@ -34,6 +34,9 @@ pub trait LinearOperator<R: Real>: Send + Sync {
 pub trait AdjointOperator<R: Real>: LinearOperator<R> {
     /// `y ← y + α Aᵀ x`, with the same scratch length as the product.
     fn apply_adjoint_add(&self, alpha: R, x: &[R], y: &mut [R], work: &mut [R]);
+
+    /// Floating-point operations of that.
+    fn adjoint_flops(&self) -> u64;
 }
 
 /// Stops with both numbers when `x` or `y` does not fit `shape`. One comparison per product.
@@ -71,6 +74,9 @@ macro_rules! forward_operator {
         impl<R: Real, A: AdjointOperator<R> + ?Sized> AdjointOperator<R> for $pointer {
             fn apply_adjoint_add(&self, alpha: R, x: &[R], y: &mut [R], work: &mut [R]) {
                 (**self).apply_adjoint_add(alpha, x, y, work);
+            }
+            fn adjoint_flops(&self) -> u64 {
+                (**self).adjoint_flops()
             }
         }
     )*};

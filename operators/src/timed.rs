@@ -60,6 +60,10 @@ impl<R: Real, A: AdjointOperator<R>> AdjointOperator<R> for Timed<A> {
     fn apply_adjoint_add(&self, alpha: R, x: &[R], y: &mut [R], work: &mut [R]) {
         self.time(|inner| inner.apply_adjoint_add(alpha, x, y, work));
     }
+
+    fn adjoint_flops(&self) -> u64 {
+        self.inner.adjoint_flops()
+    }
 }
 
 impl<R: Real, M: Preconditioner<R>> Preconditioner<R> for Timed<M> {

@@ -300,4 +300,9 @@ impl<R: Real> AdjointOperator<R> for Coupling<R> {
             }
         });
     }
+
+    fn adjoint_flops(&self) -> u64 {
+        // jumps of four pairs of nodes, their components in the frame of the face
+        57 * self.faces.len() as u64
+    }
 }

@@ -92,6 +92,10 @@ impl<R: Real> AdjointOperator<R> for Broken {
             _ => self.apply_add(alpha, x, y, work),
         }
     }
+
+    fn adjoint_flops(&self) -> u64 {
+        LinearOperator::<R>::flops(self)
+    }
 }
 
 fn verdict<R: Real>(fault: Fault) -> Result<(), Violation> {

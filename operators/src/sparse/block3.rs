@@ -142,6 +142,10 @@ impl<R: Real> AdjointOperator<R> for Block3<R> {
             }
         }
     }
+
+    fn adjoint_flops(&self) -> u64 {
+        18 * self.block_count() as u64 + 6 * self.block_rows() as u64
+    }
 }
 
 /// Consecutive block rows of one product.

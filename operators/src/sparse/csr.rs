@@ -116,6 +116,14 @@ impl<R: Real> AdjointOperator<R> for Csr<R> {
             None => columns_add(&self.matrix, alpha, x, y),
         }
     }
+
+    fn adjoint_flops(&self) -> u64 {
+        let scaled = match &self.transpose {
+            Some(_) => 2 * self.matrix.cols(),
+            None => self.matrix.rows(),
+        };
+        (2 * self.matrix.nnz() + scaled) as u64
+    }
 }
 
 /// Somebody else's rows as an operator.

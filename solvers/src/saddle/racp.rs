@@ -119,7 +119,8 @@ impl Preconditioner<f64> for RacpInverse<'_> {
         let c_inverse = self.rows.flops();
         let relaxation = (self.relaxation.as_ref()).map_or(0, |w| 2 * w.flops(c_inverse));
         let rows = 2 * c_inverse + self.rows.law_flops();
-        rows + self.s_u.flops() + 2 * self.b.flops() + relaxation
+        let b = self.b.flops() + self.b.adjoint_flops();
+        rows + self.s_u.flops() + b + relaxation
     }
 
     fn properties(&self) -> Properties {

@@ -251,4 +251,8 @@ impl<R: Real> AdjointOperator<R> for Bricks<R> {
     fn apply_adjoint_add(&self, alpha: R, x: &[R], y: &mut [R], work: &mut [R]) {
         self.apply_add(alpha, x, y, work);
     }
+
+    fn adjoint_flops(&self) -> u64 {
+        LinearOperator::<R>::flops(self)
+    }
 }

@@ -158,4 +158,8 @@ impl<R: Real> AdjointOperator<R> for Hexes<R> {
     fn apply_adjoint_add(&self, alpha: R, x: &[R], y: &mut [R], work: &mut [R]) {
         self.apply_add(alpha, x, y, work);
     }
+
+    fn adjoint_flops(&self) -> u64 {
+        LinearOperator::<R>::flops(self)
+    }
 }

@@ -112,4 +112,8 @@ impl<R: Real, A: AdjointOperator<R>> AdjointOperator<R> for Restricted<A> {
             self.full.apply_adjoint_add(R::one(), x, y, work);
         });
     }
+
+    fn adjoint_flops(&self) -> u64 {
+        self.full.adjoint_flops() + 2 * self.constraints.free_len() as u64
+    }
 }

@@ -48,8 +48,9 @@ impl LinearOperator<f64> for SpringJacobian<'_> {
     }
 
     fn flops(&self) -> u64 {
-        let b = LinearOperator::<f64>::flops(self.b);
-        LinearOperator::<f64>::flops(self.a) + 2 * b + 15 * self.faces.len() as u64
+        let b =
+            LinearOperator::<f64>::flops(self.b) + AdjointOperator::<f64>::adjoint_flops(self.b);
+        LinearOperator::<f64>::flops(self.a) + b + 15 * self.faces.len() as u64
     }
 }
 
