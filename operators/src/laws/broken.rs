@@ -35,7 +35,7 @@ struct Broken(Fault);
 
 impl Broken {
     fn entry<R: Real>(&self, i: usize) -> R {
-        let wrong = self.0 == Fault::WrongEntry && i == N - 1;
+        let wrong = self.0 == Fault::WrongEntry && i == N / 2;
         R::of((i + 1) as f64 * if wrong { 1.01 } else { 1.0 })
     }
 }
