@@ -18,4 +18,4 @@ pub use products::{
     Matrix3, add, add_product, add_transposed_product, cast, diagonal, norm_squared, times,
     transposed,
 };
-pub use symmetric::{PLACE, Symmetric, symmetric_times, upper};
+pub use symmetric::{Symmetric, full, upper};

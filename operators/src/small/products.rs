@@ -15,7 +15,13 @@ pub fn diagonal<R: Real, const N: usize>(d: [R; N]) -> [[R; N]; N] {
 /// The same matrix in another precision.
 #[inline(always)]
 pub fn cast<S: Real, R: Real, const N: usize, const K: usize>(m: &[[S; K]; N]) -> [[R; K]; N] {
-    m.map(|row| row.map(|v| R::of(v.to_f64_exact())))
+    let mut cast = [[R::zero(); K]; N];
+    for i in 0..N {
+        for j in 0..K {
+            cast[i][j] = R::of(m[i][j].to_f64_exact());
+        }
+    }
+    cast
 }
 
 /// Mᵀ.
@@ -34,11 +40,15 @@ pub fn norm_squared<R: Real, const N: usize, const K: usize>(m: &[[R; K]; N]) ->
 /// `M v`.
 #[inline(always)]
 pub fn times<R: Real, const N: usize, const K: usize>(m: &[[R; K]; N], v: &[R; K]) -> [R; N] {
-    m.map(|row| {
-        let mut sum = row[0] * v[0];
-        (1..K).for_each(|k| sum += row[k] * v[k]);
-        sum
-    })
+    let mut image = [R::zero(); N];
+    for i in 0..N {
+        let mut sum = m[i][0] * v[0];
+        for k in 1..K {
+            sum += m[i][k] * v[k];
+        }
+        image[i] = sum;
+    }
+    image
 }
 
 /// `Y ← Y + α X`.

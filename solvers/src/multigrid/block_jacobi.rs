@@ -2,7 +2,7 @@
 
 use super::groups::Groups;
 use fracas_operators::Real;
-use fracas_operators::small::{PLACE, Symmetric, equilibrated_inverse, symmetric_times, upper};
+use fracas_operators::small::{Symmetric, equilibrated_inverse, full, times, upper};
 use fracas_operators::sparse::Block3;
 
 /// Nodes that one task updates.
@@ -58,8 +58,7 @@ impl<R: Real> BlockJacobi<R> {
             if !block.iter().all(is_finite) {
                 return Err(overflow);
             }
-            let full = PLACE.map(|row| row.map(|k| block[k]));
-            let inverse = equilibrated_inverse(full, free, SINGULAR)
+            let inverse = equilibrated_inverse(full(block), free, SINGULAR)
                 .map_err(|_| NoInverse::Indefinite { node })?;
             let inverse = upper(&inverse);
             match inverse.iter().all(is_finite) {
@@ -180,11 +179,11 @@ fn pass<R: Real>(
     );
     if x.is_empty() {
         for ((b, r), d) in inverse.iter().zip(r).zip(d) {
-            update(d, &mut [], symmetric_times(b, r));
+            update(d, &mut [], times(&full(b), r));
         }
     } else {
         for (((b, r), d), x) in inverse.iter().zip(r).zip(d).zip(x) {
-            update(d, x, symmetric_times(b, r));
+            update(d, x, times(&full(b), r));
         }
     }
 }
@@ -197,7 +196,7 @@ mod tests {
     fn a_fixed_component_is_left_out_and_the_others_are_inverted() {
         let block = [4.0, 1.0, 0.5, 3e3, -2.0, 9.0];
         let m = BlockJacobi::<f64>::new(&[block, block], &[4]).unwrap();
-        let b = |i: usize, j: usize| block[PLACE[i][j]];
+        let b = |i: usize, j: usize| full(&block)[i][j];
         let r = [1.0, -2.0, 3.0, 1.0, -2.0, 3.0];
         let mut z = [f64::NAN; 6];
         m.solve(&r, &mut z);

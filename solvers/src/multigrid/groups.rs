@@ -8,7 +8,7 @@
 use super::block_jacobi::SINGULAR;
 use fracas_operators::Real;
 use fracas_operators::shared::Shared;
-use fracas_operators::small::{Matrix3, PLACE, Symmetric, invert_equilibrated, norm_squared};
+use fracas_operators::small::{Matrix3, Symmetric, full, invert_equilibrated, norm_squared};
 use fracas_operators::sparse::Block3;
 use rayon::prelude::*;
 
@@ -191,7 +191,7 @@ fn matrix(
     };
     for (a, node) in nodes.iter().enumerate() {
         let own = &diagonal[*node as usize];
-        set(a, a, PLACE.map(|row| row.map(|k| own[k])));
+        set(a, a, full(own));
         for (j, block) in row(couplings, *node as usize) {
             if let Ok(b) = nodes.binary_search(&(j as u32)) {
                 set(a, b, *block);
@@ -220,7 +220,7 @@ mod tests {
     use fracas_operators::sparse::{Pattern, SparseRows};
 
     /// All n² blocks.
-    fn full(n: usize, values: Vec<Matrix3<f64>>) -> Block3<f64> {
+    fn all(n: usize, values: Vec<Matrix3<f64>>) -> Block3<f64> {
         let pattern = Pattern {
             offsets: (0..=n).map(|i| i * n).collect(),
             columns: (0..n * n).map(|k| (k % n) as u32).collect(),
@@ -255,7 +255,7 @@ mod tests {
             let v = value(k / 4, k % 4);
             fracas_operators::small::diagonal([v; 3])
         });
-        let a = full(4, blocks.collect());
+        let a = all(4, blocks.collect());
         (vec![identity; 4], a)
     }
 
@@ -320,7 +320,7 @@ mod tests {
                 fracas_operators::small::diagonal([v; 3])
             })
             .collect();
-        let a = full(n, blocks);
+        let a = all(n, blocks);
         let groups = Groups::<f64>::new(&vec![[1.0, 0.0, 0.0, 1.0, 0.0, 1.0]; n], &a, &[]);
         assert!(groups.first.windows(2).all(|w| w[1] - w[0] <= LARGEST));
         let mut nodes = groups.nodes().to_vec();
