@@ -30,7 +30,7 @@ impl Assembled {
         let InnerChoice::Amg(asked) = inner else {
             return Ok(inner.prepare(blocks, c)?.inverse);
         };
-        let f = &blocks.b1 * &c.for_schur()?.inverse_root()?;
+        let f = &blocks.b1 * &c.by_faces()?.inverse_root()?;
         let coordinates = blocks.coordinates.as_deref();
         let inverse = match &self.plan {
             // aggregates of the stuck body may leave nothing to hold an open one; the plan stays that of the stuck body,

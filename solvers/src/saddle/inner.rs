@@ -66,7 +66,7 @@ pub trait InnerSolver: Named {
         blocks: &SaddleBlocks,
         c: &AugmentationMatrix,
     ) -> Result<Box<dyn Preconditioner<f64>>, SetupError> {
-        let s_u = schur::primal_schur(&blocks.a, &blocks.b1, &*c.for_schur()?)?;
+        let s_u = schur::primal_schur(&blocks.a, &blocks.b1, c)?;
         self.of_matrix(&s_u, blocks.coordinates.as_deref())
             .map_err(|error| error.in_block("S_u"))
     }
@@ -209,7 +209,6 @@ impl InnerChoice {
             Self::Geometric(_) => return Err(no_grid()),
             _ => {}
         }
-        let c = &*c.for_schur()?;
         if let (Self::Amg(settings), true) = (self, c.is_sparse()) {
             // S_u = A + F Fᵀ is never assembled entry by entry
             let f = &blocks.b1 * &c.inverse_root()?;
