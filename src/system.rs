@@ -6,11 +6,11 @@ use crate::elasticity::{
 };
 use crate::mesh::{FractureFace, FractureMesh, HexMesh};
 use crate::scene::Body;
-use fracas_operators::LinearOperator;
 use fracas_operators::sparse::SparseMatrix;
 use fracas_operators::vector::axpy;
+use fracas_operators::{AdjointOperator, LinearOperator};
 use fracas_solvers::SetupError;
-use fracas_solvers::saddle::{DofCoordinate, SaddleBlocks, StrainNorm};
+use fracas_solvers::saddle::{DofCoordinate, SaddleBlocks};
 
 /// A meshed body with its materials and supports: all that the blocks depend on.
 #[derive(Clone, Copy, Debug)]
@@ -160,17 +160,18 @@ impl Body {
         self.stick_system(stabilization).assemble(&self.forces()?)
     }
 
-    /// `√(uᵀK u)` of free displacements with the prescribed ones in their places; `None` where none is prescribed but 0.
+    /// A without its entries, for the norm of strain of solutions; `None` where no displacement is prescribed but 0.
     ///
     /// # Errors
     /// [`ElasticityError`] for an inverted element or a region without material.
-    pub fn strain_norm(&self) -> Result<Option<StrainNorm<'static>>, ElasticityError> {
+    pub fn displaced_stiffness(
+        &self,
+    ) -> Result<Option<Restricted<Box<dyn AdjointOperator<f64>>>>, ElasticityError> {
         if !self.constraints.is_displaced() {
             return Ok(None);
         }
         let full = matrix_free::<f64>(&self.mesh, &self.materials)?;
-        let a = Restricted::new(full, self.constraints.clone());
-        Ok(Some(Box::new(move |u| a.strain_norm(u))))
+        Ok(Some(Restricted::new(full, self.constraints.clone())))
     }
 
     /// H with factor 1 and the lengths that the scene asks for.

@@ -1,10 +1,10 @@
 //! One method on one system: counts that do not depend on the machine, times that do, and the reason where it fails.
 
-use crate::command::memory;
 use crate::measure::TOLERANCE;
 use crate::report::{Cell, Level};
 use fracas::contact::JumpStabilization;
 use fracas::matrix_free::{MatrixFreeSystem, RacpParts};
+use fracas::memory;
 use fracas::scene::{Body, Scene};
 use fracas_operators::LinearOperator;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};

@@ -1,5 +1,6 @@
 //! One observer for the active set, Newton and Krylov: progress, history, stop.
 
+use std::fmt::Display;
 use std::ops::ControlFlow;
 
 /// What an iteration reports.
@@ -41,6 +42,9 @@ pub enum Step {
 pub trait Observer {
     /// Called once per step; `Break` stops the iteration with [`Outcome::Stopped`](crate::krylov::Outcome).
     fn observe(&mut self, step: &Step) -> ControlFlow<()>;
+
+    /// A line where another piece of work begins, or where something is found that the result tells as data.
+    fn say(&mut self, _line: &dyn Display) {}
 }
 
 /// Watches nothing.

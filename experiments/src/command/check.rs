@@ -1,11 +1,11 @@
 //! `fracas check`: reads, meshes and audits without solving.
 
 use super::Status;
-use super::memory;
-use super::rank;
 use super::scene::{self, Overrides};
 use clap::Args;
+use fracas::memory;
 use fracas::nonlinear::friction_remarks;
+use fracas::undetermined;
 use fracas_solvers::saddle::folder::read_folder;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -42,7 +42,7 @@ impl Check {
                 for remark in friction_remarks(&body) {
                     writeln!(out, "warning     {remark}")?;
                 }
-                rank::judge(name, &body, &audit.kernel)?;
+                undetermined::judge(name, &body, &audit.kernel)?;
             }
             (None, Some(folder)) => folder_audit(folder, out)?,
             (None, None) => anyhow::bail!("give a scene, or --system DIR"),

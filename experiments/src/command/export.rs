@@ -1,19 +1,24 @@
 //! `fracas export`: a system folder, of a scene with every face in stick or of a Newton step of its run.
 
-use super::memory;
 use super::progress::Progress;
-use super::source::{Assembly, System};
+use super::source::Assembly;
 use super::{Status, output, run};
 use anyhow::Context;
 use clap::Args;
+use fracas::contact::ContactState;
 use fracas::io::face_table;
+use fracas::memory;
 use fracas::nonlinear::{NewtonSystemError, Simulation, StepFailure};
-use fracas::scene::Method;
+use fracas::scene::{Body, Method};
+use fracas::solve::StuckBody;
 use fracas_operators::matrix_market::write_dense;
-use fracas_solvers::saddle::folder::write_folder;
+use fracas_solvers::Observer;
+use fracas_solvers::saddle::SaddleBlocks;
+use fracas_solvers::saddle::folder::{Manifest, write_folder};
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 #[derive(Args, Debug)]
 pub(super) struct Export {
@@ -31,6 +36,13 @@ pub(super) struct Export {
     /// Which of them: row K of the step in solver.csv, from 0.
     #[arg(long, value_name = "K", requires = "step", default_value = "0")]
     newton: usize,
+}
+
+/// What a folder is written from.
+struct Exported {
+    body: Arc<Body>,
+    blocks: SaddleBlocks,
+    manifest: Manifest,
 }
 
 /// A step that is not in the run.
@@ -58,32 +70,47 @@ impl Export {
         // a wrong path is said before the work and not after it
         let _folder = output::Folder::create(&self.out)?;
         let mut progress = Progress::new();
-        let system = match self.step {
-            None => self.assembly.assemble(&self.scene, &mut progress)?,
-            Some(step) => match self.of_run(step, &mut progress)? {
+        let stuck = self.assembly.stuck(&self.scene)?;
+        let Exported {
+            body,
+            blocks,
+            manifest,
+        } = match self.step {
+            None => self.in_stick(&stuck, &mut progress)?,
+            Some(step) => match self.of_run(&stuck, step, &mut progress)? {
                 Ok(system) => system,
                 Err(failure) => {
-                    progress.say(&failure.to_string());
+                    progress.say(&failure);
                     return Ok(Status::NotConverged);
                 }
             },
         };
-        write_folder(&self.out, &system.blocks, &system.manifest)?;
-        if let Some(body) = &system.body {
-            write_dense(&self.out.join("faces.mtx"), &face_table(&body.fractures))?;
-        }
+        write_folder(&self.out, &blocks, &manifest)?;
+        write_dense(&self.out.join("faces.mtx"), &face_table(&body.fractures))?;
         writeln!(out, "{}", self.out.display())?;
         Ok(Status::Done)
+    }
+
+    /// The system with every face in stick.
+    fn in_stick(&self, stuck: &StuckBody, progress: &mut Progress) -> anyhow::Result<Exported> {
+        let (body, blocks) = stuck.assemble(progress)?;
+        let states = vec![ContactState::Stick; body.fractures.faces.len()];
+        Ok(Exported {
+            manifest: self.assembly.manifest(&self.scene, 0, 0, &states),
+            body,
+            blocks,
+        })
     }
 
     /// The system of a Newton step, or the step of the run that failed before it.
     fn of_run(
         &self,
+        stuck: &StuckBody,
         step: usize,
         progress: &mut Progress,
-    ) -> anyhow::Result<Result<System, Box<StepFailure>>> {
+    ) -> anyhow::Result<Result<Exported, Box<StepFailure>>> {
         self.assembly.require_run_stabilization()?;
-        let body = self.assembly.mesh(&self.scene, memory::BLOCKS, progress)?;
+        let body = stuck.mesh(memory::BLOCKS, progress)?;
         // before the steps that lead to it
         if body.solver.method != Method::Lagrange {
             return Err(NewtonSystemError::Springs.into());
@@ -104,7 +131,7 @@ impl Export {
                 if state.step == step {
                     break;
                 }
-                progress.say(&format!("step {}", state.step));
+                progress.say(&format_args!("step {}", state.step));
                 match simulation.advance(&state, progress) {
                     Ok(accepted) => state = accepted.state,
                     Err(failure) => return Ok(Err(failure)),
@@ -131,6 +158,10 @@ impl Export {
         if let Value::Object(other) = other {
             manifest.other.extend(other);
         }
-        Ok(Ok(System::of_body(body, blocks, manifest)))
+        Ok(Ok(Exported {
+            body,
+            blocks,
+            manifest,
+        }))
     }
 }

@@ -1,10 +1,9 @@
 //! Which method: `--method`, `--augmentation`, `--inner`.
 
 use clap::Args;
-use fracas::multigrid::Geometric;
-use fracas_solvers::amg::Amg;
+use fracas::solve::{InnerRule, Route, SystemKind};
 use fracas_solvers::saddle::inner::UnknownInner;
-use fracas_solvers::saddle::{AugmentationChoice, InnerChoice, Racp, SaddleMethod};
+use fracas_solvers::saddle::{AugmentationChoice, InnerChoice, NoSuchPart, SaddleMethod};
 use std::str::FromStr;
 
 /// A method with the parts that the command line chooses.
@@ -58,180 +57,28 @@ fn help() -> String {
     )
 }
 
-/// What the system is, as far as it decides on the inner solver.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Asked {
-    /// A scene: its mesh is a grid.
-    Scene,
-    /// A scene whose mesh comes from a file.
-    SceneOfFile,
-    /// A scene, and work that reads the entries of A: the option.
-    SceneWithEntries(&'static str),
-    /// A system folder.
-    Folder,
-}
-
-/// A method and, where `auto` chose, why and what else there is.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Chosen {
-    pub(super) method: SaddleMethod,
-    pub(super) reason: Option<String>,
-    /// What takes its place, in turn, where it cannot be set up.
-    pub(super) otherwise: Vec<SaddleMethod>,
-}
-
-/// Geometric multigrid where it cannot be.
-#[derive(Debug, thiserror::Error)]
-enum NotGeometric {
-    #[error(
-        "--inner geometric belongs to --method racp; {0} takes exact, amg (also amg:gauss_seidel, amg:fsai, amg:chebyshev), fsai, fsai:static, jacobi or ssor"
-    )]
-    Method(&'static str),
-    #[error(
-        "--inner geometric needs a scene, whose mesh is a grid; a system folder has matrices alone, take --inner amg"
-    )]
-    Folder,
-    #[error(
-        "--inner geometric needs a mesh that is a grid, and the mesh of this scene comes from a file; take --inner amg"
-    )]
-    NoGrid,
-    #[error("--inner geometric has no assembled A, and {0} reads its entries; take --inner amg")]
-    Entries(&'static str),
-}
-
 impl Method {
-    /// The settings, from assembled blocks whatever the system is; `default` where no method is named.
+    /// The settings with the parts that are named, from assembled blocks whatever the system is; `default` where no method is.
     pub(super) fn chosen(
         &self,
         asker: &'static str,
         default: SaddleMethod,
     ) -> anyhow::Result<SaddleMethod> {
-        let asked = Asked::SceneWithEntries(asker);
-        Ok(self.of(default).route(asked)?.method)
+        let (method, rule) = self.of(default)?;
+        Ok(Route::new(&method, rule, SystemKind::Entries(asker))?.method)
     }
 
-    /// How a system is solved.
-    pub(super) fn route(&self, asked: Asked) -> anyhow::Result<Chosen> {
-        self.of(SaddleMethod::default()).route(asked)
-    }
-
-    /// The method that is named, or this one.
-    fn of(&self, default: SaddleMethod) -> Parts {
-        Parts {
-            method: self.method.unwrap_or(default),
-            augmentation: self.augmentation,
-            inner: self.inner,
-        }
-    }
-}
-
-/// A method and what is put in the place of its parts.
-struct Parts {
-    method: SaddleMethod,
-    augmentation: Option<AugmentationChoice>,
-    inner: Option<Inner>,
-}
-
-impl Parts {
-    fn route(&self, asked: Asked) -> anyhow::Result<Chosen> {
-        match self.inner {
-            None => self.default(asked),
-            Some(Inner::Named(inner)) => {
-                if matches!(inner, InnerChoice::Geometric(_)) {
-                    self.require_grid(asked)?;
-                }
-                self.with(Some(inner))
-            }
-            Some(Inner::Auto) => self.auto(asked),
-        }
-    }
-
-    /// Refuses geometric multigrid where there is no grid, or where entries of A are read.
-    fn require_grid(&self, asked: Asked) -> anyhow::Result<()> {
-        let Some(racp) = self.racp() else {
-            // a method without an inner solver refuses this one as any other
-            self.method.with_parts(None, Some(InnerChoice::default()))?;
-            return Err(NotGeometric::Method(self.method.name()).into());
+    /// The method that is named, or this one, and what may take the place of its inner solver.
+    pub(super) fn of(
+        &self,
+        default: SaddleMethod,
+    ) -> Result<(SaddleMethod, InnerRule), NoSuchPart> {
+        let (inner, rule) = match self.inner {
+            None => (None, InnerRule::OrElse),
+            Some(Inner::Auto) => (None, InnerRule::Auto),
+            Some(Inner::Named(inner)) => (Some(inner), InnerRule::Fixed),
         };
-        match asked {
-            Asked::Folder => Err(NotGeometric::Folder.into()),
-            Asked::SceneOfFile => Err(NotGeometric::NoGrid.into()),
-            Asked::SceneWithEntries(who) => Err(NotGeometric::Entries(who).into()),
-            Asked::Scene => Ok(racp.augmentation.require_local()?),
-        }
+        let method = self.method.unwrap_or(default);
+        Ok((method.with_parts(self.augmentation, inner)?, rule))
     }
-
-    /// The inner solver of the method; where f64 or memory do not do for that one what `auto` takes for a scene, whose bodies are held.
-    fn default(&self, asked: Asked) -> anyhow::Result<Chosen> {
-        let chosen = self.with(None)?;
-        if matches!(asked, Asked::Folder) || self.method.inner().is_none() {
-            return Ok(chosen);
-        }
-        let local = self.racp().is_some_and(|racp| racp.augmentation.is_local());
-        let geometric = (local && asked == Asked::Scene).then(geometric);
-        let inner = geometric.into_iter().chain([amg()]);
-        let otherwise = inner.map(|inner| Ok(self.with(Some(inner))?.method));
-        Ok(Chosen {
-            otherwise: otherwise.collect::<anyhow::Result<_>>()?,
-            ..chosen
-        })
-    }
-
-    /// Geometric where everything it needs is there, else amg where the method has an inner solver; then amg, then a factorization.
-    fn auto(&self, asked: Asked) -> anyhow::Result<Chosen> {
-        if self.method.inner().is_none() {
-            return self.with(None);
-        }
-        let exact = self.with(Some(InnerChoice::default()))?.method;
-        let amg = self.with(Some(amg()))?.method;
-        let reason = match (asked, self.racp()) {
-            (_, None) => format!("{} is made from assembled blocks", self.method.name()),
-            (Asked::Folder, _) => "a system folder has no grid".to_owned(),
-            (Asked::SceneOfFile, _) => "the mesh of the scene comes from a file".to_owned(),
-            (Asked::SceneWithEntries(who), _) => format!("{who} reads the entries of A"),
-            (Asked::Scene, Some(racp)) if !racp.augmentation.is_local() => {
-                format!("C = {} needs all of A", racp.augmentation)
-            }
-            (Asked::Scene, Some(_)) => {
-                return Ok(Chosen {
-                    reason: Some("geometric, because the mesh of the scene is a grid".into()),
-                    otherwise: vec![amg, exact],
-                    ..self.with(Some(geometric()))?
-                });
-            }
-        };
-        Ok(Chosen {
-            method: amg,
-            reason: Some(format!("amg, because {reason}")),
-            otherwise: vec![exact],
-        })
-    }
-
-    /// The method with this inner solver, or its own.
-    fn with(&self, inner: Option<InnerChoice>) -> anyhow::Result<Chosen> {
-        Ok(Chosen {
-            method: self.method.with_parts(self.augmentation, inner)?,
-            reason: None,
-            otherwise: Vec::new(),
-        })
-    }
-
-    /// RACP with this C, where it is the method.
-    fn racp(&self) -> Option<Racp> {
-        let SaddleMethod::Racp(racp) = self.method else {
-            return None;
-        };
-        Some(Racp {
-            augmentation: self.augmentation.unwrap_or(racp.augmentation),
-            ..racp
-        })
-    }
-}
-
-fn amg() -> InnerChoice {
-    InnerChoice::Amg(Amg::default())
-}
-
-fn geometric() -> InnerChoice {
-    InnerChoice::Geometric(Geometric::default())
 }

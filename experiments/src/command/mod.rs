@@ -7,15 +7,13 @@
 mod check;
 mod explain;
 mod export;
-mod free;
 mod interrupt;
 mod list;
-pub(crate) mod memory;
 mod method;
 mod modes;
 mod output;
 mod progress;
-mod rank;
+mod report;
 mod reproduce;
 mod run;
 mod scene;

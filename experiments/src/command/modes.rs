@@ -1,17 +1,18 @@
 //! Eigenvectors as files: fields on the mesh of a scene, tables of a system folder.
 
 use super::output;
-use super::source::System;
 use anyhow::Context;
 use clap::Args;
 use fracas::io::Snapshot;
 use fracas::scene::Body;
+use fracas::solve::Loaded;
 use fracas_solvers::saddle::DofCoordinate;
 use fracas_solvers::spectrum::{Mode, ModeTarget, SpectrumReport};
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Which eigenvectors, and where to put them.
 #[derive(Args, Debug)]
@@ -31,7 +32,7 @@ pub(super) struct Modes {
 
 impl Modes {
     /// Writes the modes of a report, where that is asked for.
-    pub(super) fn write(&self, system: &System, report: &SpectrumReport) -> anyhow::Result<()> {
+    pub(super) fn write(&self, system: &Loaded, report: &SpectrumReport) -> anyhow::Result<()> {
         let wanted = self.modes.len();
         if wanted > 0 && report.modes.is_empty() {
             anyhow::bail!(
@@ -90,8 +91,8 @@ struct Peaks {
 }
 
 impl Peaks {
-    fn of(mode: &Mode, system: &System) -> Self {
-        let center = |body: &Body| {
+    fn of(mode: &Mode, system: &Loaded) -> Self {
+        let center = |body: &Arc<Body>| {
             let norms = mode.t.chunks_exact(3);
             let face = largest(norms.map(|t| t.iter().map(|v| v * v).sum()))?;
             Some(body.fractures.faces[face].center)

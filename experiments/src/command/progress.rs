@@ -3,6 +3,7 @@
 use super::interrupt;
 use fracas_solvers::{Observer, Step};
 use indicatif::{ProgressBar, ProgressStyle};
+use std::fmt::Display;
 use std::io::{IsTerminal, Write};
 use std::ops::ControlFlow;
 
@@ -29,12 +30,6 @@ impl Progress {
         }
     }
 
-    /// Announces a piece of work.
-    pub(super) fn say(&mut self, text: &str) {
-        self.announced.clear();
-        self.tell(text);
-    }
-
     /// Says a line in the course of one piece of work: stages that were announced are not announced again.
     pub(super) fn tell(&self, text: &str) {
         match &self.bar {
@@ -50,6 +45,11 @@ fn line(text: &str) {
 }
 
 impl Observer for Progress {
+    fn say(&mut self, text: &dyn Display) {
+        self.announced.clear();
+        self.tell(&text.to_string());
+    }
+
     fn observe(&mut self, step: &Step) -> ControlFlow<()> {
         match (step, &self.bar) {
             (

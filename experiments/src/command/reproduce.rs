@@ -5,6 +5,7 @@ use super::{Status, output};
 use crate::list::{EXPERIMENTS, SHORT_SELECTION, find};
 use crate::report::{Experiment, Level, run_chapter, write_report};
 use clap::Args;
+use fracas_solvers::Observer;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -46,7 +47,11 @@ impl Reproduce {
         let mut progress = Progress::new();
         let mut chapters = Vec::new();
         for experiment in selection {
-            progress.say(&format!("{}: {}", experiment.id(), experiment.question()));
+            progress.say(&format_args!(
+                "{}: {}",
+                experiment.id(),
+                experiment.question()
+            ));
             let chapter = run_chapter(experiment, level, &self.out, &mut progress)?;
             let verdict = if chapter.passed() { "holds" } else { "FAILS" };
             writeln!(out, "{} {verdict}: {}", experiment.id(), experiment.title())?;

@@ -7,6 +7,7 @@ use super::source::Source;
 use super::{Status, output};
 use crate::plot::Figure;
 use clap::Args;
+use fracas_solvers::Observer;
 use fracas_solvers::saddle::{InnerChoice, Racp, SaddleMethod};
 use fracas_solvers::spectrum::{SpectrumReport, SpectrumRequest, Theorem, analyse_method};
 use std::io::Write;
@@ -47,7 +48,8 @@ impl Spectrum {
         let mut progress = Progress::new();
         let system = self.source.load(&mut progress)?;
         if system.blocks.flow.is_some() {
-            progress.say("note: flow blocks are left out; this is the spectrum of the (u, t) part");
+            progress
+                .say(&"note: flow blocks are left out; this is the spectrum of the (u, t) part");
         }
         let request = SpectrumRequest {
             dense_limit: self.dense_limit,
@@ -56,7 +58,7 @@ impl Spectrum {
         };
         let report = analyse_method(&system.blocks, &method, &request, &mut progress)?;
         for note in &report.notes {
-            progress.say(&format!("note: {note}"));
+            progress.say(&format_args!("note: {note}"));
         }
         drop(progress);
         if let Some(path) = &self.plot {

@@ -1,10 +1,10 @@
 //! One run: mesh, set-up, solve, on so many threads.
 
-use crate::command::memory::{self, Work};
 use crate::measure::{LIMIT, TOLERANCE};
 use anyhow::Context;
 use fracas::contact::JumpStabilization;
 use fracas::matrix_free::{MatrixFreeSystem, RacpParts};
+use fracas::memory::{self, Work};
 use fracas::scene::{Body, named};
 use fracas_operators::{LinearOperator, Preconditioner};
 use fracas_solvers::Silent;
@@ -121,7 +121,7 @@ impl Run {
         let scene = named(self.scene).with_context(|| format!("no scene {}", self.scene))?;
         let scene = scene.scene()?.with_overrides(&self.overrides)?;
         if let Err(reason) = memory::room_for(self.scene, &scene, self.inner.memory()) {
-            return Ok(Err(reason));
+            return Ok(Err(reason.into()));
         }
         pool.install(|| {
             memory::reset_peak();

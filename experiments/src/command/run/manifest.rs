@@ -1,6 +1,6 @@
 //! `run.json`: what was run, with which settings, and how it ended.
 
-use crate::command::memory;
+use fracas::memory;
 use fracas::nonlinear::{Simulation, State};
 use fracas::scene::{Body, Scene, SolverSection, TimeSection};
 use fracas_solvers::saddle::Racp;

@@ -13,12 +13,15 @@ mod tree;
 
 use super::progress::Progress;
 use super::scene::{self, Overrides};
-use super::{Status, interrupt, memory, output, rank};
+use super::{Status, interrupt, output};
 use anyhow::Context;
 use clap::Args;
 use fracas::io::{Fingerprint, read_checkpoint};
+use fracas::memory;
 use fracas::nonlinear::Simulation;
 use fracas::scene::Scene;
+use fracas::undetermined::undetermined;
+use fracas_solvers::Observer;
 use lock::Lock;
 use manifest::{Manifest, Outcome};
 use std::io::Write;
@@ -88,11 +91,11 @@ impl Run {
         }
         let mut progress = Progress::new();
         if let Some(found) = found {
-            progress.say(&found.to_string());
+            progress.say(&found);
         }
         progress.say(&format!("{}: meshing", scene.title()));
         let body = scene.build()?;
-        let undetermined = rank::undetermined(&self.scene, &body)?;
+        let undetermined = undetermined(&self.scene, &body)?;
         let fingerprint = Fingerprint::new(&body, &physics(&scene)?);
         // before anything is assembled
         let started = match &checkpoint {
@@ -106,7 +109,7 @@ impl Run {
                 return Err(Beyond { time, end }.into());
             }
         }
-        progress.say("assembling");
+        progress.say(&"assembling");
         let simulation =
             Simulation::new(&body).with_context(|| format!("{} cannot be run", self.scene))?;
         let simulation = simulation.limited_by(memory::available_bytes);

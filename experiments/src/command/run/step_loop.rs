@@ -12,6 +12,7 @@ use crate::report::format_real;
 use fracas::io::Fields;
 use fracas::nonlinear::{Event, Failure, Simulation, State, StepRecord, friction_remarks};
 use fracas::scene::{Body, Scene};
+use fracas_solvers::Observer;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;

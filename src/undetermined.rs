@@ -4,9 +4,9 @@
 //! displacements alone. Its row is `0 = 0`, no iterate changes it, displacements and all other tractions are unique. A
 //! traction pattern over several patches that pushes on nothing is another matter: which faces open depends on it.
 
-use fracas::mesh::{CouplingKernel, coupling_kernel};
-use fracas::scene::Body;
-use fracas::system::of_held_bodies;
+use crate::mesh::{CouplingKernel, coupling_kernel};
+use crate::scene::Body;
+use crate::system::of_held_bodies;
 use fracas_solvers::SetupError;
 
 /// Tractions that nothing determines and contact depends on.
@@ -15,15 +15,20 @@ use fracas_solvers::SetupError;
     "{scene}: {modes} traction mode(s) stay free even with stabilization, so the saddle point is singular{place}; \
      `fracas check {scene}` lists every place"
 )]
-struct SingularScene {
-    scene: String,
-    modes: usize,
+pub struct SingularScene {
+    /// Its name.
+    pub scene: String,
+    /// Dimension of what nothing determines.
+    pub modes: usize,
     place: String,
 }
 
 /// Refuses a scene whose tractions are not unique even with jump stabilization; what is to be said of those that push on
 /// prescribed displacements or tips only.
-pub(super) fn undetermined(scene: &str, body: &Body) -> anyhow::Result<Option<String>> {
+///
+/// # Errors
+/// [`SingularScene`] with the first place.
+pub fn undetermined(scene: &str, body: &Body) -> Result<Option<String>, SingularScene> {
     let kernel = coupling_kernel(&body.mesh, &body.fractures, &body.prescribed());
     judge(scene, body, &kernel)?;
     Ok((kernel.idle_dimension > 0).then(|| {
@@ -39,11 +44,7 @@ pub(super) fn undetermined(scene: &str, body: &Body) -> anyhow::Result<Option<St
 /// its supports.
 ///
 /// Rows of such tractions are `0 = 0` in the whole system and in its Schur complement, and none of A or S_u.
-pub(super) fn blamed(
-    mut error: SetupError,
-    scene: Option<&str>,
-    body: Option<&Body>,
-) -> SetupError {
+pub fn blamed(mut error: SetupError, scene: Option<&str>, body: Option<&Body>) -> SetupError {
     if body.is_some() {
         error = of_held_bodies(error);
     }
@@ -60,7 +61,10 @@ pub(super) fn blamed(
 }
 
 /// The same for a kernel that is known already.
-pub(super) fn judge(scene: &str, body: &Body, kernel: &CouplingKernel) -> anyhow::Result<()> {
+///
+/// # Errors
+/// [`SingularScene`] with the first place.
+pub fn judge(scene: &str, body: &Body, kernel: &CouplingKernel) -> Result<(), SingularScene> {
     if kernel.stabilized_dimension <= kernel.idle_dimension {
         return Ok(());
     }
@@ -68,8 +72,7 @@ pub(super) fn judge(scene: &str, body: &Body, kernel: &CouplingKernel) -> anyhow
         scene: scene.into(),
         modes: kernel.stabilized_dimension - kernel.idle_dimension,
         place: first(body, kernel),
-    }
-    .into())
+    })
 }
 
 /// The first finding and its place.

@@ -1,26 +1,13 @@
 //! A preconditioner in f32 that failed: the same one in f64, where f32 is to blame.
 
-use super::iteration::Built;
-use super::memory;
-use crate::command::progress::Progress;
-use fracas_operators::Preconditioner;
+use super::Rounding;
+use super::solver::{Double, Solver};
 use fracas_operators::vector::norm2;
+use fracas_operators::{LinearOperator, Preconditioner};
 use fracas_solvers::krylov::{Breakdown, Outcome, Report};
-use fracas_solvers::multigrid::Summary;
 use fracas_solvers::saddle::{Ready, SaddleBlocks, SaddleMethod};
 use fracas_solvers::{Observer, SetupError, Step};
 use std::ops::ControlFlow;
-
-/// A preconditioner in f64 that takes the place of one in f32.
-pub(super) struct Double {
-    pub(super) preconditioner: Box<dyn Preconditioner<f64>>,
-    pub(super) hierarchy: Option<Summary>,
-    /// What the report calls the inner solver.
-    pub(super) inner: String,
-}
-
-/// Builds the preconditioner in f64.
-pub(super) type InDouble<'a> = Box<dyn Fn(&mut Progress) -> anyhow::Result<Double> + 'a>;
 
 /// Difference of `M⁻¹r` in f32 and in f64, relative to the latter, from which f32 is to blame. Unit: 1.
 const LOST: f64 = 1e-2;
@@ -33,10 +20,10 @@ pub(super) struct Again {
     /// To go on with; `None` where f32 is not to blame or f64 is not to be had.
     pub(super) double: Option<Double>,
     /// What to say.
-    pub(super) finding: String,
+    pub(super) rounding: Rounding,
 }
 
-/// The inner solver of the method in f64, as the report calls it.
+/// The inner solver of the method in f64, as results call it.
 pub(super) fn name_in_double(method: &SaddleMethod) -> Option<String> {
     method.inner().map(|inner| format!("{inner} (f64)"))
 }
@@ -55,15 +42,12 @@ pub(super) fn in_double(method: &SaddleMethod) -> Option<SaddleMethod> {
 pub(super) fn ready(
     method: &SaddleMethod,
     blocks: &SaddleBlocks,
-) -> Result<(Ready, Option<String>), SetupError> {
+) -> Result<(Ready, Option<Rounding>), SetupError> {
     let stiffness = blocks.stiffness();
     let double = in_double(method).filter(|_| stiffness.exceeds_single());
     if let Some(Ok(ready)) = double.map(|double| double.ready(blocks)) {
-        let finding = format!(
-            "precision: entries of A spread over {:.0e}, the digits of f32; the hierarchy is in f64",
-            stiffness.spread()
-        );
-        return Ok((ready, Some(finding)));
+        let spread = stiffness.spread();
+        return Ok((ready, Some(Rounding::Spread { spread })));
     }
     let error = match method.ready(blocks) {
         Ok(ready) => return Ok((ready, None)),
@@ -71,8 +55,8 @@ pub(super) fn ready(
     };
     match in_double(method).map(|double| double.ready(blocks)) {
         Some(Ok(ready)) => {
-            let finding = format!("precision: with f32 {error}; the hierarchy is in f64");
-            Ok((ready, Some(finding)))
+            let failure = error.to_string();
+            Ok((ready, Some(Rounding::SetUp { failure })))
         }
         _ => Err(error),
     }
@@ -145,52 +129,54 @@ fn failure(result: &Result<Report, Breakdown>, flat: Option<f64>) -> Option<Stri
 /// After an iteration around f32 that broke down or stood still: the preconditioner in f64, where its `M⁻¹r` differs for the
 /// residual r of x. f64 that cannot be set up, for want of memory too, is a finding like others.
 pub(super) fn again(
-    built: &Built<'_>,
+    solver: &Solver,
+    operator: &dyn LinearOperator<f64>,
     (result, flat): (&Result<Report, Breakdown>, Option<f64>),
     x: &mut [f64],
-    progress: &mut Progress,
+    observer: &mut dyn Observer,
 ) -> Option<Again> {
-    let (Some(failure), Some(in_double)) = (failure(result, flat), &built.in_double) else {
-        return None;
-    };
-    if !built.preconditioner.properties().single {
+    if !is_single(solver) {
         return None;
     }
+    let failure = failure(result, flat)?;
     if !x.iter().all(|x| x.is_finite()) {
         x.fill(0.0);
     }
-    progress.say("f32 failed: setting up in f64");
-    let room = memory::room_in_double(built.hierarchy.as_ref());
-    let double = match room.and_then(|()| in_double(progress)) {
+    observer.say(&"f32 failed: setting up in f64");
+    let double = match solver.in_double(observer) {
         Ok(double) => double,
         Err(error) => {
+            let reason = error.in_full();
             return Some(Again {
                 double: None,
-                finding: format!("precision: {failure}; f64 could not be set up: {error:#}"),
+                rounding: Rounding::NoDouble { failure, reason },
             });
         }
     };
-    let mut r = built.b.to_vec();
-    let operator = built.equations.operator();
+    let mut r = solver.b.clone();
     operator.apply_add(-1.0, x, &mut r, &mut vec![0.0; operator.work_len()]);
-    let lost = difference(built.preconditioner, &*double.preconditioner, &r);
-    Some(if lost < LOST {
-        let finding = format!(
-            "precision: {failure}; f32 inside is not to blame, its M⁻¹r is that of f64 to {lost:.0e}"
-        );
-        Again {
+    let difference = difference(&*solver.ready.inverse, &*double.ready.inverse, &r);
+    Some(match difference < LOST {
+        true => Again {
             double: None,
-            finding,
-        }
-    } else {
-        let finding = format!(
-            "precision: {failure}; M⁻¹r in f32 is off by {lost:.0e} of that in f64, so the iteration went on with f64"
-        );
-        Again {
+            rounding: Rounding::NotToBlame {
+                failure,
+                difference,
+            },
+        },
+        false => Again {
             double: Some(double),
-            finding,
-        }
+            rounding: Rounding::WentOn {
+                failure,
+                difference,
+            },
+        },
     })
+}
+
+/// True where the preconditioner is in f32 and there is the same one in f64.
+pub(super) fn is_single(solver: &Solver) -> bool {
+    in_double(&solver.method).is_some() && solver.ready.inverse.properties().single
 }
 
 /// `‖M₁⁻¹r − M₂⁻¹r‖₂ / ‖M₂⁻¹r‖₂`; infinite where one is no number.

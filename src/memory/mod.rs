@@ -1,13 +1,16 @@
 //! Memory of this process: what it took, and whether there is enough for what it is asked.
 
-use super::free::kibibytes;
-use fracas::scene::{Scene, SceneSize};
+mod free;
+
+use crate::mesh::MAX_NODES;
+use crate::scene::{Scene, SceneSize};
 use fracas_operators::{LinearOperator, Preconditioner};
 use fracas_solvers::krylov::{Fitted, KrylovChoice};
 use fracas_solvers::multigrid::Summary;
+use free::kibibytes;
 use std::path::Path;
 
-pub(crate) use super::free::available_bytes;
+pub use free::available_bytes;
 
 /// What the parts of a mesh take [bytes].
 #[derive(Clone, Copy, Debug)]
@@ -22,7 +25,7 @@ struct Parts {
 
 /// What a piece of work takes at its peak.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Work {
+pub struct Work {
     /// Where no map moves the nodes.
     bricks: Parts,
     /// Where one does.
@@ -42,21 +45,21 @@ const fn parts([node, copy, face]: [f64; 3]) -> Parts {
 const FEWER_CELLS: &str = "use fewer cells, e.g. --set mesh.x.cells=8";
 
 /// Mesh, fractures, sides and their audit.
-pub(crate) const CHECK: Work = Work {
+pub const CHECK: Work = Work {
     bricks: parts(CHECKED),
     mapped: parts(CHECKED),
     remedy: FEWER_CELLS,
 };
 
 /// Mesh and assembled blocks, without any factorization.
-pub(crate) const BLOCKS: Work = Work {
+pub const BLOCKS: Work = Work {
     bricks: parts(ASSEMBLED),
     mapped: parts(ASSEMBLED),
     remedy: "use fewer cells, e.g. --set mesh.x.cells=8, or solve with --inner geometric, which assembles no A",
 };
 
 /// Mesh, operator, hierarchy and the vectors of one solve, without an assembled A.
-pub(crate) const MATRIX_FREE: Work = Work {
+pub const MATRIX_FREE: Work = Work {
     bricks: parts(ON_BRICKS),
     mapped: parts(ON_HEXAHEDRA),
     remedy: FEWER_CELLS,
@@ -81,7 +84,7 @@ const PER_NODE_OF_FILE: f64 = 400.0;
 
 impl Work {
     /// At its peak [bytes].
-    pub(crate) fn bytes(&self, size: SceneSize, bricks: bool) -> f64 {
+    pub fn bytes(&self, size: SceneSize, bricks: bool) -> f64 {
         let Parts { node, copy, face } = if bricks { self.bricks } else { self.mapped };
         let [nodes, copies, faces] = [size.nodes, size.copies, size.faces].map(|n| n as f64);
         PROCESS + node * nodes + copy * copies + face * faces
@@ -93,12 +96,17 @@ impl Work {
 #[error(
     "{scene}: {nodes} grid nodes{} take about {needed:.1} GB and {available:.1} GB are free; {remedy}", and_faces(*faces)
 )]
-struct TooLarge {
-    scene: String,
-    nodes: u128,
-    faces: u128,
-    needed: f64,
-    available: f64,
+pub struct TooLarge {
+    /// Its name.
+    pub scene: String,
+    /// Nodes before fractures split them.
+    pub nodes: u128,
+    /// Fracture faces.
+    pub faces: u128,
+    /// What it takes [GB].
+    pub needed: f64,
+    /// What is free [GB].
+    pub available: f64,
     remedy: &'static str,
 }
 
@@ -110,9 +118,12 @@ fn and_faces(faces: u128) -> String {
 }
 
 /// Refuses a scene that takes more memory than there is to take, before any of it is taken.
-pub(crate) fn room_for(name: &str, scene: &Scene, work: Work) -> anyhow::Result<()> {
+///
+/// # Errors
+/// [`TooLarge`] with what it takes and what is free.
+pub fn room_for(name: &str, scene: &Scene, work: Work) -> Result<(), TooLarge> {
     // beyond the numbering of the mesh, which has its own message
-    if scene.nodes() > fracas::mesh::MAX_NODES {
+    if scene.nodes() > MAX_NODES {
         return Ok(());
     }
     // nodes alone first: lines of an axis take memory, too
@@ -124,7 +135,7 @@ pub(crate) fn room_for(name: &str, scene: &Scene, work: Work) -> anyhow::Result<
     room(name, scene, work, scene.size())
 }
 
-fn room(name: &str, scene: &Scene, work: Work, size: SceneSize) -> anyhow::Result<()> {
+fn room(name: &str, scene: &Scene, work: Work, size: SceneSize) -> Result<(), TooLarge> {
     let mesh = &scene.sections().mesh;
     let mut needed = work.bytes(size, mesh.file.is_none() && mesh.map.is_none());
     let mut remedy = work.remedy;
@@ -140,8 +151,7 @@ fn room(name: &str, scene: &Scene, work: Work, size: SceneSize) -> anyhow::Resul
             needed: needed * 1e-9,
             available: available as f64 * 1e-9,
             remedy,
-        }
-        .into()),
+        }),
         _ => Ok(()),
     }
 }
@@ -149,21 +159,25 @@ fn room(name: &str, scene: &Scene, work: Work, size: SceneSize) -> anyhow::Resul
 /// A second hierarchy that does not fit.
 #[derive(Debug, thiserror::Error)]
 #[error("it takes about {needed:.1} GB and {available:.1} GB are free")]
-struct NoRoomInDouble {
-    needed: f64,
-    available: f64,
+pub struct NoRoomInDouble {
+    /// What it takes [GB].
+    pub needed: f64,
+    /// What is free [GB].
+    pub available: f64,
 }
 
 /// Refuses the hierarchy in f64 beside the one in f32 where its numbers alone, twice as long, do not fit.
-pub(crate) fn room_in_double(single: Option<&Summary>) -> anyhow::Result<()> {
+///
+/// # Errors
+/// [`NoRoomInDouble`] with what it takes and what is free.
+pub fn room_in_double(single: Option<&Summary>) -> Result<(), NoRoomInDouble> {
     let levels = single.iter().flat_map(|summary| &summary.levels);
     let needed = 2.0 * levels.map(|level| level.bytes).sum::<usize>() as f64;
     match available_bytes() {
         Some(available) if needed > SHARE * available as f64 => Err(NoRoomInDouble {
             needed: needed * 1e-9,
             available: available as f64 * 1e-9,
-        }
-        .into()),
+        }),
         _ => Ok(()),
     }
 }
@@ -182,33 +196,38 @@ fn vectors_that_fit(n: usize) -> usize {
 #[error(
     "memory holds {vectors} more vectors of {n} unknowns and the shortest iteration takes 8; use fewer cells, or free memory"
 )]
-struct NoRoom {
-    vectors: usize,
-    n: usize,
+pub struct NoRoom {
+    /// That fit.
+    pub vectors: usize,
+    /// Length of one.
+    pub n: usize,
 }
 
 /// The iteration whose vectors fit, beside the scratch of the product and of the preconditioner.
-pub(crate) fn krylov_that_fits(
+///
+/// # Errors
+/// [`NoRoom`] where not even the shortest recurrence fits.
+pub fn krylov_that_fits(
     operator: &dyn LinearOperator<f64>,
     preconditioner: &dyn Preconditioner<f64>,
     symmetric: bool,
-) -> anyhow::Result<Fitted> {
+) -> Result<Fitted, NoRoom> {
     let n = preconditioner.size();
     let scratch = operator.work_len().max(preconditioner.work_len());
     // and the solution
     let taken = 1 + scratch.div_ceil(n.max(1));
     let vectors = vectors_that_fit(n).saturating_sub(taken);
     let fitted = KrylovChoice::fitted(vectors, symmetric, preconditioner);
-    Ok(fitted.ok_or(NoRoom { vectors, n })?)
+    fitted.ok_or(NoRoom { vectors, n })
 }
 
 /// High-water mark of the resident set [bytes], where the system tells (Linux).
-pub(crate) fn peak_bytes() -> Option<u64> {
+pub fn peak_bytes() -> Option<u64> {
     kibibytes(Path::new("/proc/self/status"), "VmHWM:")
 }
 
 /// Lets the high-water mark start again from what is resident now, where the system allows it (Linux).
-pub(crate) fn reset_peak() {
+pub fn reset_peak() {
     // elsewhere the mark is that of the whole process, as before
     let _ = std::fs::write("/proc/self/clear_refs", "5");
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 /// Memory that can be taken without swapping and without passing a limit [bytes], where the system tells (Linux).
-pub(crate) fn available_bytes() -> Option<u64> {
+pub fn available_bytes() -> Option<u64> {
     available_below(Path::new("/"))
 }
 

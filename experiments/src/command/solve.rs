@@ -1,0 +1,142 @@
+//! `fracas solve`: one linear system, its cost, its true residual.
+
+use super::method::Method;
+use super::progress::Progress;
+use super::source::Source;
+use super::{Status, output, report};
+use clap::{Args, ValueEnum};
+use fracas::solve::{RightHandSide, Solve as Settings};
+use fracas_operators::matrix_market::write_vector;
+use fracas_solvers::krylov::KrylovChoice;
+use fracas_solvers::saddle::{Measure, SaddleMethod};
+use std::io::Write;
+use std::path::PathBuf;
+
+#[derive(Args, Debug)]
+pub(super) struct Solve {
+    #[command(flatten)]
+    source: Source,
+    #[command(flatten)]
+    method: Method,
+    /// Iteration: gmres, gmres:RESTART, fgmres, bicgstab, sqmr, minres, cg [default: gmres where its basis fits into memory,
+    /// else what does].
+    #[arg(long, value_name = "METHOD")]
+    krylov: Option<KrylovChoice>,
+    /// What the tolerance is for: the errors of u and t, each relative to the solution's in the norm of energy, or the residual
+    /// relative to ‖b‖₂, as in published counts.
+    #[arg(long, value_enum, default_value = "error")]
+    measure: MeasureName,
+    /// Relative to what --measure says.
+    #[arg(long, value_name = "TOL", default_value = "1e-8", allow_negative_numbers = true, value_parser = tolerance)]
+    tolerance: f64,
+    /// Iterations over all restarts.
+    #[arg(long, value_name = "N", default_value_t = 1000)]
+    max_iterations: usize,
+    /// Unit of the tractions while iterating, so that the residual sees the contact rows; default: balanced for a scene
+    /// and its export, 1 for a system folder of another code.
+    #[arg(long, value_name = "S", value_parser = unit)]
+    traction_unit: Option<f64>,
+    /// Right-hand side [default: that of the system, or b_i = sin(i), i = 1…n, when it has none].
+    #[arg(long, value_enum)]
+    rhs: Option<RhsName>,
+    /// Says why it took what it took: eigenvalues seen, where the outliers live, C against H, time, one sentence of advice.
+    #[arg(long)]
+    explain: bool,
+    /// Report as JSON; `-` writes it to standard output.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// The solution (u, t, p) as a Matrix Market vector.
+    #[arg(long, value_name = "FILE.mtx")]
+    solution: Option<PathBuf>,
+}
+
+/// `--rhs`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum RhsName {
+    /// Of the system.
+    Folder,
+    /// `b_i = sin(i)`, i = 1…n.
+    Sin,
+    /// `b_i = 1`.
+    Ones,
+}
+
+impl From<RhsName> for RightHandSide {
+    fn from(name: RhsName) -> Self {
+        match name {
+            RhsName::Folder => Self::System,
+            RhsName::Sin => Self::Sin,
+            RhsName::Ones => Self::Ones,
+        }
+    }
+}
+
+/// `--measure`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum MeasureName {
+    Error,
+    Residual,
+}
+
+impl From<MeasureName> for Measure {
+    fn from(name: MeasureName) -> Self {
+        match name {
+            MeasureName::Error => Self::Error,
+            MeasureName::Residual => Self::Residual,
+        }
+    }
+}
+
+/// A positive factor.
+fn unit(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if value > 0.0 && f64::is_finite(value) => Ok(value),
+        _ => Err("the unit is a positive number".into()),
+    }
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if value > 0.0 && value < 1.0 => Ok(value),
+        _ => Err("the tolerance is a number between 0 and 1".into()),
+    }
+}
+
+impl Solve {
+    fn settings(&self) -> anyhow::Result<Settings> {
+        let (method, inner) = self.method.of(SaddleMethod::default())?;
+        Ok(Settings {
+            method,
+            inner,
+            krylov: self.krylov,
+            measure: self.measure.into(),
+            tolerance: self.tolerance,
+            max_iterations: self.max_iterations,
+            traction_unit: self.traction_unit,
+            rhs: self.rhs.map(RightHandSide::from),
+            explain: self.explain,
+        })
+    }
+
+    pub(super) fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
+        let problem = self.source.problem()?;
+        let settings = self.settings()?;
+        // what is wrong with them is said before any file is tried
+        settings.route(&problem)?;
+        output::try_files(self.json.iter().chain(&self.solution))?;
+        let mut progress = Progress::new();
+        let solved = settings.solve(&problem, &mut progress)?;
+        drop(progress);
+        if let Some(path) = &self.solution {
+            write_vector(path, &solved.x)?;
+        }
+        match &self.json {
+            Some(path) => output::json(path, &solved, out)?,
+            None => report::print(&solved, out)?,
+        }
+        Ok(match solved.has_converged() {
+            true => Status::Done,
+            false => Status::NotConverged,
+        })
+    }
+}

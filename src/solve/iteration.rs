@@ -1,0 +1,239 @@
+//! One iteration around what is set up: in stages, judged, recorded.
+
+use super::precision::{self, Watch, is_single};
+use super::solver::{Double, Solver};
+use super::stages::Stages;
+use super::{End, Finding, RightHandSide, SolveError, Solved};
+use crate::memory;
+use fracas_operators::Preconditioner;
+use fracas_solvers::Observer;
+use fracas_solvers::krylov::{Criteria, KrylovChoice, System};
+use fracas_solvers::saddle::{Accurate, Cost, Measure, P, SaddleBlocks, SaddleSystem, T, U};
+use fracas_solvers::spectrum::{Explanation, Solved as Explained};
+use std::time::Instant;
+
+/// A number, or nothing.
+fn number(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+impl Solver {
+    /// Iterates from 0, judges, records; what took the place of f32 stays for the next solve.
+    ///
+    /// # Errors
+    /// [`SolveError`]; not converging is a value.
+    pub fn solve(&mut self, observer: &mut dyn Observer) -> Result<Solved, SolveError> {
+        let (solved, double) = self
+            .equations
+            .with(|equations| self.iterate(equations, observer))?;
+        if let Some(Double { ready, inner }) = double {
+            self.ready = ready;
+            self.names.inner = Some(inner);
+            self.fallbacks = solved.precision_fallbacks;
+        }
+        Ok(solved)
+    }
+
+    /// The iteration that was asked for, or the one that fits.
+    fn krylov(
+        &self,
+        equations: &dyn SaddleSystem,
+    ) -> Result<(KrylovChoice, Option<String>), SolveError> {
+        let preconditioner = &*self.ready.inverse;
+        if let Some(asked) = self.settings.krylov {
+            let choice = asked.flexible_for(preconditioner);
+            if !preconditioner.properties().linear && !choice.is_flexible() {
+                return Err(SolveError::Nonlinear {
+                    krylov: choice.name(),
+                    inner: self.names.inner.clone().unwrap_or_default(),
+                });
+            }
+            return Ok((choice, None));
+        }
+        let symmetric = equations.has_short_recurrences();
+        let fitted = memory::krylov_that_fits(equations.operator(), preconditioner, symmetric)?;
+        Ok((fitted.choice, fitted.reason))
+    }
+
+    fn iterate(
+        &self,
+        equations: &dyn SaddleSystem,
+        observer: &mut dyn Observer,
+    ) -> Result<(Solved, Option<Double>), SolveError> {
+        let (krylov, reason) = self.krylov(equations)?;
+        let mut findings = self.findings.clone();
+        let mut found = |observer: &mut dyn Observer, finding: Finding| {
+            observer.say(&finding);
+            findings.push(finding);
+        };
+        if let Some(reason) = reason {
+            found(observer, Finding::Krylov { reason });
+        }
+        observer.say(&"iterating");
+        let settings = &self.settings;
+        let operator = equations.operator();
+        let system = System {
+            operator,
+            preconditioner: &*self.ready.inverse,
+            rhs: &self.b,
+        };
+        let criteria = Criteria {
+            relative_tolerance: settings.tolerance,
+            max_iterations: settings.max_iterations,
+        };
+        let mut x = vec![0.0; self.b.len()];
+        let own = self.rhs == RightHandSide::System;
+        let norms = equations.norms(own);
+        // T of a folder may be no norm of pressures
+        let layout = equations.layout();
+        let measure = match layout.length(P) {
+            0 => settings.measure,
+            _ => Measure::Residual,
+        };
+        let mut watch = Watch::new(observer, is_single(self));
+        let judged = (measure, &norms);
+        let method = krylov.method();
+        let mut stages = Stages::begin(method, criteria, judged, &system, &mut x, &mut watch);
+        let flat = watch.flat;
+        let (mut setup_s, mut double) = (self.setup_s, None);
+        let start = Instant::now();
+        let ended = (&stages.last.result, flat);
+        let again = precision::again(self, operator, ended, &mut x, observer);
+        setup_s += start.elapsed().as_secs_f64();
+        if let Some(again) = again {
+            found(observer, Finding::Precision(again.rounding));
+            double = again.double;
+            // what only stood still goes on, be it with f32
+            if double.is_some() || flat.is_some() {
+                let system = System {
+                    preconditioner: self.inverse(&double),
+                    ..system
+                };
+                stages.go_on(&norms, &system, &mut x, observer);
+            }
+        }
+        let start = Instant::now();
+        let entries = match stages.is_rounding() {
+            true => self.in_entries(observer),
+            false => None,
+        };
+        let entries = entries.and_then(|entries| match entries {
+            Ok(blocks) => Some(blocks),
+            Err(error) => {
+                let failure = error.in_full();
+                findings.push(Finding::NotRefined { failure });
+                None
+            }
+        });
+        setup_s += start.elapsed().as_secs_f64();
+        let of_entries = entries.as_ref().filter(|_| own).map(SaddleBlocks::rhs);
+        let b = of_entries.as_deref().unwrap_or(&self.b);
+        let norms = match &entries {
+            None => norms,
+            Some(blocks) => {
+                let norms = norms.with_entries(blocks);
+                let system = System {
+                    preconditioner: self.inverse(&double),
+                    rhs: b,
+                    ..system
+                };
+                stages.go_on(&norms, &system, &mut x, observer);
+                norms
+            }
+        };
+        let Stages {
+            last: Accurate { result, error, .. },
+            before,
+            refinements,
+            solve_s,
+            ..
+        } = stages;
+        if refinements > 0 {
+            let finding = Finding::Refined {
+                passes: refinements,
+            };
+            observer.say(&finding);
+            findings.push(finding);
+        }
+        let explain = match self.equations.blocks().filter(|_| settings.explain) {
+            Some(blocks) => {
+                observer.say(&"explaining");
+                Some(self.explained(blocks, solve_s)?)
+            }
+            None => None,
+        };
+        let cost = Cost::new(operator, self.inverse(&double));
+        let sharp = norms.entries().filter(|_| refinements > 0);
+        let residual = equations.residual(&x, b, sharp);
+        let [t] = layout.split_mut([T], &mut x);
+        t.iter_mut().for_each(|t| *t *= self.unit);
+        let names = self.names.clone();
+        let mut solved = Solved {
+            outcome: End::Breakdown,
+            iterations: 0,
+            relative_residual: residual.relative,
+            measure,
+            error_u: number(error[U]),
+            error_t: number(error[T]),
+            smallest_ritz: (result.as_ref().ok()).and_then(|report| report.smallest_ritz),
+            backward_error: residual.backward,
+            contact_residual: residual.contact,
+            method: names.method,
+            augmentation: names.augmentation,
+            inner: match &double {
+                Some(double) => Some(double.inner.clone()),
+                None => names.inner,
+            },
+            relaxation: self.ready.relaxation.gamma,
+            relaxation_degree: self.ready.relaxation.degree,
+            krylov,
+            rhs: self.rhs,
+            tolerance: settings.tolerance,
+            traction_unit: self.unit,
+            n_u: layout.length(U),
+            n_t: layout.length(T),
+            n_p: layout.length(P),
+            c_app: cost.c_app(),
+            c_s: None,
+            cost_convention: Cost::CONVENTION,
+            products: None,
+            setup_s,
+            solve_s,
+            peak_memory_bytes: memory::peak_bytes(),
+            amg: match &double {
+                Some(double) => double.ready.hierarchy.clone(),
+                None => self.ready.hierarchy.clone(),
+            },
+            reason: None,
+            findings,
+            precision_fallbacks: self.fallbacks + usize::from(double.is_some()),
+            inner_fallbacks: self.replaced,
+            explain,
+            breakdown: None,
+            x,
+        };
+        solved.record(&result, before, |iterations| cost.c_s(iterations, &krylov));
+        Ok((solved, double))
+    }
+
+    /// M⁻¹ in use.
+    fn inverse<'s>(&'s self, double: &'s Option<Double>) -> &'s dyn Preconditioner<f64> {
+        match double {
+            Some(double) => &*double.ready.inverse,
+            None => &*self.ready.inverse,
+        }
+    }
+
+    fn explained(&self, blocks: &SaddleBlocks, solve_s: f64) -> Result<Explanation, SolveError> {
+        Ok(Explanation::new(&Explained {
+            blocks,
+            method: &self.method,
+            preconditioner: &*self.ready.inverse,
+            hierarchy: self.hierarchy(),
+            parts: self.ready.parts,
+            rhs: &self.b,
+            setup_s: self.setup_s,
+            solve_s,
+        })?)
+    }
+}

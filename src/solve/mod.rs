@@ -1,0 +1,32 @@
+//! One linear system: which method, in which unit of tractions, with which digits, in how much memory, and how well it was solved.
+//!
+//! | file | what it decides |
+//! |---|---|
+//! | `problem` | scene, body, system folder or blocks |
+//! | `route` | assembled or not, which inner solver, what takes its place |
+//! | `set_up` | everything before a right-hand side |
+//! | `iteration` | the iteration that fits into memory, in stages |
+//! | `precision` | f64 where f32 fails |
+//! | `solved` | outcome, residuals, errors, counts, times |
+
+mod assembled;
+mod error;
+mod finding;
+mod iteration;
+mod matrix_free;
+mod precision;
+mod problem;
+mod route;
+mod set_up;
+mod settings;
+mod solved;
+mod solver;
+mod stages;
+
+pub use error::SolveError;
+pub use finding::{Finding, Rounding};
+pub use problem::{Loaded, Problem, Sizes, StuckBody};
+pub use route::{NotGeometric, Route, SystemKind};
+pub use settings::{InnerRule, RightHandSide, Solve};
+pub use solved::{End, Solved};
+pub use solver::Solver;

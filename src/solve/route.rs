@@ -1,0 +1,160 @@
+//! Which method solves a system, and what takes its place.
+
+use super::InnerRule;
+use crate::multigrid::Geometric;
+use fracas_solvers::SetupError;
+use fracas_solvers::amg::Amg;
+use fracas_solvers::saddle::{InnerChoice, Racp, SaddleMethod};
+
+/// What a system is, as far as it decides on the inner solver.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SystemKind {
+    /// A body whose mesh is a grid.
+    Grid,
+    /// A body whose mesh comes from a file.
+    Mesh,
+    /// A body, and work that reads the entries of A: which.
+    Entries(&'static str),
+    /// Matrices alone.
+    Matrices,
+}
+
+/// A method, why it was chosen, and what else there is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Route {
+    /// The method.
+    pub method: SaddleMethod,
+    /// Its inner solver and why, where that was left to be chosen.
+    pub reason: Option<String>,
+    /// What takes its place, in turn, where it cannot be set up.
+    pub otherwise: Vec<SaddleMethod>,
+}
+
+/// Geometric multigrid where it cannot be.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NotGeometric {
+    /// In another method.
+    #[error(
+        "--inner geometric belongs to --method racp; {0} takes exact, amg (also amg:gauss_seidel, amg:fsai, amg:chebyshev), fsai, fsai:static, jacobi or ssor"
+    )]
+    Method(&'static str),
+    /// For matrices alone.
+    #[error(
+        "--inner geometric needs a scene, whose mesh is a grid; a system folder has matrices alone, take --inner amg"
+    )]
+    Folder,
+    /// For a mesh from a file.
+    #[error(
+        "--inner geometric needs a mesh that is a grid, and the mesh of this scene comes from a file; take --inner amg"
+    )]
+    NoGrid,
+    /// For work that reads entries.
+    #[error("--inner geometric has no assembled A, and {0} reads its entries; take --inner amg")]
+    Entries(&'static str),
+    /// With a C that needs more of A than the elements around a face.
+    #[error(transparent)]
+    Augmentation(SetupError),
+}
+
+fn is_geometric(inner: InnerChoice) -> bool {
+    matches!(inner, InnerChoice::Geometric(_))
+}
+
+impl Route {
+    /// The method with the inner solver that the rule leaves it.
+    ///
+    /// # Errors
+    /// [`NotGeometric`] where its own is geometric multigrid and cannot be.
+    pub fn new(
+        method: &SaddleMethod,
+        rule: InnerRule,
+        kind: SystemKind,
+    ) -> Result<Self, NotGeometric> {
+        let chosen = Self {
+            method: *method,
+            reason: None,
+            otherwise: Vec::new(),
+        };
+        let Some(own) = method.inner() else {
+            return Ok(chosen);
+        };
+        if rule == InnerRule::Auto {
+            return Ok(Self::automatic(method, kind));
+        }
+        if is_geometric(own) {
+            require_grid(method, kind)?;
+        }
+        if rule == InnerRule::Fixed || kind == SystemKind::Matrices {
+            return Ok(chosen);
+        }
+        let is_local = racp(method).is_some_and(|racp| racp.augmentation.is_local());
+        let grid = (is_local && kind == SystemKind::Grid).then(geometric);
+        Ok(Self {
+            otherwise: (grid.into_iter().chain([amg()]))
+                .filter_map(|inner| with(method, inner))
+                .collect(),
+            ..chosen
+        })
+    }
+
+    /// Geometric where everything it needs is there, else amg; then amg, then a factorization.
+    fn automatic(method: &SaddleMethod, kind: SystemKind) -> Self {
+        let because = match (kind, racp(method)) {
+            (_, None) => format!("{} is made from assembled blocks", method.name()),
+            (SystemKind::Matrices, _) => "a system folder has no grid".to_owned(),
+            (SystemKind::Mesh, _) => "the mesh of the scene comes from a file".to_owned(),
+            (SystemKind::Entries(who), _) => format!("{who} reads the entries of A"),
+            (SystemKind::Grid, Some(racp)) if !racp.augmentation.is_local() => {
+                format!("C = {} needs all of A", racp.augmentation)
+            }
+            (SystemKind::Grid, Some(_)) => String::new(),
+        };
+        let (reason, inners) = match because.as_str() {
+            "" => (
+                "geometric, because the mesh of the scene is a grid".to_owned(),
+                vec![geometric(), amg(), InnerChoice::default()],
+            ),
+            because => (
+                format!("amg, because {because}"),
+                vec![amg(), InnerChoice::default()],
+            ),
+        };
+        let mut methods = inners.into_iter().filter_map(|inner| with(method, inner));
+        Self {
+            method: methods.next().unwrap_or(*method),
+            reason: Some(reason),
+            otherwise: methods.collect(),
+        }
+    }
+}
+
+/// Refuses geometric multigrid where there is no grid, or where entries of A are read.
+fn require_grid(method: &SaddleMethod, kind: SystemKind) -> Result<(), NotGeometric> {
+    let racp = racp(method).ok_or(NotGeometric::Method(method.name()))?;
+    match kind {
+        SystemKind::Matrices => Err(NotGeometric::Folder),
+        SystemKind::Mesh => Err(NotGeometric::NoGrid),
+        SystemKind::Entries(who) => Err(NotGeometric::Entries(who)),
+        SystemKind::Grid => (racp.augmentation.require_local()).map_err(NotGeometric::Augmentation),
+    }
+}
+
+fn racp(method: &SaddleMethod) -> Option<&Racp> {
+    match method {
+        SaddleMethod::Racp(racp) => Some(racp),
+        _ => None,
+    }
+}
+
+/// The method with this inner solver, where it has one.
+fn with(method: &SaddleMethod, inner: InnerChoice) -> Option<SaddleMethod> {
+    method.with_parts(None, Some(inner)).ok()
+}
+
+fn amg() -> InnerChoice {
+    InnerChoice::Amg(Amg::default())
+}
+
+fn geometric() -> InnerChoice {
+    InnerChoice::Geometric(Geometric::default())
+}

@@ -1,0 +1,148 @@
+//! A system and its preconditioner, ready for right-hand sides.
+
+use super::matrix_free::ready;
+use super::{Finding, RightHandSide, Solve, SolveError, StuckBody, precision};
+use crate::elasticity::Restricted;
+use crate::matrix_free::{MatrixFreeSystem, RacpParts};
+use crate::memory;
+use fracas_operators::AdjointOperator;
+use fracas_solvers::Observer;
+use fracas_solvers::multigrid::Summary;
+use fracas_solvers::saddle::{
+    Assembled, Cost, Ready, SaddleBlocks, SaddleMethod, SaddleSystem, StrainNorm,
+};
+use std::sync::Arc;
+
+/// `𝒜` and `M⁻¹`, ready; it owns all that it needs.
+pub struct Solver {
+    pub(super) settings: Solve,
+    pub(super) method: SaddleMethod,
+    pub(super) equations: Equations,
+    pub(super) ready: Ready,
+    pub(super) names: Names,
+    pub(super) rhs: RightHandSide,
+    pub(super) b: Vec<f64>,
+    /// Of the tractions.
+    pub(super) unit: f64,
+    pub(super) setup_s: f64,
+    pub(super) findings: Vec<Finding>,
+    /// Times that f32 gave way to f64.
+    pub(super) fallbacks: usize,
+    /// Inner solvers that could not be set up.
+    pub(super) replaced: usize,
+}
+
+/// What results call the parts.
+#[derive(Clone)]
+pub(super) struct Names {
+    pub(super) method: String,
+    pub(super) augmentation: Option<String>,
+    pub(super) inner: Option<String>,
+}
+
+/// 𝒜 in either form.
+pub(super) enum Equations {
+    Assembled {
+        blocks: Arc<SaddleBlocks>,
+        /// Where displacements are prescribed: their part of the strain counts, too.
+        stiffness: Option<Restricted<Box<dyn AdjointOperator<f64>>>>,
+    },
+    MatrixFree {
+        system: Box<MatrixFreeSystem>,
+        /// Meshed again where f32 fails.
+        stuck: StuckBody,
+    },
+}
+
+impl Equations {
+    /// Runs `work` on 𝒜.
+    pub(super) fn with<T>(&self, work: impl FnOnce(&dyn SaddleSystem) -> T) -> T {
+        match self {
+            Self::MatrixFree { system, .. } => work(&**system),
+            Self::Assembled { blocks, stiffness } => {
+                let strain = (stiffness.as_ref())
+                    .map(|a| -> StrainNorm<'_> { Box::new(move |u| a.strain_norm(u)) });
+                work(&Assembled::new(blocks, strain))
+            }
+        }
+    }
+
+    pub(super) fn blocks(&self) -> Option<&Arc<SaddleBlocks>> {
+        match self {
+            Self::Assembled { blocks, .. } => Some(blocks),
+            Self::MatrixFree { .. } => None,
+        }
+    }
+}
+
+/// A preconditioner in f64 that takes the place of one in f32.
+pub(super) struct Double {
+    pub(super) ready: Ready,
+    /// What results call the inner solver.
+    pub(super) inner: String,
+}
+
+impl Solver {
+    /// What runs, with its parts.
+    pub fn method(&self) -> &SaddleMethod {
+        &self.method
+    }
+
+    /// Levels of its multigrid.
+    pub fn hierarchy(&self) -> Option<&Summary> {
+        self.ready.hierarchy.as_ref()
+    }
+
+    /// Flops of 𝒜 and of M⁻¹.
+    pub fn cost(&self) -> Cost {
+        self.equations
+            .with(|system| Cost::new(system.operator(), &*self.ready.inverse))
+    }
+
+    /// Wall time of the set-up [s].
+    pub fn setup_s(&self) -> f64 {
+        self.setup_s
+    }
+
+    /// Stops after so many iterations from here on.
+    pub fn set_max_iterations(&mut self, most: usize) {
+        self.settings.max_iterations = most;
+    }
+
+    /// The preconditioner in f64, where f32 is inside.
+    pub(super) fn in_double(&self, observer: &mut dyn Observer) -> Result<Double, SolveError> {
+        memory::room_in_double(self.hierarchy())?;
+        let double = precision::in_double(&self.method).unwrap_or(self.method);
+        match &self.equations {
+            Equations::Assembled { blocks, .. } => Ok(Double {
+                ready: double.ready(blocks)?,
+                inner: precision::name_in_double(&double).unwrap_or_default(),
+            }),
+            Equations::MatrixFree { system, stuck } => {
+                let SaddleMethod::Racp(racp) = double else {
+                    unreachable!("only RACP goes without an assembled A");
+                };
+                // the body was given back: it is made again
+                let body = stuck.mesh(memory::MATRIX_FREE, observer)?;
+                let stick = body.stick_system(stuck.stabilization(&body));
+                let parts = RacpParts::new(&racp, &system.saddle, &stick, observer)?;
+                Ok(Double {
+                    ready: ready(parts),
+                    inner: racp.inner.to_string(),
+                })
+            }
+        }
+    }
+
+    /// The blocks, where they are not there; `None` where they are.
+    pub(super) fn in_entries(
+        &self,
+        observer: &mut dyn Observer,
+    ) -> Option<Result<SaddleBlocks, SolveError>> {
+        let Equations::MatrixFree { stuck, .. } = &self.equations else {
+            return None;
+        };
+        let assembled = stuck.assemble(observer);
+        Some(assembled.map(|(_, blocks)| blocks.into_traction_unit(self.unit)))
+    }
+}
