@@ -3,8 +3,8 @@
 use crate::report::Cell;
 use fracas_operators::Preconditioner;
 use fracas_solvers::Silent;
-use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
-use fracas_solvers::saddle::{Cost, SaddleBlocks, SaddleOperator};
+use fracas_solvers::krylov::{Criteria, KrylovChoice, System};
+use fracas_solvers::saddle::{Iterated, SaddleBlocks, SaddleOperator};
 
 /// Relative residual in the tables of the lecture and of the experiments.
 pub const TOLERANCE: f64 = 1e-8;
@@ -43,19 +43,11 @@ impl Measured {
             max_iterations: LIMIT,
         };
         let mut x = start;
-        let method = krylov.flexible_for(preconditioner);
-        let result = method
-            .method()
-            .solve(&system, &criteria, &mut x, &mut Silent);
-        let iterations = result
-            .ok()
-            .filter(|report| report.outcome == Outcome::Converged)
-            .map(|report| report.iterations);
-        let cost = Cost::new(&operator, preconditioner);
+        let iterated = Iterated::new(&system, krylov, &criteria, &mut x, &mut Silent);
         Self {
-            krylov: method,
-            iterations,
-            cost: iterations.map(|n| cost.c_s(n, &method)),
+            krylov: iterated.krylov,
+            iterations: iterated.iterations(),
+            cost: iterated.c_s(),
         }
     }
 

@@ -8,7 +8,7 @@ use fracas::memory;
 use fracas::scene::{Body, Scene};
 use fracas_operators::LinearOperator;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
-use fracas_solvers::saddle::{Cost, Ready, SaddleBlocks, SaddleMethod, SaddleOperator};
+use fracas_solvers::saddle::{Cost, Iterated, Ready, SaddleBlocks, SaddleMethod, SaddleOperator};
 use fracas_solvers::{Observer, Silent};
 use std::fmt;
 use std::time::Instant;
@@ -239,11 +239,10 @@ pub fn trials(
         }
     };
     let operator = SaddleOperator::new(blocks);
-    let cost = Cost::new(&operator, inverse.as_ref());
-    let krylov = candidate.krylov.flexible_for(inverse.as_ref());
+    let c_app = Cost::new(&operator, inverse.as_ref()).c_app();
     let criteria = Criteria {
         relative_tolerance: TOLERANCE,
-        max_iterations: budget.most(cost.c_app()),
+        max_iterations: budget.most(c_app),
     };
     let mut iterate = |load: &Load| {
         let rhs = load.of(blocks);
@@ -253,27 +252,24 @@ pub fn trials(
             rhs: &rhs,
         };
         let mut x = vec![0.0; rhs.len()];
-        let start = Instant::now();
-        let result = krylov.method().solve(&system, &criteria, &mut x, observer);
-        let solve = Some(start.elapsed().as_secs_f64());
-        let (iterations, failure) = match result {
-            Ok(report) => match report.outcome {
-                Outcome::Converged => (Some(report.iterations), None),
-                Outcome::IterationLimit => (None, Some(given_up(&criteria, budget))),
-                Outcome::Stopped => (None, Some(Failure::new("stopped", "stopped on request"))),
-            },
-            Err(breakdown) => (None, Some(Failure::new("breakdown", breakdown))),
-        };
+        let iterated = Iterated::new(&system, candidate.krylov, &criteria, &mut x, observer);
         Trial {
-            krylov: Some(krylov),
-            iterations,
-            c_app: Some(cost.c_app()),
-            cost: iterations.map(|n| cost.c_s(n, &krylov)),
+            krylov: Some(iterated.krylov),
+            iterations: iterated.iterations(),
+            c_app: Some(c_app),
+            cost: iterated.c_s(),
             complexity: hierarchy.as_ref().map(|h| h.operator_complexity),
             setup,
-            solve,
+            solve: Some(iterated.solve_s),
             memory: memory::peak_bytes(),
-            failure,
+            failure: match iterated.result {
+                Ok(report) => match report.outcome {
+                    Outcome::Converged => None,
+                    Outcome::IterationLimit => Some(given_up(&criteria, budget)),
+                    Outcome::Stopped => Some(Failure::new("stopped", "stopped on request")),
+                },
+                Err(breakdown) => Some(Failure::new("breakdown", breakdown)),
+            },
         }
     };
     loads.iter().map(&mut iterate).collect()

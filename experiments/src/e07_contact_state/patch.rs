@@ -7,8 +7,8 @@ use fracas_operators::LinearOperator;
 use fracas_operators::vector::{axpy, norm2};
 use fracas_solvers::Prepare;
 use fracas_solvers::Silent;
-use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
-use fracas_solvers::saddle::{Racp, SaddleBlocks, SaddleOperator, T, U};
+use fracas_solvers::krylov::{Criteria, KrylovChoice, System};
+use fracas_solvers::saddle::{Iterated, Racp, SaddleBlocks, SaddleOperator, T, U};
 
 /// Newton steps that a fixed state may take; each step after the first one without new slip squares the error.
 const NEWTON_LIMIT: usize = 12;
@@ -203,14 +203,7 @@ fn solve(blocks: &SaddleBlocks, rhs: &[f64]) -> anyhow::Result<Vec<f64>> {
         max_iterations: 500,
     };
     let mut x = vec![0.0; rhs.len()];
-    let report = KrylovChoice::default()
-        .method()
-        .solve(&system, &criteria, &mut x, &mut Silent)?;
-    anyhow::ensure!(
-        report.outcome == Outcome::Converged,
-        "GMRES left a residual of {:e} after {} iterations",
-        report.relative_residual,
-        report.iterations
-    );
+    let krylov = KrylovChoice::default();
+    Iterated::new(&system, krylov, &criteria, &mut x, &mut Silent).reached()?;
     Ok(x)
 }

@@ -9,8 +9,8 @@ use fracas::scene::{Body, named};
 use fracas_operators::{LinearOperator, Preconditioner};
 use fracas_solvers::Silent;
 use fracas_solvers::amg::Amg;
-use fracas_solvers::krylov::{Criteria, Outcome, System};
-use fracas_solvers::saddle::{InnerChoice, Racp, SaddleMethod, SaddleOperator, T, U};
+use fracas_solvers::krylov::{Criteria, System};
+use fracas_solvers::saddle::{InnerChoice, Iterated, Racp, SaddleMethod, SaddleOperator, T, U};
 use std::time::Instant;
 
 /// S̃_u⁻¹.
@@ -193,22 +193,15 @@ impl Equations<'_> {
             max_iterations: LIMIT,
         };
         let mut x = vec![0.0; self.b.len()];
-        let start = Instant::now();
-        let result = krylov
-            .method()
-            .solve(&system, &criteria, &mut x, &mut Silent);
-        let iterations = result
-            .ok()
-            .filter(|report| report.outcome == Outcome::Converged)
-            .map(|report| report.iterations);
+        let iterated = Iterated::new(&system, krylov, &criteria, &mut x, &mut Silent);
         Ok(Row {
             n_u,
             n_t,
             krylov: krylov.to_string(),
-            iterations,
+            iterations: iterated.iterations(),
             mesh,
             setup,
-            solve: start.elapsed().as_secs_f64(),
+            solve: iterated.solve_s,
             memory: memory::peak_bytes(),
             digest: digest(&x),
         })
