@@ -1,6 +1,17 @@
-//! The model: from a fractured scene to the blocks of its saddle point.
+//! The model: from a fractured scene to the blocks of its saddle point, to their solution, and through its load steps.
 //!
-//! Rooms, each importing only those before it: `units` ◄ `mesh` ◄ {`elasticity`, `contact`} ◄ `scene` ◄ `system` ◄ {`multigrid` ◄ `matrix_free` ◄ `nonlinear`, `jacobian`}; `io` writes; `analytic` knows the answers and imports nothing.
+//! Rooms, each importing only those before it: `units` ◄ `mesh` ◄ `elasticity` ◄ `contact` ◄ `scene` ◄ `system` ◄ {`undetermined`,
+//! `memory`, `jacobian`, `multigrid` ◄ `matrix_free`} ◄ `nonlinear` ◄ `io` ◄ {`solve`, `run`} ◄ `prelude`; `analytic` knows the
+//! answers and imports nothing.
+//!
+//! ```
+//! use fracas::prelude::*;
+//!
+//! let scene = named("patch").ok_or("a scene of the gallery")?.scene()?;
+//! let solved = Solve::default().solve(&scene.into(), &mut Silent)?;
+//! assert!(solved.has_converged() && solved.error_u < Some(1e-8));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod analytic;
 pub mod contact;
@@ -13,6 +24,8 @@ pub mod mesh;
 pub mod multigrid;
 mod nearest;
 pub mod nonlinear;
+pub mod prelude;
+pub mod run;
 pub mod scene;
 pub mod solve;
 pub mod system;

@@ -2,13 +2,14 @@
 
 use crate::contact::{ContactState, Coupling, JumpStabilization, prescribed_jump};
 use crate::elasticity::{
-    Constraints, Elastic, ElasticityError, Restricted, lift, loads, matrix_free, reduced, stiffness,
+    Constraints, Elastic, ElasticityError, FreeStiffness, Restricted, lift, loads, matrix_free,
+    reduced, stiffness,
 };
 use crate::mesh::{FractureFace, FractureMesh, HexMesh};
 use crate::scene::Body;
+use fracas_operators::LinearOperator;
 use fracas_operators::sparse::SparseMatrix;
 use fracas_operators::vector::axpy;
-use fracas_operators::{AdjointOperator, LinearOperator};
 use fracas_solvers::SetupError;
 use fracas_solvers::saddle::{DofCoordinate, SaddleBlocks};
 
@@ -164,9 +165,7 @@ impl Body {
     ///
     /// # Errors
     /// [`ElasticityError`] for an inverted element or a region without material.
-    pub fn displaced_stiffness(
-        &self,
-    ) -> Result<Option<Restricted<Box<dyn AdjointOperator<f64>>>>, ElasticityError> {
+    pub fn displaced_stiffness(&self) -> Result<Option<FreeStiffness<f64>>, ElasticityError> {
         if !self.constraints.is_displaced() {
             return Ok(None);
         }

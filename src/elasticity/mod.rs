@@ -18,5 +18,5 @@ pub use constraints::Constraints;
 pub use diagonal::diagonal;
 pub use error::ElasticityError;
 pub use material::Elastic;
-pub use matrix_free::{Bricks, Hexes, Restricted, matrix_free, strain_norm};
+pub use matrix_free::{Bricks, FreeStiffness, Hexes, Restricted, matrix_free, strain_norm};
 pub use stress::element_stress;

@@ -6,6 +6,7 @@ mod face_table;
 mod fields;
 mod fingerprint;
 mod grids;
+mod new_folder;
 mod pvd;
 mod snapshot;
 pub mod vtu;
@@ -15,5 +16,6 @@ pub use checkpoint::{CheckpointError, Checkpoints, newest_checkpoint, read_check
 pub use face_table::face_table;
 pub use fields::Fields;
 pub use fingerprint::Fingerprint;
+pub use new_folder::NewFolder;
 pub use pvd::{PvdEntry, read_pvd, write_pvd};
 pub use snapshot::Snapshot;

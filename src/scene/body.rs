@@ -35,6 +35,19 @@ impl InitialStress {
 }
 
 /// A fractured body with materials, constraints and loads.
+///
+/// ```
+/// use fracas::prelude::*;
+///
+/// let body = named("patch").ok_or("a scene of the gallery")?.scene()?.build()?;
+/// let blocks = body.saddle_blocks(Some(body.jump_stabilization()))?;
+/// assert_eq!(blocks.n_t(), 3 * body.fractures.faces.len());
+/// // where the eigenvalues of M⁻¹𝒜 lie, and whether the theorems say so
+/// let method = SaddleMethod::Racp(Racp::published(InnerChoice::default()));
+/// let report = analyse_method(&blocks, &method, &SpectrumRequest::default(), &mut Silent)?;
+/// assert_eq!(report.contained, Some(true));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Body {
     /// The mesh, split along its fractures.

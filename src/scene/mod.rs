@@ -46,6 +46,17 @@ use crate::mesh::GmshFile;
 use source::Source;
 
 /// A scene: its sections and the text that they came from.
+///
+/// ```
+/// use fracas::prelude::*;
+///
+/// let scene = named("crossing").ok_or("a scene of the gallery")?.scene()?;
+/// let finer = scene.with_overrides(&["mesh.x.cells=20", "material.rock.young=20 GPa"])?;
+/// assert!(finer.size().nodes > scene.size().nodes);
+/// // an unknown key is an error that names the nearest one
+/// assert!(scene.with_overrides(&["mesh.x.cell=20"]).is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Scene {
     sections: SceneSections,

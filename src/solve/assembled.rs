@@ -58,14 +58,14 @@ impl SetUp<'_> {
             None => None,
         };
         Ok(Solver {
-            names: Names {
-                method: method.to_string(),
-                augmentation: method.augmentation().map(|c| c.to_string()),
-                inner: match in_f64 {
-                    true => precision::name_in_double(&method),
-                    false => method.inner().map(|inner| inner.to_string()),
+            names: match in_f64 {
+                true => Names {
+                    inner: precision::name_in_double(&method),
+                    ..Names::of(&method)
                 },
+                false => Names::of(&method),
             },
+            double: precision::in_double(&method),
             method,
             equations: Equations::Assembled { blocks, stiffness },
             ready,

@@ -1,5 +1,6 @@
 //! A body without an assembled A: RACP around geometric multigrid.
 
+use super::precision;
 use super::set_up::SetUp;
 use super::solver::{Equations, Names, Solver};
 use super::{Finding, Rounding, Sizes, SolveError, StuckBody};
@@ -55,6 +56,7 @@ impl SetUp<'_> {
                     Some(_) => racp.in_double().inner.to_string(),
                 }),
             },
+            double: precision::in_double(&SaddleMethod::Racp(racp)),
             method: SaddleMethod::Racp(racp),
             fallbacks: usize::from(parts.lost.is_some()),
             ready: ready(parts),

@@ -8,6 +8,24 @@
 //! | `iteration` | the iteration that fits into memory, in stages |
 //! | `precision` | f64 where f32 fails |
 //! | `solved` | outcome, residuals, errors, counts, times |
+//!
+//! ```
+//! use fracas::prelude::*;
+//!
+//! let scene = named("clamped").ok_or("a scene of the gallery")?.small_scene()?;
+//! let settings = Solve {
+//!     method: SaddleMethod::Racp(Racp::geometric()),
+//!     inner: InnerRule::Fixed,
+//!     ..Solve::default()
+//! };
+//! let mut solver = settings.set_up(&scene.into(), &mut Silent)?;
+//! let solved = solver.solve(&mut Silent)?;
+//! assert_eq!(solved.inner.as_deref(), Some("geometric"));
+//! // the same preconditioner, another right-hand side
+//! solver.set_rhs(vec![1.0; solved.x.len()]);
+//! assert!(solver.solve(&mut Silent)?.has_converged());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod assembled;
 mod error;

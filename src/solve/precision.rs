@@ -176,7 +176,7 @@ pub(super) fn again(
 
 /// True where the preconditioner is in f32 and there is the same one in f64.
 pub(super) fn is_single(solver: &Solver) -> bool {
-    in_double(&solver.method).is_some() && solver.ready.inverse.properties().single
+    solver.double.is_some() && solver.ready.inverse.properties().single
 }
 
 /// `‖M₁⁻¹r − M₂⁻¹r‖₂ / ‖M₂⁻¹r‖₂`; infinite where one is no number.

@@ -158,3 +158,51 @@ fn amg() -> InnerChoice {
 fn geometric() -> InnerChoice {
     InnerChoice::Geometric(Geometric::default())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn inners(route: &Route) -> Vec<&'static str> {
+        let methods = [&route.method].into_iter().chain(&route.otherwise);
+        methods
+            .filter_map(|m| m.inner().map(InnerChoice::name))
+            .collect()
+    }
+
+    #[test]
+    fn what_takes_the_place_of_an_inner_solver_depends_on_the_rule_and_on_the_system() {
+        let racp = SaddleMethod::default();
+        let mcp: SaddleMethod = "mcp".parse().unwrap();
+        let (grid, matrices) = (SystemKind::Grid, SystemKind::Matrices);
+        let (fixed, or_else, auto) = (InnerRule::Fixed, InnerRule::OrElse, InnerRule::Auto);
+        for (method, rule, kind, expected) in [
+            (&racp, fixed, grid, &["exact"][..]),
+            (&racp, or_else, grid, &["exact", "geometric", "amg"]),
+            (&racp, or_else, SystemKind::Mesh, &["exact", "amg"]),
+            (&racp, or_else, matrices, &["exact"]),
+            (&racp, auto, grid, &["geometric", "amg", "exact"]),
+            (&racp, auto, matrices, &["amg", "exact"]),
+            (&mcp, or_else, grid, &["exact", "amg"]),
+            (&mcp, auto, grid, &["amg", "exact"]),
+            (&"direct".parse().unwrap(), auto, grid, &[]),
+        ] {
+            let route = Route::new(method, rule, kind).unwrap();
+            assert_eq!(inners(&route), expected, "{method}, {rule:?}, {kind:?}");
+            assert_eq!(route.reason.is_some(), rule == auto && !expected.is_empty());
+        }
+    }
+
+    #[test]
+    fn geometric_multigrid_is_refused_where_it_cannot_be() {
+        let method = SaddleMethod::Racp(Racp::geometric());
+        for kind in [
+            SystemKind::Mesh,
+            SystemKind::Matrices,
+            SystemKind::Entries("spectrum"),
+        ] {
+            assert!(Route::new(&method, InnerRule::Fixed, kind).is_err());
+        }
+        assert!(Route::new(&method, InnerRule::Fixed, SystemKind::Grid).is_ok());
+    }
+}

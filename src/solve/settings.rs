@@ -71,6 +71,9 @@ pub enum RightHandSide {
     /// `b_i = 1`.
     #[serde(rename = "ones")]
     Ones,
+    /// Of the caller ([`Solver::set_rhs`]); before one is given that of the system.
+    #[serde(rename = "given")]
+    Given,
 }
 
 impl RightHandSide {
@@ -78,7 +81,7 @@ impl RightHandSide {
     pub(super) fn entries(self, own: Vec<f64>) -> Vec<f64> {
         let n = own.len();
         match self {
-            Self::System => own,
+            Self::System | Self::Given => own,
             Self::Sin => (1..=n).map(|i| (i as f64).sin()).collect(),
             Self::Ones => vec![1.0; n],
         }
@@ -130,5 +133,41 @@ impl Solve {
             Problem::Folder(_) | Problem::Blocks(_) => SystemKind::Matrices,
         };
         Ok(Route::new(&self.method, self.inner, kind)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_are_plain_data_that_reads_back() {
+        let text = "method = 'racp:0'\ninner = 'auto'\nkrylov = 'sqmr'\nmeasure = 'residual'\nrhs = 'sin(i)'\n";
+        let settings: Solve = toml::from_str(text).unwrap();
+        assert_eq!(settings.inner, InnerRule::Auto);
+        assert_eq!(settings.rhs, Some(RightHandSide::Sin));
+        assert_eq!(settings.tolerance, Solve::default().tolerance);
+        let again = serde_json::to_string(&settings).unwrap();
+        assert_eq!(serde_json::from_str::<Solve>(&again).unwrap(), settings);
+        assert!(toml::from_str::<Solve>("methd = 'racp'").is_err());
+    }
+
+    #[test]
+    fn settings_out_of_range_are_refused_before_anything_is_read() {
+        let nowhere = Problem::Folder("nowhere".into());
+        let said = |settings: Solve| settings.route(&nowhere).unwrap_err().to_string();
+        let tolerance = |tolerance| Solve {
+            tolerance,
+            ..Solve::default()
+        };
+        for wrong in [0.0, -1.0, 1.0, f64::NAN] {
+            assert!(said(tolerance(wrong)).contains("tolerance"));
+        }
+        let unit = Solve {
+            traction_unit: Some(f64::INFINITY),
+            ..Solve::default()
+        };
+        assert!(said(unit).contains("unit of tractions"));
+        assert!(tolerance(0.5).route(&nowhere).is_ok());
     }
 }

@@ -2,10 +2,9 @@
 
 use super::matrix_free::ready;
 use super::{Finding, RightHandSide, Solve, SolveError, StuckBody, precision};
-use crate::elasticity::Restricted;
+use crate::elasticity::FreeStiffness;
 use crate::matrix_free::{MatrixFreeSystem, RacpParts};
 use crate::memory;
-use fracas_operators::AdjointOperator;
 use fracas_solvers::Observer;
 use fracas_solvers::multigrid::Summary;
 use fracas_solvers::saddle::{
@@ -17,6 +16,8 @@ use std::sync::Arc;
 pub struct Solver {
     pub(super) settings: Solve,
     pub(super) method: SaddleMethod,
+    /// The same in f64, where it may take the place of f32.
+    pub(super) double: Option<SaddleMethod>,
     pub(super) equations: Equations,
     pub(super) ready: Ready,
     pub(super) names: Names,
@@ -40,12 +41,22 @@ pub(super) struct Names {
     pub(super) inner: Option<String>,
 }
 
+impl Names {
+    pub(super) fn of(method: &SaddleMethod) -> Self {
+        Self {
+            method: method.to_string(),
+            augmentation: method.augmentation().map(|c| c.to_string()),
+            inner: method.inner().map(|inner| inner.to_string()),
+        }
+    }
+}
+
 /// 𝒜 in either form.
 pub(super) enum Equations {
     Assembled {
         blocks: Arc<SaddleBlocks>,
         /// Where displacements are prescribed: their part of the strain counts, too.
-        stiffness: Option<Restricted<Box<dyn AdjointOperator<f64>>>>,
+        stiffness: Option<FreeStiffness<f64>>,
     },
     MatrixFree {
         system: Box<MatrixFreeSystem>,
@@ -109,10 +120,21 @@ impl Solver {
         self.settings.max_iterations = most;
     }
 
+    /// Another right-hand side from here on, in the units of the system.
+    ///
+    /// # Panics
+    /// With another number of entries than there are unknowns.
+    pub fn set_rhs(&mut self, mut b: Vec<f64>) {
+        assert_eq!(b.len(), self.b.len(), "entries of b, unknowns");
+        let [n_u, n_t, _] = self.equations.with(|system| system.lengths());
+        b[n_u..n_u + n_t].iter_mut().for_each(|b| *b *= self.unit);
+        (self.rhs, self.b) = (RightHandSide::Given, b);
+    }
+
     /// The preconditioner in f64, where f32 is inside.
     pub(super) fn in_double(&self, observer: &mut dyn Observer) -> Result<Double, SolveError> {
         memory::room_in_double(self.hierarchy())?;
-        let double = precision::in_double(&self.method).unwrap_or(self.method);
+        let double = self.double.unwrap_or(self.method);
         match &self.equations {
             Equations::Assembled { blocks, .. } => Ok(Double {
                 ready: double.ready(blocks)?,

@@ -2,13 +2,14 @@
 
 use super::progress::Progress;
 use super::source::Assembly;
-use super::{Status, output, run};
+use super::{Status, output};
 use anyhow::Context;
 use clap::Args;
 use fracas::contact::ContactState;
-use fracas::io::face_table;
+use fracas::io::{NewFolder, face_table};
 use fracas::memory;
 use fracas::nonlinear::{NewtonSystemError, Simulation, StepFailure};
+use fracas::run::holds_run;
 use fracas::scene::{Body, Method};
 use fracas::solve::StuckBody;
 use fracas_operators::matrix_market::write_dense;
@@ -63,12 +64,13 @@ struct HoldsRun {
 
 impl Export {
     pub(super) fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
-        if run::is_run(&self.out) {
+        if holds_run(&self.out) {
             let out = self.out.clone();
             return Err(HoldsRun { out }.into());
         }
         // a wrong path is said before the work and not after it
-        let _folder = output::Folder::create(&self.out)?;
+        let _folder =
+            NewFolder::create(&self.out).with_context(|| output::cannot_create(&self.out))?;
         let mut progress = Progress::new();
         let stuck = self.assembly.stuck(&self.scene)?;
         let Exported {

@@ -1,8 +1,8 @@
 //! The wish to stop: the first SIGINT (Ctrl-C) or SIGTERM is met at the next safe point, the second one at once.
 
+use fracas::run::Stop;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
-use std::fmt;
 use std::io;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -17,9 +17,12 @@ impl Signal {
     }
 }
 
-impl fmt::Display for Signal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match i32::from(self.0) {
+/// The first of the signals that [`listen`] waits for.
+pub(super) struct Signals;
+
+impl Stop for Signals {
+    fn asked(&self) -> Option<&'static str> {
+        asked().map(|signal| match i32::from(signal.0) {
             SIGINT => "interrupted",
             _ => "terminated",
         })

@@ -12,6 +12,7 @@ mod list;
 mod method;
 mod modes;
 mod output;
+mod page;
 mod progress;
 mod report;
 mod reproduce;

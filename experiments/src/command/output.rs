@@ -26,40 +26,16 @@ pub(super) fn try_files<'a>(files: impl IntoIterator<Item = &'a PathBuf>) -> any
 
 /// Creates a folder and those above it.
 pub(super) fn folder(path: &Path) -> anyhow::Result<()> {
-    fs::create_dir_all(path).with_context(|| format!("cannot create the folder {}", path.display()))
-}
-
-/// A folder that goes again where nothing was written into it, with those above it that were made for it.
-#[derive(Debug)]
-pub(super) struct Folder {
-    /// Made by us, deepest first.
-    made: Vec<PathBuf>,
-}
-
-impl Folder {
-    /// Creates a folder and those above it.
-    pub(super) fn create(path: &Path) -> anyhow::Result<Self> {
-        let new = path.ancestors().take_while(|folder| !folder.exists());
-        let made = new.map(Path::to_path_buf).collect();
-        let created = Self { made };
-        folder(path)?;
-        Ok(created)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        // the first that holds something refuses to go, and so do those above it
-        for folder in &self.made {
-            if fs::remove_dir(folder).is_err() {
-                break;
-            }
-        }
-    }
+    fs::create_dir_all(path).with_context(|| cannot_create(path))
 }
 
 fn create_parent(path: &Path) -> anyhow::Result<()> {
     path.parent().map_or(Ok(()), folder)
+}
+
+/// What is said of a folder that cannot be created.
+pub(super) fn cannot_create(folder: &Path) -> String {
+    format!("cannot create the folder {}", folder.display())
 }
 
 fn cannot_write(path: &Path) -> String {
@@ -94,28 +70,4 @@ pub(super) fn pairs(out: &mut dyn Write, pairs: &[(&str, String)]) -> anyhow::Re
         writeln!(out, "{name:width$}  {value}")?;
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_folder_that_stays_empty_goes_with_those_made_for_it() {
-        let base = std::env::temp_dir().join(format!("fracas-folder-{}", std::process::id()));
-        fs::create_dir_all(&base).unwrap();
-        let deep = base.join("a/b");
-        drop(Folder::create(&deep).unwrap());
-        assert!(base.is_dir() && !base.join("a").exists());
-        let kept = Folder::create(&deep).unwrap();
-        fs::write(base.join("a/file"), "").unwrap();
-        drop(kept);
-        assert!(base.join("a/file").is_file() && !deep.exists());
-        // one that was there before is not ours
-        drop(Folder::create(&base).unwrap());
-        fs::remove_file(base.join("a/file")).unwrap();
-        drop(Folder::create(&base.join("a")).unwrap());
-        assert!(base.join("a").is_dir());
-        fs::remove_dir_all(&base).unwrap();
-    }
 }

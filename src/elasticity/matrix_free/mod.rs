@@ -15,7 +15,7 @@ mod tests;
 
 pub use bricks::Bricks;
 pub use hexes::Hexes;
-pub use restricted::{Restricted, strain_norm};
+pub use restricted::{FreeStiffness, Restricted, strain_norm};
 
 use super::{Elastic, ElasticityError};
 use crate::mesh::HexMesh;

@@ -18,6 +18,9 @@ pub fn strain_norm(full: &impl LinearOperator<f64>, w: &[f64]) -> f64 {
     dot(w, &image).max(0.0).sqrt()
 }
 
+/// A over the free displacements, element by element.
+pub type FreeStiffness<R> = Restricted<Box<dyn AdjointOperator<R>>>;
+
 /// `A_ff = P A Pᵀ`: spread the free values over zeros, multiply, gather.
 #[derive(Clone, Debug)]
 pub struct Restricted<A> {

@@ -1,6 +1,6 @@
 //! What happened on the way, as JSON.
 
-use fracas::nonlinear::Event;
+use crate::nonlinear::Event;
 use serde_json::{Value, json};
 
 /// What is done where states do not settle.

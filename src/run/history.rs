@@ -1,6 +1,6 @@
 //! Rows of `history.csv`, `solver.csv` and `energy.csv`.
 
-use fracas::nonlinear::{EnergyRecord, LinearRecord, StepRecord};
+use crate::nonlinear::{EnergyRecord, LinearRecord, StepRecord};
 use fracas_solvers::saddle::{T, U};
 
 /// First line of `history.csv`.
@@ -85,6 +85,40 @@ pub(super) fn energy_row(record: &StepRecord, e: &EnergyRecord) -> String {
         e.error,
         e.stabilization_work
     )
+}
+
+/// The rows of `history.csv` up to `wall_s`, as numbers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct History(Vec<[f64; NUMBERS]>);
+
+impl History {
+    /// Of the lines of a file, without its heading.
+    pub(super) fn read(lines: &[String]) -> Self {
+        Self(lines.iter().filter_map(|row| numbers(row)).collect())
+    }
+
+    pub(super) fn push(&mut self, row: &str) {
+        self.0.extend(numbers(row));
+    }
+
+    /// Accepted steps.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// True where no step was accepted.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// A column by its name in the heading of `history.csv`, before `wall_s`.
+    ///
+    /// # Panics
+    /// For a name that is not there: ours to get right.
+    pub fn column(&self, name: &str) -> impl Iterator<Item = f64> + '_ {
+        let k = column(name);
+        self.0.iter().map(move |row| row[k])
+    }
 }
 
 /// The numbers of a history row up to `wall_s`, or `None` where it is no such row.

@@ -1,7 +1,8 @@
 //! Text files that grow by whole lines, each of which belongs to a step.
 
-use anyhow::Context;
-use fracas::io::write_atomically;
+use super::RunError;
+use super::error::At;
+use crate::io::write_atomically;
 use std::fs::{self, File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -16,20 +17,22 @@ pub(super) struct Lines {
 /// A file that does not look like the one we would have written.
 #[derive(Debug, thiserror::Error)]
 #[error("{}, line {line}: this is not what a run writes here; nothing was changed", path.display())]
-struct Unreadable {
-    path: PathBuf,
-    line: usize,
+pub struct Unreadable {
+    /// The file.
+    pub path: PathBuf,
+    /// Its line, from 1.
+    pub line: usize,
 }
 
 impl Lines {
     /// A new file with its heading (which ends its line, or is empty).
-    pub(super) fn create(path: PathBuf, heading: &str) -> anyhow::Result<Self> {
+    pub(super) fn create(path: PathBuf, heading: &str) -> Result<Self, RunError> {
         replace(&path, heading)?;
         Self::open(path)
     }
 
     /// Goes on with what stays of a file.
-    pub(super) fn cut(path: PathBuf, cut: &Cut) -> anyhow::Result<Self> {
+    pub(super) fn cut(path: PathBuf, cut: &Cut) -> Result<Self, RunError> {
         if cut.shortened {
             let lines = cut.kept.iter().map(|line| format!("{line}\n"));
             replace(&path, &(cut.heading.clone() + &lines.collect::<String>()))?;
@@ -38,21 +41,21 @@ impl Lines {
     }
 
     /// Appends whole lines and brings them to the disk.
-    pub(super) fn append(&mut self, lines: &str) -> anyhow::Result<()> {
+    pub(super) fn append(&mut self, lines: &str) -> Result<(), RunError> {
         if lines.is_empty() {
             return Ok(());
         }
         self.file
             .write_all(lines.as_bytes())
             .and_then(|()| self.file.sync_data())
-            .with_context(|| cannot_write(&self.path))
+            .at("cannot write", &self.path)
     }
 
-    fn open(path: PathBuf) -> anyhow::Result<Self> {
+    fn open(path: PathBuf) -> Result<Self, RunError> {
         let file = OpenOptions::new()
             .append(true)
             .open(&path)
-            .with_context(|| cannot_write(&path))?;
+            .at("cannot write", &path)?;
         Ok(Self { path, file })
     }
 }
@@ -75,9 +78,8 @@ impl Cut {
         heading: &str,
         step: usize,
         step_of: fn(&str) -> Option<usize>,
-    ) -> anyhow::Result<Self> {
-        let text =
-            fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    ) -> Result<Self, RunError> {
+        let text = fs::read_to_string(path).at("cannot read", path)?;
         let unreadable = |line: usize| Unreadable {
             path: path.into(),
             line,
@@ -116,12 +118,8 @@ pub(super) fn json_step(line: &str) -> Option<usize> {
     value.get("step")?.as_u64()?.try_into().ok()
 }
 
-fn replace(path: &Path, text: &str) -> anyhow::Result<()> {
-    write_atomically(path, |out| out.write_all(text.as_bytes())).with_context(|| cannot_write(path))
-}
-
-fn cannot_write(path: &Path) -> String {
-    format!("cannot write {}", path.display())
+fn replace(path: &Path, text: &str) -> Result<(), RunError> {
+    write_atomically(path, |out| out.write_all(text.as_bytes())).at("cannot write", path)
 }
 
 #[cfg(test)]

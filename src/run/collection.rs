@@ -1,7 +1,8 @@
 //! The grids of a run and the collection that gives them their times.
 
-use anyhow::Context;
-use fracas::io::{Fields, PvdEntry, read_pvd, write_atomically, write_pvd};
+use super::RunError;
+use super::error::At;
+use crate::io::{Fields, PvdEntry, read_pvd, write_atomically, write_pvd};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -18,7 +19,7 @@ pub(super) struct Collection {
 
 impl Collection {
     /// Begins in a folder without fields.
-    pub(super) fn create(out: &Path) -> anyhow::Result<Self> {
+    pub(super) fn create(out: &Path) -> Result<Self, RunError> {
         let collection = Self::new(out);
         collection.write_list()?;
         Ok(collection)
@@ -32,11 +33,10 @@ impl Collection {
     }
 
     /// Of a folder with fields: those of `step` and later ones are taken back.
-    pub(super) fn cut(out: &Path, step: usize) -> anyhow::Result<Self> {
+    pub(super) fn cut(out: &Path, step: usize) -> Result<Self, RunError> {
         let mut collection = Self::new(out);
         let path = out.join("scene.pvd");
-        let text =
-            fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        let text = fs::read_to_string(&path).at("cannot read", &path)?;
         for (time, file) in read_pvd(&text) {
             match step_of(&file, PARTS[0].0) {
                 Some(of) if of < step => collection.times.push((of, time)),
@@ -45,16 +45,13 @@ impl Collection {
         }
         // the collection first: it must not name a file that is gone
         collection.write_list()?;
-        let entries =
-            fs::read_dir(out).with_context(|| format!("cannot read {}", out.display()))?;
-        for entry in entries {
-            let path = entry?.path();
+        for entry in fs::read_dir(out).at("cannot read", out)? {
+            let path = entry.at("cannot read", out)?.path();
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             let later =
                 |(part, _): &(&str, &str)| step_of(&name, part).is_some_and(|of| of >= step);
             if PARTS.iter().any(later) {
-                fs::remove_file(&path)
-                    .with_context(|| format!("cannot remove {}", path.display()))?;
+                fs::remove_file(&path).at("cannot remove", &path)?;
             }
         }
         Ok(collection)
@@ -71,17 +68,16 @@ impl Collection {
         step: usize,
         time: f64,
         fields: &Fields<'_>,
-    ) -> anyhow::Result<()> {
+    ) -> Result<(), RunError> {
         let [domain, fracture] = PARTS.map(|(part, _)| self.out.join(file(part, step)));
-        let said = |path: &Path| format!("cannot write {}", path.display());
-        write_atomically(&domain, |out| fields.write_body(out)).with_context(|| said(&domain))?;
+        write_atomically(&domain, |out| fields.write_body(out)).at("cannot write", &domain)?;
         write_atomically(&fracture, |out| fields.write_fracture(out))
-            .with_context(|| said(&fracture))?;
+            .at("cannot write", &fracture)?;
         self.times.push((step, time));
         self.write_list()
     }
 
-    fn write_list(&self) -> anyhow::Result<()> {
+    fn write_list(&self) -> Result<(), RunError> {
         let entry = |(step, time): &(usize, f64)| {
             let (step, time) = (*step, *time);
             PARTS
@@ -96,7 +92,7 @@ impl Collection {
         };
         let entries: Vec<PvdEntry> = self.times.iter().flat_map(entry).collect();
         let path = self.out.join("scene.pvd");
-        write_pvd(&path, &entries).with_context(|| format!("cannot write {}", path.display()))
+        write_pvd(&path, &entries).at("cannot write", &path)
     }
 }
 

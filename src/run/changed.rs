@@ -1,7 +1,7 @@
 //! Settings that a run goes on with, beside those that its folder was begun with.
 
 use super::tree::{self, RESOLVED};
-use fracas::scene::{Scene, SolverSection};
+use crate::scene::{Scene, SolverSection};
 use serde_json::{Map, Value};
 use std::path::Path;
 

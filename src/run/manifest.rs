@@ -1,28 +1,11 @@
 //! `run.json`: what was run, with which settings, and how it ended.
 
-use fracas::memory;
-use fracas::nonlinear::{Simulation, State};
-use fracas::scene::{Body, Scene, SolverSection, TimeSection};
+use super::{Outcome, RunError};
+use crate::memory;
+use crate::nonlinear::{Simulation, State};
+use crate::scene::{Body, Scene, SolverSection, TimeSection};
 use fracas_solvers::saddle::Racp;
 use serde::Serialize;
-
-/// How a run stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum Outcome {
-    /// Not at its end; its process was killed if nothing writes here any more.
-    Running,
-    /// At the end of its time.
-    Finished,
-    /// At the end of `--steps`.
-    Stopped,
-    /// A step did not converge.
-    NotConverged,
-    /// A signal asked it to stop; `--restart` goes on.
-    Interrupted,
-    /// Slip ran away.
-    Unstable,
-}
 
 /// Content of `run.json`. No clock and no host, so that equal runs give equal bytes.
 #[derive(Serialize)]
@@ -133,7 +116,7 @@ impl<'a> Manifest<'a> {
         state: &State,
         outcome: Outcome,
         reason: Option<String>,
-    ) -> anyhow::Result<String> {
+    ) -> Result<String, RunError> {
         (self.steps, self.time_s) = (state.step, state.time);
         (self.outcome, self.reason) = (outcome, reason);
         self.preconditioner = simulation.preconditioner();

@@ -1,6 +1,7 @@
 //! One process per run folder.
 
-use anyhow::Context;
+use super::RunError;
+use super::error::At;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Read, Seek, Write};
 use std::path::{Path, PathBuf};
@@ -11,9 +12,11 @@ pub(super) const NAME: &str = "run.lock";
 /// Another process at work.
 #[derive(Debug, thiserror::Error)]
 #[error("process {pid} is running in {}: wait for it, or choose another --out", out.display())]
-struct Busy {
-    pid: String,
-    out: PathBuf,
+pub struct Busy {
+    /// Its number.
+    pub pid: String,
+    /// The folder.
+    pub out: PathBuf,
 }
 
 /// What taking a folder brought to light.
@@ -49,29 +52,29 @@ impl Lock {
     ///
     /// # Errors
     /// Where another process holds it.
-    pub(super) fn take(out: &Path) -> anyhow::Result<(Self, Option<Found>)> {
+    pub(super) fn take(out: &Path) -> Result<(Self, Option<Found>), RunError> {
         Self::take_by(out, File::try_lock)
     }
 
     fn take_by(
         out: &Path,
         try_lock: impl Fn(&File) -> Result<(), TryLockError>,
-    ) -> anyhow::Result<(Self, Option<Found>)> {
+    ) -> Result<(Self, Option<Found>), RunError> {
         let path = out.join(NAME);
         loop {
-            let failed = || format!("cannot lock {}", path.display());
+            const LOCK: &str = "cannot lock";
             let mut file = OpenOptions::new()
                 .read(true)
                 .write(true)
                 .create(true)
                 .truncate(false)
                 .open(&path)
-                .with_context(failed)?;
+                .at(LOCK, &path)?;
             let mut pid = String::new();
             let locked = match try_lock(&file) {
                 Ok(()) => Ok(()),
                 Err(TryLockError::WouldBlock) => {
-                    file.read_to_string(&mut pid).with_context(failed)?;
+                    file.read_to_string(&mut pid).at(LOCK, &path)?;
                     let out = out.to_path_buf();
                     return Err(Busy { pid, out }.into());
                 }
@@ -81,11 +84,11 @@ impl Lock {
             if !same(&file, &path) {
                 continue;
             }
-            file.read_to_string(&mut pid).with_context(failed)?;
+            file.read_to_string(&mut pid).at(LOCK, &path)?;
             file.set_len(0)
                 .and_then(|()| file.rewind())
                 .and_then(|()| write!(file, "{}", std::process::id()))
-                .with_context(failed)?;
+                .at(LOCK, &path)?;
             let found = match locked {
                 Err(error) => Some(Found::NoLocks {
                     path: path.clone(),

@@ -3,18 +3,18 @@
 //! Per step: fields, rows, checkpoint. The checkpoint comes last, so everything up to its step is there whenever it is;
 //! what lies after it is taken back when the run goes on.
 
-use super::super::output;
+use super::RunError;
 use super::collection::Collection;
+use super::error::At;
 use super::events;
-use super::history::{self, ENERGY, HISTORY, SOLVER};
+use super::history::{self, ENERGY, HISTORY, History, SOLVER};
 use super::lines::{Cut, Lines, first_column, json_step};
 use super::lock;
-use anyhow::Context;
-use fracas::io::{
+use crate::io::{
     CheckpointError, Checkpoints, Fingerprint, newest_checkpoint, read_checkpoint, unfinished,
     write_atomically,
 };
-use fracas::nonlinear::{Accepted, EnergyRecord, Event, LinearRecord, State, StepFailure};
+use crate::nonlinear::{Accepted, EnergyRecord, Event, LinearRecord, State, StepFailure};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::io::Write;
@@ -22,16 +22,22 @@ use std::path::{Path, PathBuf};
 
 /// Why a run cannot write where it was told to.
 #[derive(Debug, thiserror::Error)]
-enum Refused {
+pub enum Refused {
     /// There is a run already.
     #[error(
         "{0} holds a run: go on with --restart {0}, or choose another --out",
         out.display()
     )]
-    Run { out: PathBuf },
+    Run {
+        /// The folder.
+        out: PathBuf,
+    },
     /// There is something else.
     #[error("{} is not empty: choose another --out", out.display())]
-    Occupied { out: PathBuf },
+    Occupied {
+        /// The folder.
+        out: PathBuf,
+    },
     /// A history that the checkpoint does not belong to.
     #[error(
         "{} does not lead up to the checkpoint, which starts step {step}: it has {}; give --out the folder of the checkpoint, or an empty one",
@@ -39,8 +45,11 @@ enum Refused {
         found.map_or("no steps".to_owned(), |(a, b)| format!("steps {a} to {b}"))
     )]
     History {
+        /// The file.
         path: PathBuf,
+        /// That the checkpoint starts.
         step: usize,
+        /// First and last step of the history.
         found: Option<(usize, usize)>,
     },
 }
@@ -56,7 +65,7 @@ pub(super) struct Tree {
     checkpoints: Checkpoints,
     pub(super) collection: Collection,
     /// Rows of the history, as numbers.
-    pub(super) rows: Vec<[f64; history::NUMBERS]>,
+    pub(super) rows: History,
 }
 
 /// What a run writes before its first checkpoint: only headings, no results.
@@ -73,7 +82,7 @@ const BEGUN: [&str; 9] = [
 ];
 
 /// True for a folder that does not exist, is empty, or was left by a run that died before its first checkpoint.
-pub(super) fn is_free(out: &Path) -> anyhow::Result<bool> {
+pub(super) fn is_free(out: &Path) -> Result<bool, RunError> {
     let Some(mut names) = names(out)? else {
         return Ok(true);
     };
@@ -84,7 +93,7 @@ pub(super) fn is_free(out: &Path) -> anyhow::Result<bool> {
     // its temporary file alone is none
     let history = match std::fs::read(out.join(HISTORY_FILE)) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => None,
-        read => Some(read.with_context(|| unusable(out))?),
+        read => Some(read.at(UNUSABLE, out)?),
     };
     // the lock or the heading say whose these files are
     let locked = names.remove(lock::NAME);
@@ -96,22 +105,22 @@ pub(super) fn is_free(out: &Path) -> anyhow::Result<bool> {
 }
 
 /// Names in a folder, those of temporary files as what they were to become; `None` where there is no folder.
-fn names(folder: &Path) -> anyhow::Result<Option<BTreeSet<String>>> {
+fn names(folder: &Path) -> Result<Option<BTreeSet<String>>, RunError> {
     let entries = match std::fs::read_dir(folder) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-        entries => entries.with_context(|| unusable(folder))?,
+        entries => entries.at(UNUSABLE, folder)?,
     };
     let name = |entry: std::io::Result<std::fs::DirEntry>| {
-        let name = entry.with_context(|| unusable(folder))?.file_name();
+        let name = entry.at(UNUSABLE, folder)?.file_name();
         let name = name.to_string_lossy();
         Ok(unfinished(&name).unwrap_or(&name).to_owned())
     };
-    entries.map(name).collect::<anyhow::Result<_>>().map(Some)
+    entries.map(name).collect::<Result<_, RunError>>().map(Some)
 }
 
 /// Checkpoints in their folder, unfinished ones left out.
-fn checkpoints_in(folder: &Path) -> anyhow::Result<usize> {
-    let entries = std::fs::read_dir(folder).with_context(|| unusable(folder))?;
+fn checkpoints_in(folder: &Path) -> Result<usize, RunError> {
+    let entries = std::fs::read_dir(folder).at(UNUSABLE, folder)?;
     let whole = |entry: &std::io::Result<std::fs::DirEntry>| {
         entry.as_ref().map_or(true, |e| {
             unfinished(&e.file_name().to_string_lossy()).is_none()
@@ -120,17 +129,22 @@ fn checkpoints_in(folder: &Path) -> anyhow::Result<usize> {
     Ok(entries.filter(whole).count())
 }
 
-fn unusable(out: &Path) -> String {
-    format!("cannot use {}", out.display())
-}
+const UNUSABLE: &str = "cannot use";
 
 /// True for a folder that a run began and that is free nevertheless: it died before its first checkpoint.
-fn is_stillborn(out: &Path) -> anyhow::Result<bool> {
+fn is_stillborn(out: &Path) -> Result<bool, RunError> {
     Ok(is_free(out)? && names(out)?.is_some_and(|names| !names.is_empty()))
 }
 
+/// True for a folder that a run has written into.
+pub fn holds_run(folder: &Path) -> bool {
+    [HISTORY_FILE, "run.json"]
+        .iter()
+        .any(|name| folder.join(name).exists())
+}
+
 /// Refuses a folder that holds anything.
-pub(super) fn require_free(out: &Path) -> anyhow::Result<()> {
+pub(super) fn require_free(out: &Path) -> Result<(), RunError> {
     if is_free(out)? {
         return Ok(());
     }
@@ -161,7 +175,7 @@ pub(super) fn run_of(checkpoint: &Path) -> Option<&Path> {
 
 /// The checkpoint that was asked for: a file, or the last one of a run folder or of its `checkpoint`; `None` for the folder
 /// of a run that died before its first one.
-pub(super) fn checkpoint(path: &Path) -> anyhow::Result<Option<PathBuf>> {
+pub(super) fn checkpoint(path: &Path) -> Result<Option<PathBuf>, RunError> {
     if !path.is_dir() {
         return Ok(Some(path.into()));
     }
@@ -175,9 +189,9 @@ pub(super) fn checkpoint(path: &Path) -> anyhow::Result<Option<PathBuf>> {
 
 impl Tree {
     /// Begins a folder; its first checkpoint is that of [`Tree::save`].
-    pub(super) fn create(out: &Path, fingerprint: Fingerprint) -> anyhow::Result<Self> {
+    pub(super) fn create(out: &Path, fingerprint: Fingerprint) -> Result<Self, RunError> {
         let folder = out.join(CHECKPOINT);
-        output::folder(&folder)?;
+        std::fs::create_dir_all(&folder).at("cannot create the folder", &folder)?;
         Ok(Self {
             history: Lines::create(out.join(HISTORY_FILE), HISTORY)?,
             solver: Lines::create(out.join(SOLVER_FILE), SOLVER)?,
@@ -185,7 +199,7 @@ impl Tree {
             log: Lines::create(out.join(LOG_FILE), "")?,
             checkpoints: Checkpoints::new(folder, fingerprint),
             collection: Collection::create(out)?,
-            rows: Vec::new(),
+            rows: History::default(),
             out: out.into(),
         })
     }
@@ -195,7 +209,7 @@ impl Tree {
         out: &Path,
         fingerprint: Fingerprint,
         state: &State,
-    ) -> anyhow::Result<Self> {
+    ) -> Result<Self, RunError> {
         let folder = out.join(CHECKPOINT);
         let step = state.step;
         let [history, solver, energy, log] =
@@ -211,13 +225,9 @@ impl Tree {
         // later checkpoints first: none may outlive the rows that led to it
         checkpoints
             .forget_after(step)
-            .with_context(|| format!("cannot take back checkpoints in {}", out.display()))?;
+            .at("cannot take back checkpoints in", out)?;
         Ok(Self {
-            rows: rows
-                .kept
-                .iter()
-                .filter_map(|row| history::numbers(row))
-                .collect(),
+            rows: History::read(&rows.kept),
             history: Lines::cut(history, &rows)?,
             solver: Lines::cut(solver, &solved)?,
             energy: Lines::cut(energy, &works)?,
@@ -229,14 +239,13 @@ impl Tree {
     }
 
     /// Writes a whole file of the folder.
-    pub(super) fn file(&self, name: &str, text: &str) -> anyhow::Result<()> {
+    pub(super) fn file(&self, name: &str, text: &str) -> Result<(), RunError> {
         let path = self.out.join(name);
-        write_atomically(&path, |out| out.write_all(text.as_bytes()))
-            .with_context(|| format!("cannot write {}", path.display()))
+        write_atomically(&path, |out| out.write_all(text.as_bytes())).at("cannot write", &path)
     }
 
     /// A line of `log.jsonl`.
-    pub(super) fn log(&mut self, step: usize, event: &str, more: Value) -> anyhow::Result<()> {
+    pub(super) fn log(&mut self, step: usize, event: &str, more: Value) -> Result<(), RunError> {
         self.log.append(&log_line(step, event, more))
     }
 
@@ -246,7 +255,7 @@ impl Tree {
         accepted: &Accepted,
         energy: &EnergyRecord,
         wall_s: Option<f64>,
-    ) -> anyhow::Result<()> {
+    ) -> Result<(), RunError> {
         let record = &accepted.record;
         let (step, time) = (record.step, record.time);
         let done = json!({ "time_s": time, "setups": record.setups, "reuses": record.reuses });
@@ -256,26 +265,26 @@ impl Tree {
         self.energy.append(&history::energy_row(record, energy))?;
         let row = history::row(record, wall_s);
         self.history.append(&row)?;
-        self.rows.extend(history::numbers(&row));
+        self.rows.push(&row);
         self.save(&accepted.state)
     }
 
     /// The lines of a step that was given up.
-    pub(super) fn give_up(&mut self, step: usize, failure: &StepFailure) -> anyhow::Result<()> {
+    pub(super) fn give_up(&mut self, step: usize, failure: &StepFailure) -> Result<(), RunError> {
         self.log.append(&event_lines(step, &failure.events))?;
         self.solver(&failure.linear)
     }
 
-    fn solver(&mut self, records: &[LinearRecord]) -> anyhow::Result<()> {
+    fn solver(&mut self, records: &[LinearRecord]) -> Result<(), RunError> {
         let rows: String = records.iter().map(history::solver_row).collect();
         self.solver.append(&rows)
     }
 
     /// The checkpoint of a state: from here on its step cannot be lost.
-    pub(super) fn save(&self, state: &State) -> anyhow::Result<()> {
+    pub(super) fn save(&self, state: &State) -> Result<(), RunError> {
         self.checkpoints
             .save(state)
-            .with_context(|| format!("cannot write a checkpoint in {}", self.out.display()))?;
+            .at("cannot write a checkpoint in", &self.out)?;
         Ok(())
     }
 }
@@ -298,7 +307,7 @@ fn event_lines(step: usize, events: &[Event]) -> String {
 }
 
 /// Refuses a history that is not the one before `state`: a row per step, the last at its time.
-fn belongs(path: &Path, rows: &Cut, state: &State) -> anyhow::Result<()> {
+fn belongs(path: &Path, rows: &Cut, state: &State) -> Result<(), RunError> {
     let steps = &rows.steps;
     let consecutive = steps.windows(2).all(|w| w[1] == w[0] + 1);
     let joins = steps.first().is_none_or(|first| *first <= state.step);
@@ -322,7 +331,7 @@ fn belongs(path: &Path, rows: &Cut, state: &State) -> anyhow::Result<()> {
 }
 
 /// Refuses a folder whose own checkpoint belongs to another mesh or scene; a damaged one says nothing about that.
-fn same_run(folder: &Path, fingerprint: Fingerprint) -> anyhow::Result<()> {
+fn same_run(folder: &Path, fingerprint: Fingerprint) -> Result<(), RunError> {
     let own = newest_checkpoint(folder).and_then(|path| read_checkpoint(&path, fingerprint));
     match own {
         Err(error @ (CheckpointError::OtherMesh { .. } | CheckpointError::OtherScene { .. })) => {

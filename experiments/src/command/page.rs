@@ -1,18 +1,13 @@
 //! The history of a run as curves and as a page.
 
-use super::history::{NUMBERS, column};
 use crate::plot::{Axis, Figure, Mark, Series};
 use crate::report::{Findings, Sheet, Table};
+use fracas::run::History;
 use fracas::scene::Scene;
 use std::path::Path;
 
 /// Writes `figures/` and `report.html`.
-pub(super) fn write(
-    scene: &Scene,
-    lead: &str,
-    rows: &[[f64; NUMBERS]],
-    out: &Path,
-) -> anyhow::Result<()> {
+pub(super) fn write(scene: &Scene, lead: &str, rows: &History, out: &Path) -> anyhow::Result<()> {
     let mut findings = Findings::default();
     let sections = serde_json::to_value(scene.sections())?;
     if let serde_json::Value::Object(sections) = sections {
@@ -32,13 +27,13 @@ pub(super) fn write(
     sheet.write(out)
 }
 
-fn curve(rows: &[[f64; NUMBERS]], x: &str, y: &str, name: &str) -> Series {
-    let (x, y) = (column(x), column(y));
-    let points = rows.iter().map(|row| [row[x], row[y]]).collect();
+fn curve(rows: &History, x: &str, y: &str, name: &str) -> Series {
+    let points = rows.column(x).zip(rows.column(y));
+    let points = points.map(|(x, y)| [x, y]).collect();
     Series::new(name, Mark::LinePoints, points)
 }
 
-fn states(rows: &[[f64; NUMBERS]]) -> Figure {
+fn states(rows: &History) -> Figure {
     let of = |y, name| curve(rows, "time_s", y, name);
     Figure::new(
         "states",
@@ -53,7 +48,7 @@ fn states(rows: &[[f64; NUMBERS]]) -> Figure {
     .with(of("open", "open"))
 }
 
-fn iterations(rows: &[[f64; NUMBERS]]) -> Figure {
+fn iterations(rows: &History) -> Figure {
     let of = |y, name| curve(rows, "step", y, name);
     Figure::new(
         "iterations",
@@ -67,7 +62,7 @@ fn iterations(rows: &[[f64; NUMBERS]]) -> Figure {
     .with(of("lin_it", "Krylov"))
 }
 
-fn slip(rows: &[[f64; NUMBERS]]) -> Figure {
+fn slip(rows: &History) -> Figure {
     Figure::new(
         "slip",
         "",
@@ -79,13 +74,9 @@ fn slip(rows: &[[f64; NUMBERS]]) -> Figure {
 }
 
 /// Sums and extremes over all steps.
-fn totals(rows: &[[f64; NUMBERS]]) -> Table {
-    let values = |name| {
-        let k = column(name);
-        rows.iter().map(move |row| row[k])
-    };
-    let sum = |name| values(name).sum::<f64>() as usize;
-    let most = |name| values(name).fold(0.0, f64::max);
+fn totals(rows: &History) -> Table {
+    let sum = |name| rows.column(name).sum::<f64>() as usize;
+    let most = |name| rows.column(name).fold(0.0, f64::max);
     let mut table = Table::new(
         "totals",
         "The whole run; history.csv has a row per step, solver.csv one per linear solve.",

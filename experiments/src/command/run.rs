@@ -1,0 +1,108 @@
+//! `fracas run`: a scene through its load steps, in a folder that survives the process.
+
+use super::interrupt::{self, Signals};
+use super::progress::Progress;
+use super::scene::{self, Overrides};
+use super::{Status, page};
+use crate::report::format_real;
+use clap::Args;
+use fracas::nonlinear::{Event, StepRecord};
+use fracas::run::{Outcome, Run as Settings, Taken};
+use fracas_solvers::Observer;
+use std::io::Write;
+use std::path::PathBuf;
+
+#[derive(Args, Debug)]
+pub(super) struct Run {
+    /// Scene file, or the name of a scene of the gallery.
+    #[arg(value_name = "SCENE")]
+    scene: String,
+    #[command(flatten)]
+    overrides: Overrides,
+    /// Folder of the results, which must be empty [default: out, or that of the checkpoint].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Goes on from a checkpoint: a file, or the folder of a run for its last one.
+    #[arg(long, value_name = "CHECKPOINT")]
+    restart: Option<PathBuf>,
+    /// Stops after N steps; --restart goes on.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    steps: Option<u32>,
+    /// Writes fields for ParaView every N steps and at the end.
+    #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u32).range(1..))]
+    fields_every: u32,
+    /// Fills the column wall_s of history.csv, which then differs from run to run.
+    #[arg(long)]
+    clock: bool,
+}
+
+impl Run {
+    pub(super) fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
+        let scene = scene::load(&self.scene, &self.overrides)?;
+        let settings = Settings {
+            out: self.out.clone(),
+            restart: self.restart.clone(),
+            steps: self.steps.map(|n| n as usize),
+            fields_every: self.fields_every as usize,
+            clock: self.clock,
+        };
+        let mut progress = Progress::new();
+        let mut folder = settings.open(&self.scene, scene, &mut progress)?;
+        let path = folder.path().to_path_buf();
+        let scene = folder.scene().clone();
+        let mut run = folder.begin(&mut progress)?;
+        let ended = loop {
+            match run.advance(&Signals, &mut progress)? {
+                Taken::Step(done) => {
+                    warn(&done.events, &progress);
+                    progress.tell(&line(&done.record));
+                }
+                Taken::Ended(ended) => break ended,
+            }
+        };
+        warn(&ended.events, &progress);
+        if let Some(reason) = &ended.reason {
+            progress.say(reason);
+        }
+        page::write(&scene, &ended.to_string(), run.history(), &path)?;
+        run.close(&ended)?;
+        writeln!(out, "{}", path.join("report.html").display())?;
+        Ok(match (ended.outcome, interrupt::asked()) {
+            (Outcome::NotConverged | Outcome::Unstable, _) => Status::NotConverged,
+            (Outcome::Interrupted, Some(signal)) => Status::Interrupted(signal),
+            _ => Status::Done,
+        })
+    }
+}
+
+/// Says what gave way: f32 to f64, an inner solver to another, equilibrium under weakening.
+fn warn(events: &[Event], progress: &Progress) {
+    for event in events {
+        let warning = match event {
+            Event::Precision { reason } => format!("{reason}; the hierarchy is in f64"),
+            Event::Inner { reason, now } => {
+                format!("{reason}; the inner solver is {now} instead")
+            }
+            Event::Arrested { patch } => format!("unstable: {patch}; stepped over"),
+            _ => continue,
+        };
+        progress.tell(&format!("warning: {warning}"));
+    }
+}
+
+/// A step in a line.
+fn line(record: &StepRecord) -> String {
+    let [stick, new_slip, slip, open] = record.faces;
+    let cuts = match record.cuts {
+        0 => String::new(),
+        n => format!(", cut {n} times"),
+    };
+    format!(
+        "step {}, t = {} s: {} rounds, {} Newton, {} Krylov{cuts}; {stick} stick, {new_slip} new-slip, {slip} slip, {open} open",
+        record.step,
+        format_real(record.time),
+        record.active_it,
+        record.newton_it,
+        record.lin_it,
+    )
+}
