@@ -2,17 +2,12 @@
 //!
 //! `cargo run --release --example own_method`
 
-use fracas::scene::named;
+use fracas::prelude::*;
 use fracas_operators::sparse::Csr;
 use fracas_operators::{Layout, LinearOperator, Preconditioner, Properties};
 use fracas_solvers::direct::{DirectChoice, Factorization, Kind};
-use fracas_solvers::krylov::{Criteria, KrylovChoice, System};
-use fracas_solvers::saddle::{
-    CustomMethod, EnergyNorms, Measure, SaddleBlocks, SaddleMethod, SaddleOperator, T, U,
-    solve_accurately,
-};
-use fracas_solvers::{Named, SetupError, Silent};
-use std::borrow::Cow;
+use fracas_solvers::saddle::{CustomMethod, T, U};
+use fracas_solvers::{Named, SetupError};
 
 /// `y_u = A⁻¹ x_u, y_t = (C_0 + diag H)⁻¹ (B2 y_u − x_t)`, `C_0 = diag(BᵀD⁻¹B)`.
 #[derive(Debug)]
@@ -90,41 +85,20 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let scene = named("clamped")
         .ok_or("a scene of the gallery")?
         .small_scene()?;
-    let blocks = scene.build()?.saddle_blocks(Some(Default::default()))?;
-    let (operator, b) = (SaddleOperator::new(&blocks), blocks.rhs());
     for name in ["lower_triangle", "racp"] {
-        let m = name.parse::<SaddleMethod>()?.ready(&blocks)?.inverse;
-        let c = blocks.contact_compliance();
-        let norms = EnergyNorms::new(
-            &operator,
-            blocks.h.as_ref(),
-            c,
-            Cow::Owned(blocks.stiffness()),
-        );
-        let system = System {
-            operator: &operator,
-            preconditioner: &m,
-            rhs: &b,
-        };
-        let criteria = Criteria {
-            relative_tolerance: 1e-8,
+        let settings = Solve {
+            method: name.parse()?,
             max_iterations: 500,
+            ..Solve::default()
         };
-        let (krylov, how) = (KrylovChoice::default(), (Measure::Error, &norms));
-        let mut x = vec![0.0; b.len()];
-        let solved = solve_accurately(
-            krylov.method(),
-            &system,
-            &criteria,
-            how,
-            &mut x,
-            &mut Silent,
-        );
+        let solved = settings.solve(&scene.clone().into(), &mut Silent)?;
+        let errors = [solved.error_u, solved.error_t];
         println!(
-            "{name}: {} iterations, errors {:?}",
-            solved.result?.iterations, solved.error
+            "{name}: {} iterations, errors {errors:?}",
+            solved.iterations
         );
-        assert!(solved.error.iter().all(|(_, error)| error < 1e-8));
+        assert!(errors.iter().all(|e| e.is_some_and(|e| e < 1e-8)));
+        assert!(solved.has_converged());
     }
     Ok(())
 }

@@ -9,7 +9,7 @@
 //!
 //! let scene = named("patch").ok_or("a scene of the gallery")?.scene()?;
 //! let solved = Solve::default().solve(&scene.into(), &mut Silent)?;
-//! assert!(solved.has_converged() && solved.error_u < Some(1e-8));
+//! assert!(solved.has_converged() && solved.error_u.is_some_and(|e| e < 1e-8));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

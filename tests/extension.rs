@@ -10,6 +10,8 @@ use fracas_solvers::saddle::{
 };
 use fracas_solvers::{Named, SetupError, Silent};
 
+#[path = "../examples/from_code.rs"]
+mod from_code;
 #[path = "../examples/own_augmentation.rs"]
 mod own_augmentation;
 #[path = "../examples/own_inner.rs"]
@@ -44,6 +46,11 @@ fn a_krylov_method_stands_on_the_bookkeeping_of_the_house() {
 #[test]
 fn a_scene_comes_from_code() {
     own_scene::main().unwrap();
+}
+
+#[test]
+fn a_system_is_solved_and_a_scene_run_from_code() {
+    from_code::main().unwrap();
 }
 
 /// `half_h`, given by its entries.

@@ -80,9 +80,16 @@ fn parts(block: &str) -> Vec<&str> {
 
 #[test]
 fn excerpts_of_the_library_page_stand_in_the_sources() {
-    let sources = ["augmentation", "inner", "method", "krylov", "scene"]
-        .map(|name| text(&format!("examples/own_{name}.rs")))
-        .concat();
+    let sources = [
+        "from_code",
+        "own_augmentation",
+        "own_inner",
+        "own_method",
+        "own_krylov",
+        "own_scene",
+    ]
+    .map(|name| text(&format!("examples/{name}.rs")))
+    .concat();
     let page = text("docs/library.md");
     let excerpts = page.split("```rust\n").skip(1);
     let excerpts: Vec<_> = excerpts.filter_map(|s| s.split("```").next()).collect();
