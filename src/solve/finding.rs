@@ -44,6 +44,7 @@ pub enum Finding {
 
 /// What f32 inside a preconditioner lost.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Rounding {
     /// Entries of A spread over its digits; f64 is taken.
     Spread {

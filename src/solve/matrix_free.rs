@@ -66,6 +66,7 @@ impl SetUp<'_> {
             equations: Equations::MatrixFree {
                 system: Box::new(equations),
                 stuck: stuck.clone(),
+                racp,
             },
             setup_s: start.elapsed().as_secs_f64(),
             findings: self.findings,

@@ -82,17 +82,18 @@ impl StuckBody {
     /// # Errors
     /// [`SolveError`].
     pub fn mesh(&self, work: Work, observer: &mut dyn Observer) -> Result<Arc<Body>, SolveError> {
-        let scene = match &self.mesh {
-            Mesh::Made(body) => return Ok(body.clone()),
-            Mesh::Scene(scene) => scene,
+        let body = match &self.mesh {
+            Mesh::Made(body) => body.clone(),
+            Mesh::Scene(scene) => {
+                memory::room_for(&self.name, scene, work)?;
+                observer.say(&format_args!("{}: meshing", scene.title()));
+                scene.build()?.into()
+            }
         };
-        memory::room_for(&self.name, scene, work)?;
-        observer.say(&format_args!("{}: meshing", scene.title()));
-        let body = scene.build()?;
         if let Some(sentence) = undetermined(&self.name, &body)? {
             observer.say(&format_args!("warning: {sentence}"));
         }
-        Ok(body.into())
+        Ok(body)
     }
 
     /// The mesh and its blocks.

@@ -8,7 +8,7 @@ use crate::memory;
 use fracas_solvers::Observer;
 use fracas_solvers::multigrid::Summary;
 use fracas_solvers::saddle::{
-    Assembled, Cost, Ready, SaddleBlocks, SaddleMethod, SaddleSystem, StrainNorm,
+    Assembled, Cost, Racp, Ready, SaddleBlocks, SaddleMethod, SaddleSystem, StrainNorm, T,
 };
 use std::sync::Arc;
 
@@ -62,6 +62,7 @@ pub(super) enum Equations {
         system: Box<MatrixFreeSystem>,
         /// Meshed again where f32 fails.
         stuck: StuckBody,
+        racp: Racp,
     },
 }
 
@@ -126,24 +127,29 @@ impl Solver {
     /// With another number of entries than there are unknowns.
     pub fn set_rhs(&mut self, mut b: Vec<f64>) {
         assert_eq!(b.len(), self.b.len(), "entries of b, unknowns");
-        let [n_u, n_t, _] = self.equations.with(|system| system.lengths());
-        b[n_u..n_u + n_t].iter_mut().for_each(|b| *b *= self.unit);
+        let layout = self.equations.with(|system| system.layout());
+        let [b_t] = layout.split_mut([T], &mut b);
+        b_t.iter_mut().for_each(|b| *b *= self.unit);
         (self.rhs, self.b) = (RightHandSide::Given, b);
     }
 
     /// The preconditioner in f64, where f32 is inside.
     pub(super) fn in_double(&self, observer: &mut dyn Observer) -> Result<Double, SolveError> {
         memory::room_in_double(self.hierarchy())?;
-        let double = self.double.unwrap_or(self.method);
         match &self.equations {
-            Equations::Assembled { blocks, .. } => Ok(Double {
-                ready: double.ready(blocks)?,
-                inner: precision::name_in_double(&double).unwrap_or_default(),
-            }),
-            Equations::MatrixFree { system, stuck } => {
-                let SaddleMethod::Racp(racp) = double else {
-                    unreachable!("only RACP goes without an assembled A");
-                };
+            Equations::Assembled { blocks, .. } => {
+                let double = self.double.unwrap_or(self.method);
+                Ok(Double {
+                    ready: double.ready(blocks)?,
+                    inner: precision::name_in_double(&double).unwrap_or_default(),
+                })
+            }
+            Equations::MatrixFree {
+                system,
+                stuck,
+                racp,
+            } => {
+                let racp = racp.in_double();
                 // the body was given back: it is made again
                 let body = stuck.mesh(memory::MATRIX_FREE, observer)?;
                 let stick = body.stick_system(stuck.stabilization(&body));
