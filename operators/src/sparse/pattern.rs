@@ -30,7 +30,9 @@ impl Pattern {
         row: impl Fn(usize, &mut S, &mut Vec<u32>) + Sync + Send,
     ) -> Self {
         let (offsets, parts) = parts(rows, scratch, row);
-        let columns = parts.concat();
+        let mut columns = Vec::with_capacity(parts.iter().map(Vec::len).sum());
+        // a part is given back before the next one is copied
+        parts.into_iter().for_each(|part| columns.extend(part));
         Self { offsets, columns }
     }
 
