@@ -14,7 +14,7 @@
 //! | `P = (I − ω D⁻¹A) P_0` | `prolongation` |
 //! | `A_c = PᵀA P` | `galerkin`, `coarse` |
 //! | what outlives a change of values | `plan`, `smoothed`, `classical` |
-//! | Gauss–Seidel in coloured chunks, products | `sweeps`, `schedule` |
+//! | Gauss–Seidel in coloured chunks, products | `sweeps`, `sums`, `schedule` |
 //! | Gauss–Seidel and FSAI as smoothers, and where FSAI is called for | `gauss_seidel`, `fsai`, `chains` |
 //! | coarse nodes that are fine ones | `classical` |
 //!
@@ -37,6 +37,7 @@ mod rigid_body;
 mod schedule;
 mod settings;
 mod smoothed;
+mod sums;
 mod sweeps;
 mod tentative;
 mod transfer;

@@ -2,9 +2,10 @@
 #![allow(unsafe_code, reason = "writes of tasks that share no entry")]
 
 use super::schedule::Schedule;
+use super::sums::Sums;
 use crate::multigrid::lambda::largest_generalized;
 use fracas_operators::shared::Shared;
-use fracas_operators::simd::{Kernel, Lanes, Level, MAX_WIDTH, prefetch};
+use fracas_operators::simd::{Kernel, Lanes, Level, prefetch};
 use fracas_operators::small::{Matrix3, cast, times};
 use fracas_operators::sparse::SparseMatrix;
 use fracas_operators::vector::{for_each_task, for_row_ranges};
@@ -327,54 +328,6 @@ impl<R: Real> LinearOperator<R> for SweepMatrix<R> {
 
     fn flops(&self) -> u64 {
         18 * self.block_count() as u64
-    }
-}
-
-/// Nine products of each block, summed lane by lane: `b_{rc} x_c` in lane 3r + c.
-struct Sums<L, R> {
-    low: L,
-    high: L,
-    last: R,
-}
-
-impl<R: Real, L: Lanes<R>> Sums<L, R> {
-    #[inline(always)]
-    fn zero() -> Self {
-        Self {
-            low: L::splat(R::zero()),
-            high: L::splat(R::zero()),
-            last: R::zero(),
-        }
-    }
-
-    /// Adds the products of the block at `values[at..]` with x.
-    #[inline(always)]
-    fn add(&mut self, values: &[R], at: usize, x: &[R]) {
-        self.low = L::load(&values[at..]).mul_add(L::repeat(x, 0), self.low);
-        if L::WIDTH == 4 {
-            self.high = L::load(&values[at + 4..]).mul_add(L::repeat(x, 1), self.high);
-        }
-        if L::WIDTH <= 8 {
-            self.last += values[at + 8] * x[2];
-        }
-    }
-
-    /// Row sums.
-    #[inline(always)]
-    fn finish(self) -> [R; 3] {
-        let mut lanes = [R::zero(); 2 * MAX_WIDTH];
-        self.low.store(&mut lanes);
-        if L::WIDTH == 4 {
-            self.high.store(&mut lanes[4..]);
-        }
-        if L::WIDTH <= 8 {
-            lanes[8] = self.last;
-        }
-        [
-            lanes[0] + lanes[1] + lanes[2],
-            lanes[3] + lanes[4] + lanes[5],
-            lanes[6] + lanes[7] + lanes[8],
-        ]
     }
 }
 
