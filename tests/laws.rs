@@ -3,8 +3,10 @@
 //!
 //! One list of each; `operators/src/laws/broken.rs` shows that every law can fail.
 #![allow(clippy::unwrap_used)]
-#![allow(unsafe_code, reason = "an allocator that counts")]
 
+mod counting;
+
+use counting::allocations;
 use fracas::contact::{Coupling, JumpStabilization};
 use fracas::elasticity::{Bricks, Hexes, Restricted, stiffness};
 use fracas::matrix_free::{MatrixFreeSaddle, RacpParts};
@@ -27,35 +29,7 @@ use fracas_solvers::saddle::{
     AugmentationChoice, Racp, SaddleBlocks, SaddleMethod, SaddleOperator, T, U, schur,
 };
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use std::alloc::{GlobalAlloc, Layout as Bytes, System};
 use std::sync::Barrier;
-use std::sync::atomic::{AtomicU64, Ordering};
-
-/// The system's allocator, with every allocation of every thread counted.
-struct Counting;
-
-static ALLOCATIONS: AtomicU64 = AtomicU64::new(0);
-
-// SAFETY: forwards to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Bytes) -> *mut u8 {
-        ALLOCATIONS.fetch_add(1, Ordering::SeqCst);
-        // SAFETY: as the caller promises.
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Bytes) {
-        // SAFETY: as the caller promises.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Bytes, size: usize) -> *mut u8 {
-        ALLOCATIONS.fetch_add(1, Ordering::SeqCst);
-        // SAFETY: as the caller promises.
-        unsafe { System.realloc(pointer, layout, size) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
 
 /// Pools of one thread and of two whose queues exist: a queue that grows allocates.
 fn pools() -> [ThreadPool; 2] {
@@ -186,15 +160,11 @@ fn operators<R: Real>(name: &str, body: &Body) -> Vec<Listed<R>> {
     list
 }
 
-/// Allocations of three products with `work_len()` entries.
-fn allocations(pool: &ThreadPool, work: &mut (dyn FnMut() + Send)) -> u64 {
+/// Allocations of three times `work`, after a first time.
+fn allocations_again(pool: &ThreadPool, work: &mut (dyn FnMut() + Send)) -> u64 {
     pool.install(|| {
         work();
-        let before = ALLOCATIONS.load(Ordering::SeqCst);
-        for _ in 0..3 {
-            work();
-        }
-        ALLOCATIONS.load(Ordering::SeqCst) - before
+        allocations(|| (0..3).for_each(|_| work()))
     })
 }
 
@@ -220,7 +190,7 @@ fn hold_operators<R: Real>(pools: &[ThreadPool; 2], oracles: &[Dense<f64>], list
             checked.unwrap();
             let x = probe::<R>(shape.cols, 21);
             let (mut y, mut work) = (vec![R::zero(); shape.rows], vec![R::nan(); a.work_len()]);
-            let made = allocations(pool, &mut || a.apply(&x, &mut y, &mut work));
+            let made = allocations_again(pool, &mut || a.apply(&x, &mut y, &mut work));
             assert_eq!(made, 0, "{name} allocates");
             let own = bits(&y);
             assert!(
@@ -377,7 +347,7 @@ fn preconditioners(pools: &[ThreadPool; 2], name: &str, body: &Body) {
                 .unwrap();
             let r = probe::<f64>(m.size(), 22);
             let (mut z, mut work) = (vec![0.0; m.size()], vec![f64::NAN; m.work_len()]);
-            let made = allocations(pool, &mut || m.solve(&r, &mut z, &mut work));
+            let made = allocations_again(pool, &mut || m.solve(&r, &mut z, &mut work));
             // factorizations of others allocate within
             let quiet = !["exact", "direct", "mcp"]
                 .iter()
