@@ -43,6 +43,7 @@ pub use solver_section::{
 };
 
 use crate::mesh::GmshFile;
+use serde::de::DeserializeOwned;
 use source::Source;
 
 /// A scene: its sections and the text that they came from.
@@ -170,6 +171,14 @@ impl Scene {
     pub fn build(&self) -> Result<Body, SceneError> {
         build::build(&self.sections, &self.source, &self.folder)
     }
+}
+
+/// Data of another kind from TOML, with the same messages as a scene: line, column, nearest match; `file_name` is for them.
+///
+/// # Errors
+/// [`SceneError`]: syntax, unknown keys, values out of range.
+pub fn read_toml<D: DeserializeOwned>(text: &str, file_name: &str) -> Result<D, SceneError> {
+    Source::new(text, file_name).parse()
 }
 
 /// JSON Schema of the scene file.

@@ -116,6 +116,11 @@ impl Solver {
         self.setup_s
     }
 
+    /// Entries of b and x.
+    pub fn unknowns(&self) -> usize {
+        self.b.len()
+    }
+
     /// Stops after so many iterations from here on.
     pub fn set_max_iterations(&mut self, most: usize) {
         self.settings.max_iterations = most;
