@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use fracas::prelude::*;
+use fracas::run::RunError;
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -70,6 +71,10 @@ fn run(settings: Run, stop: &AtomicBool, observer: &mut dyn Observer) -> Outcome
         if let Taken::Ended(ended) = run.advance(stop, observer).unwrap() {
             let outcome = ended.outcome;
             run.close(&ended).unwrap();
+            assert!(matches!(
+                folder.begin(observer),
+                Err(RunError::Begun { .. })
+            ));
             return outcome;
         }
     }

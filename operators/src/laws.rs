@@ -215,14 +215,14 @@ pub fn check_preconditioner<R: Real>(
     let (zr, zs) = (solve(&r, R::nan()), solve(&s, R::nan()));
     let again = solve(&r, R::of(3.0));
     let properties = m.properties();
+    let same_bits = zr.iter().zip(&again).all(|(a, b)| a == b);
+    judge.small(
+        "same bits whatever z and work contain",
+        if same_bits { 0.0 } else { 1.0 },
+        1.0,
+        0.0,
+    )?;
     if properties.linear {
-        let same_bits = zr.iter().zip(&again).all(|(a, b)| a == b);
-        judge.small(
-            "same bits whatever z and work contain",
-            if same_bits { 0.0 } else { 1.0 },
-            1.0,
-            0.0,
-        )?;
         let (alpha, beta) = (R::of(0.75), R::of(-2.0));
         let combined: Vec<R> = r
             .iter()

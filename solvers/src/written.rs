@@ -34,7 +34,15 @@ impl<'de, T: Written> Visitor<'de> for NameOrTable<T> {
         name.parse().map_err(E::custom)
     }
 
-    fn visit_map<M: MapAccess<'de>>(self, table: M) -> Result<T, M::Error> {
-        T::from_table(MapAccessDeserializer::new(table))
+    fn visit_map<M: MapAccess<'de>>(self, mut table: M) -> Result<T, M::Error> {
+        let part = T::from_table(MapAccessDeserializer::new(&mut table))?;
+        // an enum reads one key and leaves the others
+        match table.next_key::<String>()? {
+            None => Ok(part),
+            Some(key) => Err(Error::custom(format_args!(
+                "`{key}` stands beside another name; one part is asked for: {}",
+                T::EXPECTED
+            ))),
+        }
     }
 }

@@ -38,6 +38,12 @@ pub enum RunError {
         /// Of the scene [s].
         end: f64,
     },
+    /// A folder whose run has begun.
+    #[error("the run in {path} has begun: open it again with restart = {path} to go on", path = path.display())]
+    Begun {
+        /// The folder.
+        path: PathBuf,
+    },
     /// A body that cannot be stepped.
     #[error("{name} cannot be run")]
     Simulation {

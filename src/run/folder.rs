@@ -28,6 +28,7 @@ pub struct RunFolder {
     fingerprint: Fingerprint,
     /// Of the checkpoint.
     state: Option<State>,
+    begun: bool,
     // in this order: the lock goes, then the folder where nothing was written into it
     _lock: Lock,
     _new: NewFolder,
@@ -88,6 +89,7 @@ impl RunFolder {
             checkpoint,
             fingerprint,
             state,
+            begun: false,
             _lock: lock,
             _new: new,
         })
@@ -108,6 +110,10 @@ impl RunFolder {
     /// # Errors
     /// [`RunError`].
     pub fn begin(&mut self, observer: &mut dyn Observer) -> Result<Running<'_>, RunError> {
+        if std::mem::replace(&mut self.begun, true) {
+            let path = self.path.clone();
+            return Err(RunError::Begun { path });
+        }
         let started = self.state.take();
         let folder: &Self = self;
         observer.say(&"assembling");

@@ -29,7 +29,6 @@ impl Solver {
         if let Some(Double { ready, inner }) = double {
             self.ready = ready;
             self.names.inner = Some(inner);
-            self.fallbacks = solved.precision_fallbacks;
         }
         Ok(solved)
     }

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// SparseRows that one task fills.
+/// Rows that one task fills.
 const ROWS_PER_TASK: usize = 2048;
 
 /// Ranges of rows of fixed length, so that no result depends on the number of threads.
@@ -16,7 +16,7 @@ fn chunks(rows: usize) -> impl IndexedParallelIterator<Item = Range<usize>> {
 /// A pattern: where rows begin, and their columns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pattern {
-    /// SparseRows + 1.
+    /// Rows + 1.
     pub offsets: Vec<usize>,
     /// Ascending within a row.
     pub columns: Vec<u32>,
@@ -36,7 +36,7 @@ impl Pattern {
         Self { offsets, columns }
     }
 
-    /// SparseRows.
+    /// Rows.
     pub fn rows(&self) -> usize {
         self.offsets.len() - 1
     }
@@ -182,7 +182,7 @@ pub struct Transposed {
 }
 
 impl Transposed {
-    /// SparseRows of the transpose.
+    /// Rows of the transpose.
     pub fn rows(&self) -> usize {
         self.offsets.len() - 1
     }

@@ -9,7 +9,7 @@ use std::fmt;
 pub struct LevelSummary {
     /// Unknowns.
     pub n: usize,
-    /// Stored entries of the matrix (zeros inside blocks included).
+    /// Stored entries of the matrix (zeros inside blocks included); half the flops of a product where nothing is stored.
     pub nnz: usize,
     /// Bytes of matrix, transfer operators and smoother.
     pub bytes: usize,

@@ -356,6 +356,10 @@ mod tests {
     #[test]
     fn tables_are_read_and_an_unknown_key_is_answered_with_those_that_there_are() {
         let read = |text: &str| serde_json::from_str::<InnerChoice>(text);
+        for two in [r#"{"amg": {}, "ssor": {}}"#, r#"{"geometric": {}, "x": 1}"#] {
+            let said = read(two).unwrap_err().to_string();
+            assert!(said.contains("stands beside another name"), "{said}");
+        }
         for choice in [
             InnerChoice::default(),
             "amg".parse().unwrap(),

@@ -5,7 +5,7 @@ use fracas_operators::Real;
 use fracas_operators::small::{Matrix3, cast};
 use fracas_operators::sparse::SparseRows;
 
-/// SparseRows of 3×3 blocks, every diagonal block present.
+/// Rows of 3×3 blocks, every diagonal block present.
 pub(super) type NodeBlocks = SparseRows<Matrix3<f64>>;
 
 /// The matrix of a level, in f64.
