@@ -27,4 +27,7 @@ pub mod measure;
 pub mod plot;
 pub mod published;
 pub mod report;
+mod scenes;
+mod sentence;
+pub mod study;
 pub mod trial;

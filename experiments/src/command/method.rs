@@ -1,10 +1,9 @@
 //! Which method: `--method`, `--augmentation`, `--inner`.
 
+use crate::study::Inner;
 use clap::Args;
 use fracas::solve::{InnerRule, Route, SystemKind};
-use fracas_solvers::saddle::inner::UnknownInner;
-use fracas_solvers::saddle::{AugmentationChoice, InnerChoice, NoSuchPart, SaddleMethod};
-use std::str::FromStr;
+use fracas_solvers::saddle::{AugmentationChoice, NoSuchPart, SaddleMethod};
 
 /// A method with the parts that the command line chooses.
 #[derive(Args, Debug)]
@@ -22,31 +21,6 @@ pub(super) struct Method {
     #[arg(long, value_name = "M")]
     inner: Option<Inner>,
 }
-
-/// `--inner`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Inner {
-    /// What fits the system.
-    Auto,
-    /// This one.
-    Named(InnerChoice),
-}
-
-impl FromStr for Inner {
-    type Err = UnknownInnerName;
-
-    fn from_str(name: &str) -> Result<Self, Self::Err> {
-        if name == "auto" {
-            return Ok(Self::Auto);
-        }
-        name.parse().map(Self::Named).map_err(UnknownInnerName)
-    }
-}
-
-/// A name that no inner solver has.
-#[derive(Debug, thiserror::Error)]
-#[error("{0}; or auto")]
-struct UnknownInnerName(UnknownInner);
 
 /// All names.
 fn help() -> String {
@@ -73,11 +47,7 @@ impl Method {
         &self,
         default: SaddleMethod,
     ) -> Result<(SaddleMethod, InnerRule), NoSuchPart> {
-        let (inner, rule) = match self.inner {
-            None => (None, InnerRule::OrElse),
-            Some(Inner::Auto) => (None, InnerRule::Auto),
-            Some(Inner::Named(inner)) => (Some(inner), InnerRule::Fixed),
-        };
+        let (inner, rule) = Inner::choose(self.inner);
         let method = self.method.unwrap_or(default);
         Ok((method.with_parts(self.augmentation, inner)?, rule))
     }

@@ -1,10 +1,11 @@
 //! The commands of `fracas`: arguments, exit status, one sentence for each bad input.
 //!
 //! Results go to standard output or to files, progress to standard error. Exit status: 0 done, 2 bad input or not enough
-//! memory, 3 not converged, 4 a check failed; 130 and 143: a run that SIGINT or SIGTERM stopped, with its state written.
+//! memory, 3 not converged, 4 a check failed; 130 and 143: a run or a study that SIGINT or SIGTERM stopped, with its state written.
 //! Every other command ends at once, by that signal.
 
 mod check;
+mod compare;
 mod explain;
 mod export;
 mod interrupt;
@@ -20,12 +21,13 @@ mod run;
 mod scene;
 mod schema;
 mod schema_page;
-mod sentence;
 mod solve;
 mod source;
 mod spectrum;
+mod study;
 
 use crate::allocation::exit_on_refusal;
+use crate::sentence;
 use clap::{Parser, Subcommand};
 use interrupt::Signal;
 use std::io::{self, Write};
@@ -56,6 +58,10 @@ enum Command {
     Spectrum(spectrum::Spectrum),
     /// Solves one linear system and reports its cost and true residual.
     Solve(solve::Solve),
+    /// A study file: a product of scenes, meshes and methods, a row per solve, figures and a page.
+    Study(study::Study),
+    /// The same from the command line: scenes, meshes and methods, against each other.
+    Compare(compare::Compare),
     /// Experiments and scenes, a line each: id, question, expected answer.
     List,
     /// JSON Schema of the scene file.
@@ -84,7 +90,7 @@ const BAD_INPUT: u8 = 2;
 /// Runs a command on a pool of its own and returns the exit status.
 pub fn main(arguments: &Arguments) -> ExitCode {
     let listening = match arguments.command {
-        Command::Run(_) => interrupt::listen(),
+        Command::Run(_) | Command::Study(_) | Command::Compare(_) => interrupt::listen(),
         _ => Ok(()),
     };
     if let Err(error) = listening.and_then(|()| exit_on_refusal(BAD_INPUT.into())) {
@@ -134,6 +140,8 @@ impl Command {
             Self::Check(command) => command.run(out),
             Self::Export(command) => command.run(out),
             Self::Schema(command) => command.run(out),
+            Self::Study(command) => command.run(out),
+            Self::Compare(command) => command.run(out),
             Self::List => list::run(out),
         }
     }

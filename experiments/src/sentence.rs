@@ -1,7 +1,7 @@
 //! From a chain of errors to one sentence.
 
 /// The error and its causes, without those that the error itself already quotes.
-pub(super) fn of(error: &anyhow::Error) -> String {
+pub(crate) fn of(error: &anyhow::Error) -> String {
     let mut text = error.to_string();
     for cause in error.chain().skip(1) {
         let cause = cause.to_string();

@@ -1,0 +1,42 @@
+//! Scenes by file or by name.
+
+use fracas::scene::{Scene, gallery, named};
+use std::path::Path;
+
+/// Neither a file nor a name.
+#[derive(Debug, thiserror::Error)]
+#[error("no scene file and no scene of the gallery is called `{name}`{}; `fracas list` shows the gallery", nearest.map_or(String::new(), |n| format!(" (did you mean `{n}`?)")))]
+struct UnknownScene {
+    name: String,
+    nearest: Option<&'static str>,
+}
+
+/// Whatever ends in `.toml` or exists is a file, the rest are names.
+pub(crate) fn is_file(name: &str) -> bool {
+    let path = Path::new(name);
+    let is_toml = path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+    is_toml || path.is_file()
+}
+
+/// Reads a scene file, or a scene of the gallery.
+pub(crate) fn load(name: &str) -> anyhow::Result<Scene> {
+    if is_file(name) {
+        return Ok(Scene::load(name)?);
+    }
+    let found = named(name).ok_or_else(|| UnknownScene {
+        name: name.into(),
+        nearest: nearest(name),
+    })?;
+    Ok(found.scene()?)
+}
+
+fn nearest(name: &str) -> Option<&'static str> {
+    let distance = |known: &&str| strsim::damerau_levenshtein(known, name);
+    gallery()
+        .iter()
+        .map(|s| s.name)
+        .min_by_key(distance)
+        .filter(|known| distance(known) <= known.len() / 3)
+}

@@ -1,0 +1,167 @@
+//! What a study leaves beside its rows: figures, a page, a manifest.
+
+use super::engine::{Ended, Engine};
+use super::figures::{figures, label};
+use super::outcome::CONVERGED;
+use super::rows::Findings as Rows;
+use super::{Name, Study};
+use crate::report::{Cell, Findings, Sheet, Table, write_whole};
+use std::collections::BTreeMap;
+
+/// Writes `figures/`, `report.html` and `manifest.json`.
+pub(super) fn write(engine: &Engine<'_>, rows: &Rows, ended: &Ended) -> anyhow::Result<()> {
+    let study = engine.study;
+    let mut findings = Findings {
+        figures: figures(study, rows),
+        tables: vec![table(study, rows)],
+        ..Findings::default()
+    };
+    findings.tables.extend(failed(study, rows));
+    if let serde_json::Value::Object(settings) = serde_json::to_value(study)? {
+        findings.settings = settings;
+    }
+    if !ended.is_complete() {
+        let note =
+            "The study was interrupted; the same command goes on with the rows that are left.";
+        findings.notes.push(note.into());
+    }
+    if engine.jobs > 1 {
+        let note = format!(
+            "{} rows ran at once: times are not comparable, and peak memory is that of all of them.",
+            engine.jobs
+        );
+        findings.notes.push(note);
+    }
+    if study.is_spectral() {
+        findings.notes.push("Where a system is too large for a dense eigenvalue problem, only its outer eigenvalues are found; the column `reason` of rows.csv says so.".into());
+    }
+    let outcomes = outcomes(rows);
+    let counts: Vec<String> = (outcomes.iter())
+        .map(|(word, n)| format!("{n} {}", word.replace('_', " ")))
+        .collect();
+    let lead = format!(
+        "{} {} of {} rows: {}.",
+        study.question,
+        ended.done,
+        ended.total,
+        counts.join(", ")
+    );
+    let sheet = Sheet {
+        title: &study.title,
+        lead: lead.trim(),
+        findings: &findings,
+    };
+    sheet.write(engine.out)?;
+    let figures: Vec<&str> = findings.figures.iter().map(|f| f.id.as_str()).collect();
+    let manifest = serde_json::json!({
+        "title": study.title,
+        "question": study.question,
+        "version": env!("CARGO_PKG_VERSION"),
+        "rows": ended.done,
+        "rows_of_study": ended.total,
+        "jobs": engine.jobs,
+        "outcomes": outcomes,
+        "columns": rows.header,
+        "figures": figures,
+        "study": study,
+    });
+    let manifest = format!("{}\n", serde_json::to_string_pretty(&manifest)?);
+    write_whole(&engine.out.join("manifest.json"), &manifest)
+}
+
+fn outcomes(rows: &Rows) -> BTreeMap<&str, usize> {
+    let mut counts = BTreeMap::new();
+    for row in &rows.rows {
+        *counts.entry(rows.field(row, "outcome")).or_insert(0) += 1;
+    }
+    counts
+}
+
+/// Axes with a value that says something: more than one, or a source.
+fn axes(study: &Study, rows: &Rows) -> Vec<String> {
+    let mut names = study.axis_names();
+    names.retain(|name| {
+        let mut fields = rows.rows.iter().map(|row| rows.field(row, name));
+        let first = fields.next();
+        ["scene", "system", "method"].contains(&name.as_str()) || fields.any(|f| Some(f) != first)
+    });
+    names
+}
+
+fn table_of(
+    id: &str,
+    caption: &str,
+    columns: &[&str],
+    rows: &Rows,
+    which: impl Fn(&[String]) -> bool,
+) -> Table {
+    let headings: Vec<String> = columns.iter().map(|name| heading(name)).collect();
+    let headings: Vec<&str> = headings.iter().map(String::as_str).collect();
+    let mut table = Table::new(id, caption, &headings);
+    let rows_of = rows.rows.iter().filter(|row| which(row));
+    table.rows = rows_of
+        .map(|row| {
+            columns
+                .iter()
+                .map(|name| cell(name, rows.field(row, name)))
+                .collect()
+        })
+        .collect();
+    table
+}
+
+/// With the unit of what has one.
+fn heading(name: &str) -> String {
+    match name {
+        "setup_s" => "set-up [s]".into(),
+        "solve_s" => "solve [s]".into(),
+        "memory" => "memory [MiB]".into(),
+        _ => name.into(),
+    }
+}
+
+fn cell(name: &str, field: &str) -> Cell {
+    let is_measure = name == "row" || Name::ALL.iter().any(|measure| measure.text() == name);
+    match (field, is_measure) {
+        ("", _) => Cell::Missing,
+        (_, false) => label(field).into(),
+        _ => match (field.parse::<i64>(), field.parse::<f64>()) {
+            (Ok(n), _) => Cell::Integer(n),
+            (_, Ok(value)) => Cell::Real(value),
+            _ => field.into(),
+        },
+    }
+}
+
+fn table(study: &Study, rows: &Rows) -> Table {
+    let axes = axes(study, rows);
+    let columns: Vec<&str> = (["row"].into_iter())
+        .chain(axes.iter().map(String::as_str))
+        .chain(study.measures.iter().map(|name| name.text()))
+        .chain(["outcome"])
+        .collect();
+    let errors = match study.reference {
+        true => "errors are those against a direct solver, in the norms of energy",
+        false => "errors are estimates in the norms of energy",
+    };
+    let caption = format!("Every row; {errors}. rows.csv has every column.");
+    table_of("table", &caption, &columns, rows, |_| true)
+}
+
+/// Rows that did not converge, with their reasons.
+fn failed(study: &Study, rows: &Rows) -> Option<Table> {
+    let axes = axes(study, rows);
+    let columns: Vec<&str> = (["row"].into_iter())
+        .chain(axes.iter().map(String::as_str))
+        .chain(["outcome", "reason"])
+        .collect();
+    let has_failed = |row: &[String]| rows.field(row, "outcome") != CONVERGED;
+    let table = table_of(
+        "failed",
+        "Rows that did not converge, and why.",
+        &columns,
+        rows,
+        has_failed,
+    );
+    (!table.rows.is_empty()).then_some(table)
+}

@@ -1,0 +1,209 @@
+//! The folder of a study: `study.toml` says what is asked, `rows.csv` what is known.
+
+use super::Study;
+use super::csv::records;
+use super::product::Case;
+use super::solving::Measured;
+use crate::report::{quote, write_whole};
+use anyhow::{Context, bail, ensure};
+use std::collections::BTreeMap;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use toml::{Table, Value};
+
+const STUDY: &str = "study.toml";
+const ROWS: &str = "rows.csv";
+
+/// Rows on the disk, and the file that takes further ones; no second process takes it.
+pub(super) struct Rows {
+    path: PathBuf,
+    file: File,
+    header: Vec<String>,
+    /// Fields by number of the row.
+    known: BTreeMap<usize, Vec<String>>,
+}
+
+impl Rows {
+    /// Takes a folder that is new, or that holds this study.
+    ///
+    /// # Errors
+    /// A folder with something else, another study, or another process at work.
+    pub(super) fn open(study: &Study, out: &Path) -> anyhow::Result<Self> {
+        let cannot = || format!("cannot write into {}", out.display());
+        std::fs::create_dir_all(out).with_context(cannot)?;
+        let said = toml::to_string(study)?;
+        let place = out.join(STUDY);
+        if place.exists() {
+            let there = std::fs::read_to_string(&place).with_context(cannot)?;
+            if let Some(difference) = difference(&there.parse()?, &said.parse()?, "") {
+                bail!(
+                    "{} holds another study: {difference}; choose another --out",
+                    out.display()
+                );
+            }
+        } else {
+            let mut entries = std::fs::read_dir(out).with_context(cannot)?;
+            ensure!(
+                entries.next().is_none(),
+                "{} is not empty and holds no study; choose another --out",
+                out.display()
+            );
+            write_whole(&place, &said)?;
+        }
+        let path = out.join(ROWS);
+        let file = (OpenOptions::new().read(true).write(true).create(true))
+            .truncate(false)
+            .open(&path)
+            .with_context(cannot)?;
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) => {
+                bail!("another process is at work in {}", out.display())
+            }
+            // a filesystem without locks
+            Ok(()) | Err(TryLockError::Error(_)) => {}
+        }
+        let mut rows = Self {
+            path,
+            file,
+            header: header(study),
+            known: BTreeMap::new(),
+        };
+        rows.read()?;
+        Ok(rows)
+    }
+
+    /// Reads what is there, and cuts a row off that was not written to its end.
+    fn read(&mut self) -> anyhow::Result<()> {
+        let mut text = String::new();
+        self.file.read_to_string(&mut text)?;
+        let records = records(&text);
+        let name = self.path.display();
+        let mut lines = records.iter();
+        match lines.next() {
+            Some(first) => ensure!(first.fields == self.header, "{name} has other columns"),
+            None => {
+                self.file.set_len(0)?;
+                self.file.seek(SeekFrom::Start(0))?;
+                return self.append(&self.header.clone());
+            }
+        }
+        for record in lines {
+            let number = record.fields[0].parse().ok();
+            let number = number.filter(|_| record.fields.len() == self.header.len());
+            let number = number.with_context(|| {
+                format!("{name} has a row that is none: {}", record.fields.join(","))
+            })?;
+            self.known.insert(number, record.fields.clone());
+        }
+        let end = records.last().map_or(0, |last| last.end) as u64;
+        self.file.set_len(end)?;
+        self.file.seek(SeekFrom::Start(end))?;
+        Ok(())
+    }
+
+    fn append(&mut self, fields: &[String]) -> anyhow::Result<()> {
+        let write = |file: &mut File| {
+            file.write_all(line(fields).as_bytes())?;
+            file.sync_data()
+        };
+        write(&mut self.file).with_context(|| format!("cannot write {}", self.path.display()))
+    }
+
+    /// True where a row need not be solved again.
+    pub(super) fn knows(&self, case: &Case) -> bool {
+        self.known.contains_key(&case.number)
+    }
+
+    /// Puts a row on the disk; gives its outcome.
+    pub(super) fn push(
+        &mut self,
+        study: &Study,
+        case: &Case,
+        measured: &Measured,
+    ) -> anyhow::Result<String> {
+        let mut fields = vec![case.number.to_string()];
+        fields.extend(case.fields.iter().cloned());
+        fields.push(measured.ran());
+        fields.extend(study.measured().iter().map(|name| name.field(measured)));
+        let outcome = measured.outcome.map_or(String::new(), |o| o.to_string());
+        fields.push(outcome.clone());
+        // a row is a line
+        fields.push(
+            measured
+                .reasons
+                .join("; ")
+                .split_whitespace()
+                .collect::<Vec<_>>()
+                .join(" "),
+        );
+        self.append(&fields)?;
+        self.known.insert(case.number, fields);
+        Ok(outcome)
+    }
+
+    /// Brings the file into the order of the product, where several rows at once have left another one.
+    pub(super) fn close(self) -> anyhow::Result<Findings> {
+        let mut text = line(&self.header);
+        self.known.values().for_each(|fields| text += &line(fields));
+        if std::fs::read_to_string(&self.path)? != text {
+            write_whole(&self.path, &text)?;
+        }
+        Ok(Findings {
+            header: self.header,
+            rows: self.known.into_values().collect(),
+        })
+    }
+}
+
+/// Every row, in the order of the product.
+pub(super) struct Findings {
+    pub(super) header: Vec<String>,
+    pub(super) rows: Vec<Vec<String>>,
+}
+
+impl Findings {
+    /// The field of a row under a heading.
+    pub(super) fn field<'a>(&self, row: &'a [String], name: &str) -> &'a str {
+        let column = self.header.iter().position(|heading| heading == name);
+        column.map_or("", |column| &row[column])
+    }
+
+    /// The same as a number.
+    pub(super) fn number(&self, row: &[String], name: &str) -> Option<f64> {
+        let value = self.field(row, name).parse::<f64>().ok();
+        value.filter(|value| value.is_finite())
+    }
+}
+
+fn header(study: &Study) -> Vec<String> {
+    let measures = study
+        .measured()
+        .into_iter()
+        .map(|name| name.text().to_owned());
+    (["row".to_owned()].into_iter())
+        .chain(study.axis_names())
+        .chain(["ran".to_owned()])
+        .chain(measures)
+        .chain(["outcome", "reason"].map(String::from))
+        .collect()
+}
+
+fn line(fields: &[String]) -> String {
+    let fields: Vec<String> = fields.iter().map(|field| quote(field)).collect();
+    format!("{}\n", fields.join(","))
+}
+
+/// The first key whose value is another one, in words.
+fn difference(there: &Table, asked: &Table, path: &str) -> Option<String> {
+    let keys = there.keys().chain(asked.keys());
+    keys.into_iter().find_map(|key| {
+        let (old, new) = (there.get(key), asked.get(key));
+        let path = format!("{path}{key}");
+        if let (Some(Value::Table(old)), Some(Value::Table(new))) = (old, new) {
+            return difference(old, new, &format!("{path}."));
+        }
+        let said = |value: Option<&Value>| value.map_or("nothing".into(), ToString::to_string);
+        (old != new).then(|| format!("its `{path}` is {}, not {}", said(old), said(new)))
+    })
+}
