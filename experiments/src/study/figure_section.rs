@@ -13,6 +13,9 @@ pub struct FigureSection {
     /// Axes whose values tell curves apart; by default every axis that varies and is not x.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub series: Option<Vec<String>>,
+    /// An axis each of whose values gets a figure of its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub facet: Option<String>,
     /// Logarithmic in x.
     #[serde(default)]
     pub log_x: bool,

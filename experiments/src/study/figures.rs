@@ -1,16 +1,12 @@
 //! Figures of a study, as asked for, or sensible ones.
 
+use super::curves::{figure, label};
 use super::figure_section::FigureSection;
-use super::outcome::CONVERGED;
 use super::rows::Findings;
 use super::{Name, Study};
-use crate::plot::{Axis, Figure, Mark, Series};
+use crate::plot::Figure;
 use anyhow::bail;
 use std::collections::BTreeSet;
-use std::path::Path;
-
-/// Cut off of a path in legends.
-const EXTENSION: &str = "toml";
 
 impl Study {
     /// Refuses a figure of what is neither measured nor varied.
@@ -33,6 +29,9 @@ impl Study {
             for series in figure.series.iter().flatten() {
                 require("series", series, &axes)?;
             }
+            if let Some(facet) = &figure.facet {
+                require("facet", facet, &axes)?;
+            }
         }
         Ok(())
     }
@@ -47,19 +46,40 @@ pub(super) fn figures(study: &Study, findings: &Findings) -> Vec<Figure> {
     };
     let mut figures: Vec<Figure> = Vec::new();
     for section in &asked {
-        let id = format!("{}_over_{}", section.y, section.x.replace('.', "_"));
-        let again = figures
-            .iter()
-            .filter(|figure| figure.id.starts_with(&id))
-            .count();
-        let id = if again == 0 {
-            id
-        } else {
-            format!("{id}_{}", again + 1)
-        };
-        figures.extend(figure(&id, section, &varying, findings));
+        for facet in facets(section, findings) {
+            let mut id = format!("{}_over_{}", section.y, section.x);
+            if let Some(value) = facet {
+                id = format!("{id}_{}", label(value));
+            }
+            let id = id.replace(|c: char| !c.is_ascii_alphanumeric() && c != '_', "_");
+            let again = (1..).find_map(|k| {
+                let id = if k == 1 {
+                    id.clone()
+                } else {
+                    format!("{id}_{k}")
+                };
+                figures.iter().all(|f| f.id != id).then_some(id)
+            });
+            let id = again.unwrap_or(id);
+            figures.extend(figure(&id, section, facet, &varying, findings));
+        }
     }
     figures
+}
+
+/// Values that get a figure of their own, or one figure of all rows.
+fn facets<'a>(section: &FigureSection, findings: &'a Findings) -> Vec<Option<&'a str>> {
+    let Some(axis) = &section.facet else {
+        return vec![None];
+    };
+    let mut values = Vec::new();
+    for row in &findings.rows {
+        let value = Some(findings.field(row, axis)).filter(|value| !value.is_empty());
+        if value.is_some() && !values.contains(&value) {
+            values.push(value);
+        }
+    }
+    values
 }
 
 /// Axes with more than one value.
@@ -88,10 +108,13 @@ fn sensible(varying: &[String]) -> Vec<FigureSection> {
         let names = varying.iter().filter(|name| *name != x && !not(name));
         Some(names.cloned().collect::<Vec<_>>())
     };
+    let of_source = |name: &&String| ["scene", "system"].contains(&name.as_str()) && *name != x;
+    let facet = varying.iter().find(of_source);
     let section = |x: &str, y: &str, series, log_y| FigureSection {
         x: x.into(),
         y: y.into(),
         series,
+        facet: facet.cloned(),
         log_x: x == "n" || x.ends_with("_s"),
         log_y,
         caption: String::new(),
@@ -108,186 +131,4 @@ fn sensible(varying: &[String]) -> Vec<FigureSection> {
         sections.push(section("solve_s", "error_t", series, true));
     }
     sections
-}
-
-/// A point of a curve; y is not a number where a row has none.
-struct Point {
-    series: String,
-    x: f64,
-    y: f64,
-}
-
-fn figure(
-    id: &str,
-    section: &FigureSection,
-    varying: &[String],
-    findings: &Findings,
-) -> Option<Figure> {
-    let chosen = section.series.as_deref().unwrap_or(varying);
-    let chosen: Vec<&String> = chosen.iter().filter(|name| **name != section.x).collect();
-    let names = categories(section, findings);
-    let place = |row: &[String]| match &names {
-        Some(names) => {
-            let own = label(findings.field(row, &section.x));
-            names.iter().position(|name| *name == own).map(|k| k as f64)
-        }
-        None => findings.number(row, &section.x),
-    };
-    let series_of = |row: &[String]| {
-        let parts = chosen
-            .iter()
-            .map(|name| named(name, findings.field(row, name)));
-        parts
-            .filter(|part| !part.is_empty())
-            .collect::<Vec<_>>()
-            .join(", ")
-    };
-    let points = findings.rows.iter().filter_map(|row| {
-        let solved = findings.field(row, "outcome") == CONVERGED;
-        let y = findings.number(row, &section.y).filter(|_| solved);
-        Some(Point {
-            series: series_of(row),
-            x: place(row)?,
-            y: y.unwrap_or(f64::NAN),
-        })
-    });
-    let points: Vec<Point> = points.collect();
-    let shown = points.iter().filter(|point| point.y.is_finite()).count();
-    if shown == 0 {
-        return None;
-    }
-    let missing = findings.rows.len() - shown;
-    let mut caption = section.caption.clone();
-    if missing > 0 {
-        let of = findings.rows.len();
-        let gap = if caption.is_empty() { "" } else { " " };
-        caption += &format!("{gap}{missing} of {of} rows have no point here; the table says why.");
-    }
-    let x = match &names {
-        Some(names) => Axis::categories(&axis_label(&section.x), names.clone()),
-        None => axis(&section.x, section.log_x, &points, |p| p.x),
-    };
-    let y = axis(&section.y, section.log_y, &points, |p| p.y);
-    let mut figure = Figure::new(id, "", &caption, x, y);
-    figure.series = curves(&points, names.is_some());
-    reference_lines(&mut figure, section, &points, names.is_some());
-    Some(figure)
-}
-
-/// Names along x, where its values are no numbers.
-fn categories(section: &FigureSection, findings: &Findings) -> Option<Vec<String>> {
-    let mut fields = findings
-        .rows
-        .iter()
-        .map(|row| findings.field(row, &section.x));
-    if Name::ALL.iter().any(|name| name.text() == section.x)
-        || fields
-            .clone()
-            .all(|field| field.is_empty() || field.parse::<f64>().is_ok())
-    {
-        return None;
-    }
-    let mut names = Vec::new();
-    fields.by_ref().map(label).for_each(|name| {
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    });
-    Some(names)
-}
-
-/// Series in the order in which rows name them first.
-fn curves(points: &[Point], bars: bool) -> Vec<Series> {
-    let mut names: Vec<&str> = Vec::new();
-    for point in points {
-        if !names.contains(&point.series.as_str()) {
-            names.push(&point.series);
-        }
-    }
-    let curve = |name: &&str| {
-        let own = points.iter().filter(|point| point.series == *name);
-        let mut own: Vec<[f64; 2]> = own.map(|point| [point.x, point.y]).collect();
-        if bars {
-            return Series::new(name, Mark::Bars, own);
-        }
-        own.retain(|[_, y]| y.is_finite());
-        own.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        // two values of one x make no curve
-        let twice = own.windows(2).any(|pair| pair[0][0] == pair[1][0]);
-        let mark = if twice {
-            Mark::Points
-        } else {
-            Mark::LinePoints
-        };
-        Series::new(name, mark, own)
-    };
-    let all = names.iter().map(curve);
-    all.filter(|series| !series.points.is_empty()).collect()
-}
-
-fn reference_lines(figure: &mut Figure, section: &FigureSection, points: &[Point], bars: bool) {
-    let ends = points.iter().map(|point| point.x);
-    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
-        (a.min(x), b.max(x))
-    });
-    let margin = if bars { 0.5 } else { 0.0 };
-    for line in &section.line {
-        let name = format!("{} ({})", line.label, line.source);
-        let ends = vec![[low - margin, line.y], [high + margin, line.y]];
-        figure.series.push(Series::new(&name, Mark::Dashed, ends));
-    }
-}
-
-/// A linear axis of counts begins at 0, so that growth is seen for what it is.
-fn axis(name: &str, log: bool, points: &[Point], of: impl Fn(&Point) -> f64) -> Axis {
-    let label = axis_label(name);
-    if log {
-        return Axis::log(&label);
-    }
-    let most = points
-        .iter()
-        .map(of)
-        .filter(|v| v.is_finite())
-        .fold(0.0, f64::max);
-    match ["n_it", "C_s", "n"].contains(&name) && most > 0.0 {
-        true => Axis::linear(&label).range(0.0, 1.08 * most),
-        false => Axis::linear(&label),
-    }
-}
-
-fn axis_label(name: &str) -> String {
-    let measure = Name::ALL.iter().find(|measure| measure.text() == name);
-    measure.map_or(name, |measure| measure.label()).to_owned()
-}
-
-/// A value in a legend; what is no word of its own says whose value it is.
-fn named(axis: &str, field: &str) -> String {
-    let words = ["scene", "system", "method", "inner", "krylov"];
-    match field {
-        "" => String::new(),
-        "default" => format!("{axis} by default"),
-        _ if words.contains(&axis) => label(field),
-        _ if axis == "augmentation" => format!("C = {field}"),
-        _ => {
-            let short = axis.rsplit('.').next().unwrap_or(axis);
-            format!("{short} = {field}")
-        }
-    }
-}
-
-/// The name of a file in the place of its path.
-pub(super) fn label(field: &str) -> String {
-    let path = Path::new(field);
-    let is_scene = path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case(EXTENSION));
-    let name = if is_scene {
-        path.file_stem()
-    } else {
-        path.file_name()
-    };
-    match (path.is_absolute(), name) {
-        (true, Some(name)) => name.to_string_lossy().into_owned(),
-        _ => field.to_owned(),
-    }
 }

@@ -77,7 +77,7 @@ impl Name {
             _ => self.of_solve(measured),
         };
         let value = value.filter(|v| v.is_finite());
-        value.map_or(String::new(), |v| v.to_string())
+        value.map_or(String::new(), number)
     }
 
     fn of_spectrum(self, report: &SpectrumReport) -> Option<f64> {
@@ -120,5 +120,13 @@ impl Name {
             Self::Levels => solved.amg.as_ref().and_then(|amg| count(amg.levels.len())),
             _ => None,
         }
+    }
+}
+
+/// The shortest digits that read back as the same number.
+pub(super) fn number(value: f64) -> String {
+    match value.fract() == 0.0 && value.abs() < 1e15 {
+        true => format!("{value}"),
+        false => format!("{value:?}"),
     }
 }

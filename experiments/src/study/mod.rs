@@ -2,17 +2,19 @@
 //!
 //! | file | what it knows |
 //! |---|---|
-//! | `file`, `choice`, `figure_section` | what a study file says |
+//! | `file`, `axes`, `choice`, `figure_section` | what a study file says |
 //! | `product` | its rows, in order |
 //! | `refine` | a finer mesh of the same scene |
 //! | `solving`, `reference`, `outcome` | one row: solve, true errors, how it ended |
 //! | `measure` | what is measured, by name |
 //! | `rows`, `csv` | `rows.csv`, which survives the process |
 //! | `engine` | rows one after the other, or several at once |
-//! | `figures`, `page` | what is drawn and written at the end |
+//! | `figures`, `curves`, `page` | what is drawn and written at the end |
 
+mod axes;
 mod choice;
 mod csv;
+mod curves;
 mod engine;
 mod figure_section;
 mod figures;
@@ -26,8 +28,9 @@ mod refine;
 mod rows;
 mod solving;
 
+pub use axes::{Axes, Tolerance};
 pub use choice::{Choice, Inner, Load};
 pub use engine::{Ended, Engine, Taken};
 pub use figure_section::{FigureSection, ReferenceLine};
-pub use file::{Axes, Limit, Study, Tolerance};
+pub use file::{Limit, Study};
 pub use measure::Name;

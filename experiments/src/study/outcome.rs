@@ -61,6 +61,8 @@ impl Outcome {
                     | MatrixFreeError::NotGeometric { .. },
                 ),
             ) => Self::NotApplicable,
+            // only a limit of time stops a set-up: the wish to stop leaves no row
+            Some(SolveError::MatrixFree(MatrixFreeError::Stopped)) => Self::CostLimit,
             Some(SolveError::Setup(error)) => Self::of_set_up(error),
             _ => Self::BadInput,
         }

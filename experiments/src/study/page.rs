@@ -1,7 +1,8 @@
 //! What a study leaves beside its rows: figures, a page, a manifest.
 
+use super::curves::label;
 use super::engine::{Ended, Engine};
-use super::figures::{figures, label};
+use super::figures::figures;
 use super::outcome::CONVERGED;
 use super::rows::Findings as Rows;
 use super::{Name, Study};
@@ -39,13 +40,11 @@ pub(super) fn write(engine: &Engine<'_>, rows: &Rows, ended: &Ended) -> anyhow::
     let counts: Vec<String> = (outcomes.iter())
         .map(|(word, n)| format!("{n} {}", word.replace('_', " ")))
         .collect();
-    let lead = format!(
-        "{} {} of {} rows: {}.",
-        study.question,
-        ended.done,
-        ended.total,
-        counts.join(", ")
-    );
+    let lead = format!("{} {} of {} rows", study.question, ended.done, ended.total);
+    let lead = match counts.is_empty() {
+        true => format!("{lead}."),
+        false => format!("{lead}: {}.", counts.join(", ")),
+    };
     let sheet = Sheet {
         title: &study.title,
         lead: lead.trim(),

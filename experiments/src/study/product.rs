@@ -1,6 +1,7 @@
 //! Rows of a study, in order: the product of its axes without what it skips.
 
-use super::file::flatten;
+use super::axes::flatten;
+use super::measure::number;
 use super::{Choice, Inner, Load, Study};
 use anyhow::{bail, ensure};
 use fracas_solvers::krylov::KrylovChoice;
@@ -52,6 +53,7 @@ impl Case {
 pub(super) fn text(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),
+        Value::Float(value) => number(*value),
         other => other.to_string(),
     }
 }

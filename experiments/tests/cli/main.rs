@@ -18,3 +18,4 @@ mod run;
 mod scenes;
 mod solve;
 mod spectrum;
+mod study;

@@ -1,0 +1,274 @@
+//! Claim: a study is a product of axes whose rows are on the disk one by one, fail as rows, and outlive a killed process.
+
+use crate::run::{fracas, scratch, system_folder, write};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Two scenes, two meshes, three variants.
+const STUDY: &str = r#"
+title = "Two scenes"
+question = "Do iterations grow with the mesh?"
+
+[axes]
+scene = ["clamped", "floating"]
+set = { "mesh.x.cells" = [6], "mesh.y.cells" = [3], "mesh.z.cells" = [3] }
+refine = [1, 2]
+method = ["racp", "mcp", "block_diagonal"]
+
+[[figure]]
+x = "n"
+y = "n_it"
+log_x = true
+line = [{ y = 17, label = "published", source = "test B" }]
+
+[[figure]]
+x = "method"
+y = "C_s"
+"#;
+
+/// Fields of every row, with the heading first.
+fn rows(out: &Path) -> Vec<Vec<String>> {
+    let text = std::fs::read_to_string(out.join("rows.csv")).unwrap();
+    let fields = |line: &str| line.split(',').map(String::from).collect();
+    text.lines().map(fields).collect()
+}
+
+fn column(rows: &[Vec<String>], name: &str) -> Vec<String> {
+    let k = rows[0].iter().position(|heading| heading == name).unwrap();
+    rows[1..].iter().map(|row| row[k].clone()).collect()
+}
+
+/// What no second run repeats left out.
+fn without_times(rows: &[Vec<String>]) -> Vec<Vec<String>> {
+    let measured = ["setup_s", "solve_s", "memory"];
+    let keep: Vec<bool> = (rows[0].iter())
+        .map(|heading| !measured.contains(&heading.as_str()))
+        .collect();
+    let kept = |row: &Vec<String>| -> Vec<String> {
+        let fields = row.iter().zip(keep.iter().chain(std::iter::repeat(&true)));
+        fields
+            .filter(|(_, keep)| **keep)
+            .map(|(field, _)| field.clone())
+            .collect()
+    };
+    rows.iter().map(kept).collect()
+}
+
+fn study(name: &str, text: &str) -> (String, std::path::PathBuf) {
+    let folder = scratch(name);
+    let file = folder.join("study.toml");
+    write(&file, text);
+    (file.to_str().unwrap().to_owned(), folder.join("out"))
+}
+
+fn refused(text: &str, sentence: &str) {
+    let (file, out) = study("study-refused", text);
+    let ran = fracas(&["study", &file, "--out", out.to_str().unwrap()]);
+    assert_eq!(ran.status, 2, "{}", ran.stderr);
+    assert!(
+        ran.stderr.contains(sentence),
+        "{} should say {sentence}",
+        ran.stderr
+    );
+    assert!(
+        !out.exists(),
+        "nothing is written before the study is understood"
+    );
+}
+
+#[test]
+fn every_row_has_an_outcome_and_figures_have_their_series() {
+    let (file, out) = study("study-whole", STUDY);
+    let ran = fracas(&["study", &file, "--out", out.to_str().unwrap()]);
+    assert_eq!(ran.status, 0, "{}", ran.stderr);
+    let rows = rows(&out);
+    assert_eq!(rows.len(), 1 + 2 * 2 * 3);
+    let outcomes = column(&rows, "outcome");
+    // A of floating blocks is singular, and this method inverts it
+    let expected = |k: usize| match k {
+        8 | 11 => "not_applicable",
+        _ => "converged",
+    };
+    let expected: Vec<&str> = (0..12).map(expected).collect();
+    assert_eq!(outcomes, expected);
+    let reason = &column(&rows, "reason")[8];
+    assert!(reason.contains("block A is singular"), "{reason}");
+    let solved = fracas(&[
+        "solve",
+        "floating",
+        "--set",
+        "mesh.x.cells=12",
+        "--set",
+        "mesh.y.cells=6",
+        "--set",
+        "mesh.z.cells=6",
+        "--method",
+        "mcp",
+        "--json",
+        "-",
+    ]);
+    let solved: serde_json::Value = serde_json::from_str(&solved.stdout).unwrap();
+    assert_eq!(column(&rows, "n_it")[10], solved["iterations"].to_string());
+    for name in ["n_it_over_n", "C_s_over_method"] {
+        let csv = std::fs::read_to_string(out.join(format!("figures/{name}.csv"))).unwrap();
+        assert!(csv.contains("clamped") && csv.contains("floating"), "{csv}");
+        assert!(out.join(format!("figures/{name}.svg")).exists());
+    }
+    let csv = std::fs::read_to_string(out.join("figures/n_it_over_n.csv")).unwrap();
+    assert!(csv.contains("published (test B),dashed"), "{csv}");
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.contains("Do iterations grow with the mesh?") && page.contains("not_applicable"));
+    let manifest = std::fs::read_to_string(out.join("manifest.json")).unwrap();
+    let manifest: serde_json::Value = serde_json::from_str(&manifest).unwrap();
+    assert_eq!(manifest["outcomes"]["converged"], 10);
+}
+
+#[test]
+fn a_study_that_is_killed_twice_goes_on_to_the_same_rows() {
+    let (file, whole) = study("study-killed", STUDY);
+    let torn = whole.with_file_name("torn");
+    let at = |out: &Path| {
+        [
+            "study".to_owned(),
+            file.clone(),
+            "--out".into(),
+            out.to_str().unwrap().into(),
+        ]
+    };
+    let kept_of = |out: &Path| std::fs::read_to_string(out.join("rows.csv")).unwrap_or_default();
+    for rows in [3, 6] {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_fracas"))
+            .args(at(&torn))
+            .stdout(Stdio::null())
+            .spawn()
+            .unwrap();
+        let start = Instant::now();
+        while kept_of(&torn).lines().count() < rows && start.elapsed() < Duration::from_secs(60) {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        // and a row that did not come to its end
+        let text = kept_of(&torn);
+        if text.lines().count() < 13 {
+            write(&torn.join("rows.csv"), &format!("{text}12,floa"));
+        }
+    }
+    let before = kept_of(&torn);
+    let before = before.strip_suffix("12,floa").unwrap_or(&before);
+    for out in [&torn, &whole] {
+        let arguments = at(out);
+        let ran = fracas(&arguments.each_ref().map(String::as_str));
+        assert_eq!(ran.status, 0, "{}", ran.stderr);
+    }
+    assert!(kept_of(&torn).starts_with(before), "rows were solved again");
+    assert_eq!(without_times(&rows(&torn)), without_times(&rows(&whole)));
+    // another study does not go into the same folder
+    write(Path::new(&file), &STUDY.replace("[1, 2]", "[1, 3]"));
+    let arguments = at(&torn);
+    let ran = fracas(&arguments.each_ref().map(String::as_str));
+    assert_eq!(ran.status, 2);
+    assert!(
+        ran.stderr
+            .contains("its `axes.refine` is [1, 2], not [1, 3]"),
+        "{}",
+        ran.stderr
+    );
+}
+
+#[test]
+fn several_rows_at_once_end_in_the_same_order() {
+    let (file, out) = study("study-jobs", STUDY);
+    let one = out.with_file_name("one");
+    for (out, jobs) in [(&out, "3"), (&one, "1")] {
+        let ran = fracas(&[
+            "study",
+            &file,
+            "--jobs",
+            jobs,
+            "--out",
+            out.to_str().unwrap(),
+        ]);
+        assert_eq!(ran.status, 0, "{}", ran.stderr);
+    }
+    assert_eq!(without_times(&rows(&out)), without_times(&rows(&one)));
+}
+
+#[test]
+fn systems_references_seeds_and_eigenvalues_from_the_command_line() {
+    let system = system_folder("study-system");
+    let out = system.with_file_name(format!("fracas-cli-{}-compared", std::process::id()));
+    let _ = std::fs::remove_dir_all(&out);
+    let ran = fracas(&[
+        "compare",
+        "--system",
+        system.to_str().unwrap(),
+        "--method",
+        "racp,mcp",
+        "--rhs",
+        "ones,random:7",
+        "--tolerance",
+        "1e-4,1e-8",
+        "--reference",
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    assert_eq!(ran.status, 0, "{}", ran.stderr);
+    let found = rows(&out);
+    assert_eq!(found.len(), 9);
+    for (error, tolerance) in column(&found, "error_t")
+        .iter()
+        .zip(column(&found, "tolerance"))
+    {
+        let [error, tolerance] = [error, &tolerance].map(|text| text.parse::<f64>().unwrap());
+        assert!(error <= 10.0 * tolerance, "{error:e} with {tolerance:e}");
+    }
+    assert!(out.join("figures/error_u_over_solve_s.svg").exists());
+    // what it wrote is a study that goes on by itself, and one that asks for eigenvalues
+    let file = out.join("study.toml");
+    let again = fracas(&[
+        "study",
+        file.to_str().unwrap(),
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    assert_eq!(again.status, 0, "{}", again.stderr);
+    let text = std::fs::read_to_string(&file).unwrap();
+    let text = text.replace("measures = [", "measures = [\"real_min\", \"contained\", ");
+    let (file, out) = study("study-spectrum", &text);
+    let ran = fracas(&["study", &file, "--out", out.to_str().unwrap()]);
+    assert_eq!(ran.status, 0, "{}", ran.stderr);
+    let least = column(&rows(&out), "real_min");
+    assert!(
+        least
+            .iter()
+            .all(|value| value.parse::<f64>().unwrap() > 0.0),
+        "{least:?}"
+    );
+}
+
+#[test]
+fn what_is_wrong_is_said_with_its_line() {
+    refused(
+        &STUDY.replace("refine =", "refien ="),
+        "study.toml:8:1: unknown key `refien`, did you mean `refine`?",
+    );
+    refused(
+        &STUDY.replace("mesh.x.cells", "mesh.x.cell"),
+        "unknown key `cell`, did you mean `cells`?",
+    );
+    refused(&STUDY.replace("\"mcp\"", "\"mpc\""), "study.toml:9:");
+    refused(
+        &STUDY.replace("\"clamped\"", "\"clampd\""),
+        "did you mean `clamped`?",
+    );
+    refused(
+        &STUDY.replace("y = \"n_it\"", "y = \"n_its\""),
+        "[[figure]] 1: `y` is `n_its`; there are: n, n_u",
+    );
+    refused(
+        &format!("{STUDY}\n[[skip]]\nmethod = \"direct\"\n"),
+        "[[skip]] 1 matches no row",
+    );
+}
