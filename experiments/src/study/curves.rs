@@ -80,8 +80,11 @@ pub(super) fn figure(
     };
     let y = axis(&section.y, section.log_y, &points, |p| p.y);
     let title = facet.map(label).unwrap_or_default();
+    let is_timed = Name::ALL
+        .iter()
+        .any(|name| name.is_measured() && name.text() == section.x);
     let mut figure = Figure::new(id, &title, &caption, x, y);
-    figure.series = curves(&points, names.is_some());
+    figure.series = curves(&points, names.is_some(), is_timed);
     reference_lines(&mut figure, section, &points, names.is_some());
     Some(figure)
 }
@@ -108,8 +111,8 @@ fn categories(section: &FigureSection, findings: &Findings) -> Option<Vec<String
     Some(names)
 }
 
-/// Series in the order in which rows name them first.
-fn curves(points: &[Point], bars: bool) -> Vec<Series> {
+/// Series in the order in which rows name them first; what the clock tells is joined in the order of the rows.
+fn curves(points: &[Point], bars: bool, timed: bool) -> Vec<Series> {
     let mut names: Vec<&str> = Vec::new();
     for point in points {
         if !names.contains(&point.series.as_str()) {
@@ -123,7 +126,9 @@ fn curves(points: &[Point], bars: bool) -> Vec<Series> {
             return Series::new(name, Mark::Bars, own);
         }
         own.retain(|[_, y]| y.is_finite());
-        own.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        if !timed {
+            own.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        }
         // two values of one x make no curve
         let twice = own.windows(2).any(|pair| pair[0][0] == pair[1][0]);
         let mark = if twice {

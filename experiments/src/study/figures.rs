@@ -101,11 +101,12 @@ fn sensible(varying: &[String]) -> Vec<FigureSection> {
     let x = match (has_sizes, keys, varying.first()) {
         (true, ..) => "n",
         (_, Some(key), _) => key,
+        (..) if tolerances => "tolerance",
         (_, _, Some(first)) => first,
         _ => "method",
     };
     let others = |not: &dyn Fn(&String) -> bool| {
-        let names = varying.iter().filter(|name| *name != x && !not(name));
+        let names = varying.iter().filter(|name| !not(name));
         Some(names.cloned().collect::<Vec<_>>())
     };
     let of_source = |name: &&String| ["scene", "system"].contains(&name.as_str()) && *name != x;
@@ -115,7 +116,7 @@ fn sensible(varying: &[String]) -> Vec<FigureSection> {
         y: y.into(),
         series,
         facet: facet.cloned(),
-        log_x: x == "n" || x.ends_with("_s"),
+        log_x: ["n", "tolerance", "solve_s"].contains(&x),
         log_y,
         caption: String::new(),
         line: Vec::new(),
