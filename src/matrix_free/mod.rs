@@ -203,7 +203,7 @@ impl<R: Real> LinearOperator<R> for MatrixFreeSaddle<R> {
 
     fn flops(&self) -> u64 {
         let h = self.h.as_ref().map_or(0, LinearOperator::flops);
-        let b = LinearOperator::<R>::flops(&self.b) + AdjointOperator::<R>::adjoint_flops(&self.b);
+        let b = 2 * LinearOperator::<R>::flops(&self.b);
         LinearOperator::<R>::flops(&self.a) + b + h
     }
 }

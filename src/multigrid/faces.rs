@@ -57,7 +57,7 @@ impl<R: Real> FractureTerm<R> {
     }
 
     pub(super) fn flops(&self) -> u64 {
-        self.b.flops() + self.b.adjoint_flops() + 15 * self.c_inverse.len() as u64
+        2 * self.b.flops() + 15 * self.c_inverse.len() as u64
     }
 
     pub(super) fn bytes(&self) -> usize {

@@ -98,8 +98,7 @@ impl LinearOperator<f64> for ContactJacobian<'_> {
             .as_ref()
             .map_or(0, |faces| 36 * faces.len() as u64);
         let h = self.h.map_or(0, LinearOperator::flops);
-        let b =
-            LinearOperator::<f64>::flops(self.b) + AdjointOperator::<f64>::adjoint_flops(self.b);
+        let b = 2 * LinearOperator::<f64>::flops(self.b);
         LinearOperator::<f64>::flops(self.a) + b + faces + h
     }
 }

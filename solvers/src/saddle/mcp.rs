@@ -84,9 +84,8 @@ impl<P: Preconditioner<f64>, S: Preconditioner<f64>> Preconditioner<f64> for Mcp
     }
 
     fn flops(&self) -> u64 {
-        let products = if self.gamma == 0.0 { 1 } else { 2 };
-        let b = products * self.b.flops() + self.b.adjoint_flops();
-        2 * self.p.flops() + self.s.flops() + b
+        let products = if self.gamma == 0.0 { 2 } else { 3 };
+        2 * self.p.flops() + self.s.flops() + products * self.b.flops()
     }
 
     fn properties(&self) -> Properties {

@@ -119,8 +119,7 @@ impl Preconditioner<f64> for RacpInverse<'_> {
         let c_inverse = self.rows.flops();
         let relaxation = (self.relaxation.as_ref()).map_or(0, |w| 2 * w.flops(c_inverse));
         let rows = 2 * c_inverse + self.rows.law_flops();
-        let b = self.b.flops() + self.b.adjoint_flops();
-        rows + self.s_u.flops() + b + relaxation
+        rows + self.s_u.flops() + 2 * self.b.flops() + relaxation
     }
 
     fn properties(&self) -> Properties {

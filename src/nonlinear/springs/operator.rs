@@ -48,8 +48,7 @@ impl LinearOperator<f64> for SpringJacobian<'_> {
     }
 
     fn flops(&self) -> u64 {
-        let b =
-            LinearOperator::<f64>::flops(self.b) + AdjointOperator::<f64>::adjoint_flops(self.b);
+        let b = 2 * LinearOperator::<f64>::flops(self.b);
         LinearOperator::<f64>::flops(self.a) + b + 15 * self.faces.len() as u64
     }
 }
