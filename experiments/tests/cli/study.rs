@@ -1,4 +1,5 @@
 //! Claim: a study is a product of axes whose rows are on the disk one by one, fail as rows, and outlive a killed process.
+#![allow(clippy::unwrap_used)]
 
 use crate::run::{fracas, scratch, system_folder, write};
 use std::path::Path;
