@@ -7,8 +7,8 @@ use crate::Real;
 fn factor<R: Real>(a: &mut [R], n: usize, least: R) -> Result<(), usize> {
     for i in 0..n {
         for j in 0..=i {
-            let known: R = (0..j).map(|k| a[i * n + k] * a[j * n + k]).sum();
-            let rest = a[i * n + j] - known;
+            let mut rest = a[i * n + j];
+            (0..j).for_each(|k| rest -= a[i * n + k] * a[j * n + k]);
             a[i * n + j] = if i > j {
                 rest / a[j * n + j]
             } else if rest > least * a[i * n + i] && rest.is_finite() {
