@@ -6,7 +6,7 @@
 
 mod counting;
 
-use counting::allocations;
+use counting::{allocations, threads};
 use fracas::contact::{Coupling, JumpStabilization};
 use fracas::elasticity::{Bricks, Hexes, Restricted, stiffness};
 use fracas::matrix_free::{MatrixFreeSaddle, RacpParts};
@@ -28,29 +28,7 @@ use fracas_solvers::fsai::{Fsai, FsaiInverse};
 use fracas_solvers::saddle::{
     AugmentationChoice, Racp, SaddleBlocks, SaddleMethod, SaddleOperator, T, U, schur,
 };
-use rayon::{ThreadPool, ThreadPoolBuilder};
-use std::sync::Barrier;
-
-/// Pools of one thread and of two whose queues exist: a queue that grows allocates.
-fn pools() -> [ThreadPool; 2] {
-    [1, 2].map(|number| {
-        let pool = ThreadPoolBuilder::new()
-            .num_threads(number)
-            .build()
-            .unwrap();
-        let meeting = Barrier::new(number);
-        for _ in 0..100 {
-            pool.scope(|scope| {
-                for _ in 0..number {
-                    scope.spawn(|_| {
-                        meeting.wait();
-                    });
-                }
-            });
-        }
-        pool
-    })
-}
+use rayon::ThreadPool;
 
 /// Share of its operations by which the count of a kernel may be off, where elements at the boundary take more. Unit: 1.
 const PER_ELEMENT: f64 = 0.5;
@@ -205,7 +183,7 @@ fn hold_operators<R: Real>(pools: &[ThreadPool; 2], oracles: &[Dense<f64>], list
 #[test]
 fn all_laws_hold_for_all_operators_and_preconditioners() {
     // one test, because the counter of allocations belongs to the whole process
-    let pools = pools();
+    let pools = [1, 2].map(threads);
     std::panic::set_hook(Box::new(|info| {
         // vectors that do not fit are refused by a panic
         if !info.to_string().contains(" operator with x of length ") {

@@ -4,24 +4,18 @@ mod counting;
 #[path = "../src/elasticity/sample.rs"]
 mod sample;
 
-use counting::allocations;
+use counting::{allocations, threads};
 use fracas::elasticity::{Constraints, Elastic, Restricted, matrix_free, stiffness};
 use fracas::mesh;
 use fracas_operators::sparse::Csr;
 use fracas_operators::{LinearOperator, Real};
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use rayon::ThreadPool;
 use std::sync::OnceLock;
 
 /// One pool for the whole test: a thread that ends allocates, too.
 fn pool() -> &'static ThreadPool {
     static POOL: OnceLock<ThreadPool> = OnceLock::new();
-    POOL.get_or_init(|| {
-        let builder = ThreadPoolBuilder::new().num_threads(1);
-        let pool = builder.build().expect("one thread");
-        // the thread has started and done its own allocations
-        pool.install(|| ());
-        pool
-    })
+    POOL.get_or_init(|| threads(1))
 }
 
 fn assert_silent<R: Real>(name: &str, operator: &dyn LinearOperator<R>) {

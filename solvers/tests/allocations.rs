@@ -1,44 +1,18 @@
 //! Claim: Krylov methods and smoothers allocate nothing once their memory exists, and give the same bits for any
 //! number of threads.
 #![allow(clippy::unwrap_used)]
-#![allow(unsafe_code, reason = "an allocator that counts")]
 
+#[path = "../../tests/counting/mod.rs"]
+mod counting;
+
+use counting::{allocations, threads};
 use fracas_operators::laws::probe;
 use fracas_operators::sparse::{Csr, SparseMatrix, Triplets};
 use fracas_operators::{LinearOperator, Preconditioner};
 use fracas_solvers::krylov::{Criteria, KrylovChoice, System};
 use fracas_solvers::smoothers::{Jacobi, JacobiBlock, Ssor};
 use fracas_solvers::{Prepare, Silent};
-use rayon::{ThreadPool, ThreadPoolBuilder};
-use std::alloc::{GlobalAlloc, Layout, System as Heap};
-use std::sync::Barrier;
-use std::sync::atomic::{AtomicU64, Ordering};
-
-/// The system's allocator, with every allocation of every thread counted.
-struct Counting;
-
-static ALLOCATIONS: AtomicU64 = AtomicU64::new(0);
-
-// SAFETY: forwards to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.fetch_add(1, Ordering::SeqCst);
-        // SAFETY: as the caller promises.
-        unsafe { Heap.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: as the caller promises.
-        unsafe { Heap.dealloc(pointer, layout) }
-    }
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        ALLOCATIONS.fetch_add(1, Ordering::SeqCst);
-        // SAFETY: as the caller promises.
-        unsafe { Heap.realloc(pointer, layout, size) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
+use rayon::ThreadPool;
 
 /// Long enough that every vector operation is split between threads.
 const N: usize = 30_000;
@@ -68,26 +42,6 @@ fn preconditioners(a: &SparseMatrix<f64>) -> Vec<Box<dyn Preconditioner<f64>>> {
     ]
 }
 
-/// Threads that have all taken a job from another once, so that their queues exist. They live as long as the test: a
-/// thread that ends allocates, too.
-fn threads(number: usize) -> ThreadPool {
-    let pool = ThreadPoolBuilder::new()
-        .num_threads(number)
-        .build()
-        .unwrap();
-    let meeting = Barrier::new(number);
-    for _ in 0..100 {
-        pool.scope(|scope| {
-            for _ in 0..number {
-                scope.spawn(|_| {
-                    meeting.wait();
-                });
-            }
-        });
-    }
-    pool
-}
-
 /// Solves twice in the same memory: (bits of x, allocations of the second solve).
 fn solve_again(
     choice: KrylovChoice,
@@ -114,11 +68,11 @@ fn solve_again(
             method.solve_in(&system, &criteria, x, &mut Silent, &mut work)
         };
         run(&mut x).unwrap();
-        let before = ALLOCATIONS.load(Ordering::SeqCst);
-        let report = run(&mut x);
-        let after = ALLOCATIONS.load(Ordering::SeqCst);
-        assert!(report.unwrap().iterations > 3, "{choice} did too little");
-        (x.iter().map(|v| v.to_bits()).collect(), after - before)
+        let mut report = None;
+        let made = allocations(|| report = Some(run(&mut x)));
+        let iterations = report.unwrap().unwrap().iterations;
+        assert!(iterations > 3, "{choice} did too little");
+        (x.iter().map(|v| v.to_bits()).collect(), made)
     })
 }
 

@@ -2,7 +2,9 @@
 //! file that uses it has one test.
 #![allow(unsafe_code, reason = "an allocator that counts")]
 
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::Barrier;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The system's allocator, with every allocation of every thread counted.
@@ -36,4 +38,22 @@ pub(crate) fn allocations(work: impl FnOnce()) -> u64 {
     let before = ALLOCATIONS.load(Ordering::SeqCst);
     work();
     ALLOCATIONS.load(Ordering::SeqCst) - before
+}
+
+/// Threads that have all taken a job from another once, so that their queues exist. They live as long as the test: a thread that ends
+/// allocates, too.
+pub(crate) fn threads(number: usize) -> ThreadPool {
+    let builder = ThreadPoolBuilder::new().num_threads(number);
+    let pool = builder.build().expect("threads");
+    let meeting = Barrier::new(number);
+    for _ in 0..100 {
+        pool.scope(|scope| {
+            for _ in 0..number {
+                scope.spawn(|_| {
+                    meeting.wait();
+                });
+            }
+        });
+    }
+    pool
 }
