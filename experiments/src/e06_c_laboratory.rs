@@ -3,6 +3,7 @@
 use crate::measure::{Measured, count_cell};
 use crate::plot::{Axis, Figure, Mark, Series};
 use crate::report::{Cell, Check, Experiment, Findings, Level, Table};
+use crate::trial::Load;
 use fracas::contact::JumpStabilization;
 use fracas::scene::named;
 use fracas_operators::Preconditioner;
@@ -106,7 +107,7 @@ fn solved(
     let kappa = schur_ends(blocks, &c, Some(exact.as_ref()), direct)?.condition();
     let kappa_scaled = scaled_schur_ends(blocks, &c, Some(exact.as_ref()), direct)?.condition();
     let load = blocks.rhs();
-    let sin: Vec<f64> = (1..=blocks.size()).map(|i| (i as f64).sin()).collect();
+    let sin = Load::Sine.of(blocks);
     let counts = |inner: Box<dyn Preconditioner<f64>>| {
         let m = RacpInverse::new(blocks.b1.clone(), c.clone(), inner);
         [&load, &sin].map(|rhs| {

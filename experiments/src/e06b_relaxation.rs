@@ -5,6 +5,7 @@ mod flat_cells;
 use crate::measure::{Measured, count_cell};
 use crate::plot::{Axis, Figure, Mark, Series};
 use crate::report::{Cell, Check, Experiment, Findings, Level, Table};
+use crate::trial::Load;
 use fracas::contact::JumpStabilization;
 use fracas::scene::{GalleryScene, named};
 use fracas_operators::sparse::Csr;
@@ -110,7 +111,7 @@ fn rows(
     );
     let h = std::sync::Arc::new(h);
     let load = blocks.rhs();
-    let sin: Vec<f64> = (1..=blocks.size()).map(|i| (i as f64).sin()).collect();
+    let sin = Load::Sine.of(blocks);
     let row = |gamma: f64| {
         let mut taken = RelaxationSummary::default();
         let counts = [0, 1].map(|inner| {

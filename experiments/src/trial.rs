@@ -6,6 +6,7 @@ use fracas::contact::JumpStabilization;
 use fracas::matrix_free::{MatrixFreeSystem, RacpParts};
 use fracas::memory;
 use fracas::scene::{Body, Scene};
+use fracas::solve::RightHandSide;
 use fracas_operators::LinearOperator;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
 use fracas_solvers::saddle::{Cost, Iterated, Ready, SaddleBlocks, SaddleMethod, SaddleOperator};
@@ -41,13 +42,7 @@ impl Problem {
         };
         let system = self.body.stick_system(Some(JumpStabilization::PUBLISHED));
         let saddle = MatrixFreeSystem::new(&system, None)?.saddle;
-        let racp = RacpParts::new(&racp, &saddle, &system, &mut Silent)?;
-        Ok(Ready {
-            relaxation: racp.inverse.relaxation(),
-            inverse: Box::new(racp.inverse),
-            hierarchy: Some(racp.hierarchy),
-            parts: Some(racp.cost),
-        })
+        Ok(RacpParts::new(&racp, &saddle, &system, &mut Silent)?.into())
     }
 }
 
@@ -85,7 +80,7 @@ impl Load {
     pub fn of(self, blocks: &SaddleBlocks) -> Vec<f64> {
         match self {
             Self::Physical => blocks.rhs(),
-            Self::Sine => (1..=blocks.size()).map(|i| (i as f64).sin()).collect(),
+            Self::Sine => RightHandSide::Sin.entries(blocks.rhs()),
         }
     }
 }
@@ -101,7 +96,8 @@ pub struct Budget {
 }
 
 impl Budget {
-    fn most(self, c_app: f64) -> usize {
+    /// Most iterations of a method whose M⁻¹ costs c_app products.
+    pub fn most(self, c_app: f64) -> usize {
         // C_s = n_it (1 + c_app)
         let affordable = (self.cost / (1.0 + c_app)).min(1e9) as usize;
         self.iterations.min(affordable)

@@ -5,7 +5,7 @@ use crate::elasticity::ElasticityError;
 use crate::multigrid::{GeometricError, GeometricInverse, Lost};
 use crate::system::StickSystem;
 use fracas_solvers::multigrid::Summary;
-use fracas_solvers::saddle::{InnerChoice, PartCost, Racp, RacpInverse};
+use fracas_solvers::saddle::{InnerChoice, PartCost, Racp, RacpInverse, Ready};
 use fracas_solvers::{Observer, Step};
 use std::time::Instant;
 
@@ -42,6 +42,18 @@ pub struct RacpParts {
     pub cost: PartCost,
     /// Why the hierarchy is in f64 although f32 was asked for.
     pub lost: Option<Lost>,
+}
+
+/// What is known of a preconditioner, whatever it is made from.
+impl From<RacpParts> for Ready {
+    fn from(parts: RacpParts) -> Self {
+        Self {
+            relaxation: parts.inverse.relaxation(),
+            inverse: Box::new(parts.inverse),
+            hierarchy: Some(parts.hierarchy),
+            parts: Some(parts.cost),
+        }
+    }
 }
 
 impl RacpParts {

@@ -6,7 +6,7 @@ use super::solver::{Equations, Names, Solver};
 use super::{Finding, Rounding, Sizes, SolveError, StuckBody};
 use crate::matrix_free::{MatrixFreeError, MatrixFreeSystem, RacpParts};
 use crate::memory;
-use fracas_solvers::saddle::{Racp, Ready, SaddleMethod, SaddleSystem};
+use fracas_solvers::saddle::{Racp, SaddleMethod, SaddleSystem};
 use std::time::Instant;
 
 impl SetUp<'_> {
@@ -59,7 +59,7 @@ impl SetUp<'_> {
             double: precision::in_double(&SaddleMethod::Racp(racp)),
             method: SaddleMethod::Racp(racp),
             fallbacks: usize::from(parts.lost.is_some()),
-            ready: ready(parts),
+            ready: parts.into(),
             rhs,
             b,
             unit: saddle.unit(),
@@ -73,15 +73,5 @@ impl SetUp<'_> {
             replaced: self.replaced,
             settings: self.settings.clone(),
         })
-    }
-}
-
-/// What is known of RACP, whatever it is made from.
-pub(super) fn ready(parts: RacpParts) -> Ready {
-    Ready {
-        relaxation: parts.inverse.relaxation(),
-        inverse: Box::new(parts.inverse),
-        hierarchy: Some(parts.hierarchy),
-        parts: Some(parts.cost),
     }
 }

@@ -78,7 +78,7 @@ pub enum RightHandSide {
 
 impl RightHandSide {
     /// Its entries, `own` being that of the system.
-    pub(super) fn entries(self, own: Vec<f64>) -> Vec<f64> {
+    pub fn entries(self, own: Vec<f64>) -> Vec<f64> {
         let n = own.len();
         match self {
             Self::System | Self::Given => own,

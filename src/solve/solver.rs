@@ -1,6 +1,5 @@
 //! A system and its preconditioner, ready for right-hand sides.
 
-use super::matrix_free::ready;
 use super::{Finding, RightHandSide, Solve, SolveError, StuckBody, precision};
 use crate::elasticity::FreeStiffness;
 use crate::matrix_free::{MatrixFreeSystem, RacpParts};
@@ -160,7 +159,7 @@ impl Solver {
                 let stick = body.stick_system(stuck.stabilization(&body));
                 let parts = RacpParts::new(&racp, &system.saddle, &stick, observer)?;
                 Ok(Double {
-                    ready: ready(parts),
+                    ready: parts.into(),
                     inner: racp.inner.to_string(),
                 })
             }

@@ -8,6 +8,7 @@ use super::refine::refined;
 use super::{Limit, Study};
 use crate::scenes;
 use crate::sentence;
+use crate::trial::Budget;
 use fracas::memory;
 use fracas::run::Stop;
 use fracas::solve::{End, Problem, Route, Solve, Solved, Solver, StuckBody, SystemKind};
@@ -167,9 +168,11 @@ impl Case {
         let mut watch = Watch::within(stop, limit);
         let mut solver = settings.set_up(problem, &mut watch)?;
         load(&mut solver, self);
-        // C_s = n_it (1 + c_app)
-        let affordable = (limit.products / (1.0 + solver.cost().c_app())).min(1e9) as usize;
-        let most = limit.iterations.min(affordable);
+        let budget = Budget {
+            iterations: limit.iterations,
+            cost: limit.products,
+        };
+        let most = budget.most(solver.cost().c_app());
         solver.set_max_iterations(most);
         let solved = solver.solve(&mut watch)?;
         let (outcome, reason) = match solved.outcome {
