@@ -143,7 +143,11 @@ pub(super) fn stable(
                 before: &start.t,
                 effective: &settled.effective,
             };
-            let at = (&settled.states[..], &settled.x);
+            let opened = before_opening(attempt, &settled, &start);
+            let at = match &opened {
+                Some((states, x)) => (&states[..], x),
+                None => (&settled.states[..], &settled.x),
+            };
             let patch = instability(attempt, at, found, holding, observer)?;
             settled.unstable = patch;
             Ok(settled)
@@ -158,6 +162,28 @@ pub(super) fn stable(
             Err(reason)
         }
     }
+}
+
+/// The states and the iterate in which faces that weaken, and that the step has opened, slip under their tractions of the start: they
+/// slipped before they opened, and an open face has no strength left to lose. `None` where none opened.
+fn before_opening(
+    attempt: &Attempt<'_>,
+    settled: &Settled,
+    start: &Iterate,
+) -> Option<(Vec<ContactState>, Iterate)> {
+    let opened: Vec<usize> = (0..settled.states.len())
+        .filter(|f| settled.states[*f] == ContactState::Open && start.t[3 * f] < 0.0)
+        .filter(|f| (attempt.problem.friction_in(*f, attempt.start).weakening).is_some())
+        .collect();
+    if opened.is_empty() {
+        return None;
+    }
+    let (mut states, mut x) = (settled.states.clone(), settled.x.clone());
+    for f in opened {
+        states[f] = ContactState::Slip;
+        x.t[3 * f..3 * f + 3].copy_from_slice(&start.t[3 * f..3 * f + 3]);
+    }
+    Some((states, x))
 }
 
 /// The patch that runs away at these states, if one does.
