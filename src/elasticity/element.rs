@@ -1,7 +1,9 @@
 //! The eight-node hexahedron: trilinear shape functions, 2×2×2 Gauss points, isotropic stiffness.
 
 use super::Elastic;
+use crate::mesh::brick_size;
 use crate::mesh::jacobian::{CORNERS, GAUSS};
+use fracas_operators::simd::{Kernel, Lanes, Level};
 use fracas_operators::small::Matrix3;
 
 /// A 24×24 element matrix; unknown `3·a + component` of local node a.
@@ -52,18 +54,23 @@ const fn reference_gradients() -> [[[f64; 8]; 3]; 8] {
     table
 }
 
-impl GaussPoints {
-    /// Gradients of the element with corners `nodes`.
-    ///
-    /// # Errors
-    /// [`Inverted`] where det J ≤ 0 (or is not a number).
-    pub fn new(nodes: &[[f64; 3]; 8]) -> Result<Self, Inverted> {
+/// Gradients and weights at the eight points, one lane each: the same bits on all registers.
+struct Mapped<'a> {
+    nodes: &'a [[f64; 3]; 8],
+    /// Zeros.
+    points: &'a mut GaussPoints,
+}
+
+impl Kernel<f64> for Mapped<'_> {
+    #[inline(always)]
+    fn run<L: Lanes<f64>>(self) {
+        let GaussPoints { gradients, weights } = self.points;
         let mut jacobian = [[[0.0; 8]; 3]; 3];
-        for (a, x) in nodes.iter().enumerate() {
+        for a in 0..8 {
             for i in 0..3 {
                 for j in 0..3 {
                     for q in 0..8 {
-                        jacobian[i][j][q] += x[i] * REFERENCE_GRADIENTS[a][j][q];
+                        jacobian[i][j][q] += self.nodes[a][i] * REFERENCE_GRADIENTS[a][j][q];
                     }
                 }
             }
@@ -79,18 +86,12 @@ impl GaussPoints {
                 }
             }
         }
-        let mut weights = [0.0; 8];
         for i in 0..3 {
             for q in 0..8 {
                 weights[q] += jacobian[0][i][q] * cofactor[0][i][q];
             }
         }
-        if let Some(point) = weights.iter().position(|w| *w <= 0.0 || w.is_nan()) {
-            let jacobian = weights[point];
-            return Err(Inverted { jacobian, point });
-        }
         // ∂N/∂x_i = Σ_j cof_ij ∂N/∂ξ_j / det J
-        let mut gradients = [[[0.0; 8]; 3]; 8];
         for a in 0..8 {
             for i in 0..3 {
                 for j in 0..3 {
@@ -103,7 +104,31 @@ impl GaussPoints {
                 }
             }
         }
-        Ok(Self { gradients, weights })
+    }
+}
+
+impl GaussPoints {
+    /// Gradients of the element with corners `nodes`.
+    ///
+    /// # Errors
+    /// [`Inverted`] where det J ≤ 0 (or is not a number).
+    pub fn new(nodes: &[[f64; 3]; 8]) -> Result<Self, Inverted> {
+        let mut points = Self {
+            gradients: [[[0.0; 8]; 3]; 8],
+            weights: [0.0; 8],
+        };
+        Level::best().run(Mapped {
+            nodes,
+            points: &mut points,
+        });
+        let weights = &points.weights;
+        match weights.iter().position(|w| *w <= 0.0 || w.is_nan()) {
+            Some(point) => Err(Inverted {
+                jacobian: weights[point],
+                point,
+            }),
+            None => Ok(points),
+        }
     }
 
     /// `M_ij = ∫ ∂_i N_a ∂_j N_b`; the bits of (a, b) are those of (b, a) transposed.
@@ -151,17 +176,6 @@ pub enum Geometry {
     Brick([f64; 3]),
     /// Any other hexahedron.
     General(GaussPoints),
-}
-
-/// Edge lengths of an axis-aligned brick, or `None` for any other hexahedron; exact comparison of coordinates.
-pub fn brick_size(nodes: &[[f64; 3]; 8]) -> Option<[f64; 3]> {
-    let (low, high) = (nodes[0], nodes[6]);
-    let is_brick = CORNERS
-        .iter()
-        .zip(nodes)
-        .all(|(corner, x)| (0..3).all(|i| x[i] == if corner[i] < 0.0 { low[i] } else { high[i] }));
-    let size = [high[0] - low[0], high[1] - low[1], high[2] - low[2]];
-    (is_brick && size.iter().all(|h| *h > 0.0)).then_some(size)
 }
 
 impl Geometry {

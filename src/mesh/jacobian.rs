@@ -19,6 +19,22 @@ pub(crate) const CORNERS: [[f64; 3]; 8] = [
 /// 1/√3: coordinate of the two-point Gauss rule on [−1, 1]; both weights are 1.
 pub(crate) const GAUSS: f64 = 0.577_350_269_189_625_8;
 
+/// Edge lengths of an axis-aligned brick, or `None` for any other hexahedron; exact comparison of coordinates.
+pub fn brick_size(nodes: &[[f64; 3]; 8]) -> Option<[f64; 3]> {
+    let (low, high) = (nodes[0], nodes[6]);
+    let is_brick = CORNERS
+        .iter()
+        .zip(nodes)
+        .all(|(corner, x)| (0..3).all(|i| x[i] == if corner[i] < 0.0 { low[i] } else { high[i] }));
+    let size = [high[0] - low[0], high[1] - low[1], high[2] - low[2]];
+    (is_brick && size.iter().all(|h| *h > 0.0)).then_some(size)
+}
+
+/// det J of an axis-aligned brick, the same everywhere [m³].
+fn of_brick(x: &[[f64; 3]; 8]) -> Option<f64> {
+    brick_size(x).map(|[x, y, z]| 0.125 * x * y * z)
+}
+
 /// det J = det ∂x/∂ξ at a reference point [m³].
 fn jacobian(x: &[[f64; 3]; 8], at: [f64; 3]) -> f64 {
     let mut columns = [[0.0; 3]; 3];
@@ -41,6 +57,9 @@ fn jacobian(x: &[[f64; 3]; 8], at: [f64; 3]) -> f64 {
 
 /// Smallest det J over the eight corners and the eight Gauss points [m³].
 pub fn min_jacobian(x: &[[f64; 3]; 8]) -> f64 {
+    if let Some(everywhere) = of_brick(x) {
+        return everywhere;
+    }
     CORNERS
         .iter()
         .flat_map(|c| [*c, c.map(|v| GAUSS * v)])
@@ -56,6 +75,9 @@ pub fn min_jacobian(x: &[[f64; 3]; 8]) -> f64 {
 
 /// Volume of an element, 2×2×2 Gauss: exact for trilinear maps [m³].
 pub(super) fn volume(x: &[[f64; 3]; 8]) -> f64 {
+    if let Some(everywhere) = of_brick(x) {
+        return 8.0 * everywhere;
+    }
     CORNERS
         .iter()
         .map(|c| jacobian(x, c.map(|v| GAUSS * v)))

@@ -42,7 +42,7 @@ pub use gmsh::{
 };
 pub use hex_mesh::{Grid, HexMesh};
 pub(crate) use incidence::{Incidence, Places};
-pub use jacobian::{check_jacobians, min_jacobian};
+pub use jacobian::{brick_size, check_jacobians, min_jacobian};
 pub use kernel::{CouplingKernel, KernelFinding, KernelReason, coupling_kernel};
 pub use plane_fracture::PlaneFracture;
 pub use size_field::SizeField;

@@ -7,6 +7,7 @@ use super::grid::{Grid, STEPS};
 use super::interpolation::{Owners, weights};
 use crate::elasticity::ElasticityError;
 use fracas_operators::shared::Colours;
+use fracas_operators::simd::{Kernel, Lanes, Level};
 use fracas_operators::small::{Matrix3, add};
 use fracas_operators::sparse::{Block3, Pattern, SparseRows};
 
@@ -165,6 +166,7 @@ fn galerkin(
         parent,
         starts,
     } = step.coarsening;
+    let level = Level::best();
     let mut sum = [[[[0.0; 3]; 3]; 8]; 8];
     let place = coarse.place(cell);
     let mut outcome = Ok(());
@@ -186,7 +188,11 @@ fn galerkin(
                         let local = [0, 1, 2].map(|d: usize| at[d] - starts[d][place[d]] + up[d]);
                         weights(step.owners.shares(place, local))
                     });
-                    add_congruent(&mut sum, &k, &w);
+                    level.run(Congruent {
+                        sum: &mut sum,
+                        k: &k,
+                        w: &w,
+                    });
                 }
             }
         }
@@ -208,23 +214,37 @@ fn mask(block: &mut Matrix3<f64>, rows: u8, columns: u8) {
     }
 }
 
-/// `sum ← sum + Wᵀ K W` for weights `w[fine node][coarse corner]`.
-fn add_congruent(sum: &mut ElementBlocks, k: &ElementBlocks, w: &[[f64; 8]; 8]) {
-    for a in 0..8 {
-        // K W, one row of it
-        let mut row = [[[0.0; 3]; 3]; 8];
-        for b in 0..8 {
-            for (to, w) in row.iter_mut().zip(w[b]) {
-                if w != 0.0 {
-                    add(to, w, &k[a][b]);
+/// `sum ← sum + Wᵀ K W` for weights `w[fine node][coarse corner]`: the same bits on all registers.
+struct Congruent<'a> {
+    sum: &'a mut ElementBlocks,
+    k: &'a ElementBlocks,
+    w: &'a [[f64; 8]; 8],
+}
+
+impl Kernel<f64> for Congruent<'_> {
+    #[inline(always)]
+    fn run<L: Lanes<f64>>(self) {
+        for a in 0..8 {
+            // K W, one row of it
+            let mut row = [0.0; 72];
+            for b in 0..8 {
+                let k = self.k[a][b].as_flattened();
+                for c in 0..8 {
+                    let w = self.w[b][c];
+                    if w != 0.0 {
+                        for i in 0..9 {
+                            row[9 * c + i] += w * k[i];
+                        }
+                    }
                 }
             }
-        }
-        for (to, w) in sum.iter_mut().zip(w[a]) {
-            if w != 0.0 {
-                let row = row.as_flattened().as_flattened();
-                for (to, v) in to.as_flattened_mut().as_flattened_mut().iter_mut().zip(row) {
-                    *to += w * v;
+            for c in 0..8 {
+                let w = self.w[a][c];
+                if w != 0.0 {
+                    let to = self.sum[c].as_flattened_mut().as_flattened_mut();
+                    for i in 0..72 {
+                        to[i] += w * row[i];
+                    }
                 }
             }
         }

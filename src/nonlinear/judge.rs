@@ -61,13 +61,13 @@ impl<'s> Judge<'s> {
     }
 }
 
-/// Largest `‖t_T − P(t_T + Δg_T/ω)‖` of a slipping face over the largest traction, P onto the disc of radius τ_L: what slip
-/// against the traction is worth, and 0 where slip follows it.
+/// Largest `‖t_T − P(t_T + Δg_T/ω)‖` of a slipping face, P onto the disc of radius τ_L: what slip against the traction is worth, and
+/// 0 where slip follows it. It is relative to what faces are judged by, [`or_closing`] of the largest traction and of `jumps`.
 pub(super) fn slip_violation(
     attempt: &Attempt<'_>,
     states: &[ContactState],
     [t, effective]: [&[f64]; 2],
-    traction: f64,
+    (traction, jumps): (f64, &[f64]),
 ) -> f64 {
     let slips = |(_, s): &(usize, &ContactState)| s.constrained() == 1;
     let short = |(f, state): (usize, &ContactState)| {
@@ -75,7 +75,8 @@ pub(super) fn slip_violation(
         (face.limit - face.trial).max(0.0)
     };
     let faces = states.iter().enumerate().filter(slips).map(short);
-    relative(faces.fold(0.0, f64::max), traction)
+    let scale = or_closing(traction, jumps, attempt.problem.compliance());
+    relative(faces.fold(0.0, f64::max), scale)
 }
 
 /// A traction, or the one that would close the largest normal jump [Pa].

@@ -29,8 +29,9 @@ pub struct StepRecord {
     pub max_pen: f64,
     /// Largest shear traction of a closed face beyond its limit [Pa].
     pub max_tau_viol: f64,
-    /// Largest distance of the shear traction of a slipping face from the one that Coulomb's law gives for its slip, over
-    /// the largest traction of the run: what slip against the traction is worth. Unit: 1.
+    /// Largest distance of the shear traction of a slipping face from the one that Coulomb's law gives for its slip, over the largest
+    /// traction of the run, or the one that would close the largest gap: what slip against the traction is worth. At most
+    /// `state_tolerance`. Unit: 1.
     pub max_slip_viol: f64,
     /// Errors of the fields at its states, each relative to the largest norm so far, as the preconditioner shows them
     /// ([`EnergyNorms`](fracas_solvers::saddle::EnergyNorms)); NaN where residuals alone are judged. Unit: 1.

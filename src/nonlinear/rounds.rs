@@ -52,7 +52,8 @@ impl Search<'_, '_> {
         let Found { states, at, judged } = found;
         let traction = self.judge.traction;
         let size = (self.accuracy.as_ref()).map_or(self.attempt.size, |accuracy| accuracy.size);
-        let slip_violation = slip_violation(self.attempt, &states, [&x.t, &at.effective], traction);
+        let scale = (traction, &at.jumps[..]);
+        let slip_violation = slip_violation(self.attempt, &states, [&x.t, &at.effective], scale);
         Settled {
             states,
             x,

@@ -146,7 +146,8 @@ impl Holding for SpringMethod {
                 return Err(Failure::Stopped);
             }
             if wrong.is_empty() {
-                let slip_violation = slip_violation(attempt, &states, [&t, &at.jumps], traction);
+                let scale = (traction, &at.jumps[..]);
+                let slip_violation = slip_violation(attempt, &states, [&t, &at.jumps], scale);
                 return Ok(Settled {
                     states,
                     x: Iterate { u, t },
