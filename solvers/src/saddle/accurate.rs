@@ -23,7 +23,7 @@ pub enum Measure {
 /// ‖r‖/‖b‖ above which nothing is solved: where 𝒜 is singular and b outside its range, x grows until any error is small beside it. Unit: 1.
 const NEAR: f64 = 1e-1;
 
-/// Share by which a pass has to lower a residual in twice the digits: else M has no digits of the error left. Unit: 1.
+/// Share by which a pass has to lower a residual in twice the digits, or the error: else M has no digits of the error left. Unit: 1.
 const GAIN: f64 = 0.5;
 
 /// ‖r‖ over the rounding that r may have, above which an error below the tolerance is believed. Unit: 1.
@@ -99,12 +99,9 @@ pub fn solve_accurately(
             || (result.is_err() && !rounding)
             || !judged.estimate.is_finite()
             || measure == Measure::Residual;
-        // of a sharp residual it is M⁻¹ that rounds, less with every pass
-        let stands = iterations == 0
-            || match left.is_sharp {
-                false => judged.stands,
-                true => left.relative > GAIN * before,
-            };
+        // of a sharp residual it is M⁻¹ that rounds, less with every pass; the error falls before the residual of stiff rock does
+        let stands =
+            iterations == 0 || judged.stands && (!left.is_sharp || left.relative > GAIN * before);
         let mut is_last = ended || stands || remaining == 0;
         let is_enough = |judged: &Judged| judged.worst() <= tolerance && near && !ended;
         let is_doubtful = match is_enough(&judged) {
