@@ -1,6 +1,6 @@
 //! Connected bodies after splitting, and what holds them.
 
-use super::jacobian::{center, corners, volume};
+use super::jacobian::{brick_size, center, corners, volume};
 use super::loose::{Block, Cluster, add_product};
 use super::rank::gram_rank;
 use super::rigid::{Frame, RANK_TOLERANCE, Stop, Stopped};
@@ -104,7 +104,8 @@ pub fn bodies(mesh: &HexMesh, fractures: &FractureMesh, prescribed: &[bool]) -> 
             });
         }
         let x = corners(mesh, e);
-        let (v, c, part) = (volume(&x), center(&x), &mut parts[*b as usize]);
+        let v = brick_size(&x).map_or_else(|| volume(&x), |[x, y, z]| x * y * z);
+        let (c, part) = (center(&x), &mut parts[*b as usize]);
         part.elements += 1;
         part.volume += v;
         for d in 0..3 {
