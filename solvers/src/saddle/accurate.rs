@@ -92,9 +92,10 @@ pub fn solve_accurately(
             false => Judged::unknown(norms),
         };
         let remaining = criteria.max_iterations.saturating_sub(totals.iterations);
-        // far from b it is no rounding that keeps the residual from falling
+        // far from b it is no rounding that keeps the residual from falling, but where that is rounding itself twice the digits show it
         let near = left.relative <= NEAR;
-        let rounding = near && matches!(result, Err(Breakdown::Stagnation { .. }));
+        let may_be_near = near || left.is_sharp || left.is_rounding && left.has_more_digits();
+        let rounding = may_be_near && matches!(result, Err(Breakdown::Stagnation { .. }));
         let ended = matches!(&result, Ok(report) if report.outcome == Outcome::Stopped)
             || (result.is_err() && !rounding)
             || !judged.estimate.is_finite()
@@ -103,22 +104,25 @@ pub fn solve_accurately(
         let stands =
             iterations == 0 || judged.stands && (!left.is_sharp || left.relative > GAIN * before);
         let mut is_last = ended || stands || remaining == 0;
-        let is_enough = |judged: &Judged| judged.worst() <= tolerance && near && !ended;
-        let is_doubtful = match is_enough(&judged) {
+        let is_enough = |judged: &Judged, relative: f64| {
+            judged.worst() <= tolerance && relative <= NEAR && !ended
+        };
+        let is_doubtful = match is_enough(&judged, left.relative) {
             true => left.is_rounding,
             false => (rounding || stands) && remaining > 0,
         };
-        if is_doubtful && near && !ended && left.sharpen() {
+        if is_doubtful && may_be_near && !ended && left.sharpen() {
             // errors before were those of other residuals
             judge = ErrorJudge::new(tolerance);
             judged = left.judged(x, &mut judge, totals.smallest_ritz);
             is_last = remaining == 0;
         }
-        if is_enough(&judged) || is_last {
+        let is_enough = is_enough(&judged, left.relative);
+        if is_enough || is_last {
             let is_met =
                 matches!(&result, Ok(report) if report.outcome == Outcome::Converged) || rounding;
             let result = match result {
-                _ if is_enough(&judged) => Ok(totals.report(Outcome::Converged, left.relative)),
+                _ if is_enough => Ok(totals.report(Outcome::Converged, left.relative)),
                 _ if is_met && measure == Measure::Error && judged.estimate.is_finite() => {
                     Err(Breakdown::Inaccurate {
                         method: method.name(),
@@ -173,9 +177,14 @@ impl<'a> Remainder<'a> {
         }
     }
 
-    /// From here on residuals in twice the digits; false where there are none, or where they are had already.
+    /// False where residuals in twice the digits are had already, or never.
+    fn has_more_digits(&self) -> bool {
+        !self.is_sharp && self.norms.entries().is_some()
+    }
+
+    /// From here on residuals in twice the digits; false where there are no more.
     fn sharpen(&mut self) -> bool {
-        let may = !self.is_sharp && self.norms.entries().is_some();
+        let may = self.has_more_digits();
         if may {
             self.is_sharp = true;
             self.low.resize(self.system.rhs.len(), 0.0);
