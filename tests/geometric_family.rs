@@ -2,7 +2,8 @@
 //! factorized, and needs at most twice the iterations of AMG, or 30. Hierarchies that are made to go on to 60 unknowns, and to iterate there,
 //! miss that in at most 1 of 100 scenes.
 //!
-//! `GEOMETRIC_FAMILY=3000 GEOMETRIC_SEED=1 cargo test --release --test geometric_family -- --nocapture` tries that many.
+//! `GEOMETRIC_FAMILY=3000 GEOMETRIC_SEED=1 cargo test --release --test geometric_family -- --nocapture` tries that many;
+//! `GEOMETRIC_SKIP=17` begins with the seed that is so much larger, and `GEOMETRIC_SCENES=folder` keeps the scenes.
 #![allow(clippy::unwrap_used)]
 
 use fracas::contact::JumpStabilization;
@@ -288,7 +289,8 @@ fn summary(mut counts: Vec<(usize, u64)>) -> String {
 #[test]
 fn random_scenes_are_set_up_and_take_few_iterations() {
     let count = of_environment("GEOMETRIC_FAMILY", FEW);
-    let first = of_environment("GEOMETRIC_SEED", 0) * 1_000_000;
+    let first =
+        of_environment("GEOMETRIC_SEED", 0) * 1_000_000 + of_environment("GEOMETRIC_SKIP", 0);
     let verbose = std::env::var("GEOMETRIC_VERBOSE").is_ok();
     let kinds: [(&str, Geometric); 4] = [
         ("f32", Geometric::default()),
@@ -325,6 +327,10 @@ fn random_scenes_are_set_up_and_take_few_iterations() {
             break;
         }
         let text = scene(seed);
+        if let Some(folder) = std::env::var_os("GEOMETRIC_SCENES") {
+            let file = std::path::Path::new(&folder).join(format!("seed_{seed}.toml"));
+            std::fs::write(file, &text).unwrap();
+        }
         let Some(sample) = Sample::new(&text) else {
             skipped += 1;
             assert!(skipped <= 20 + 3 * count, "most scenes are refused");

@@ -92,9 +92,8 @@ pub fn solve_accurately(
             false => Judged::unknown(norms),
         };
         let remaining = criteria.max_iterations.saturating_sub(totals.iterations);
-        // far from b it is no rounding that keeps the residual from falling, but where that is rounding itself twice the digits show it
-        let near = left.relative <= NEAR;
-        let may_be_near = near || left.is_sharp || left.is_rounding && left.has_more_digits();
+        // far from b only residuals in twice the digits show whether it is rounding that keeps it there
+        let may_be_near = left.relative <= NEAR || left.is_sharp || left.has_more_digits();
         let rounding = may_be_near && matches!(result, Err(Breakdown::Stagnation { .. }));
         let ended = matches!(&result, Ok(report) if report.outcome == Outcome::Stopped)
             || (result.is_err() && !rounding)
@@ -123,6 +122,10 @@ pub fn solve_accurately(
                 matches!(&result, Ok(report) if report.outcome == Outcome::Converged) || rounding;
             let result = match result {
                 _ if is_enough => Ok(totals.report(Outcome::Converged, left.relative)),
+                // a small error beside a large residual: A may be singular
+                Err(stagnation @ Breakdown::Stagnation { .. }) if judged.worst() <= tolerance => {
+                    Err(stagnation)
+                }
                 _ if is_met && measure == Measure::Error && judged.estimate.is_finite() => {
                     Err(Breakdown::Inaccurate {
                         method: method.name(),
