@@ -1,6 +1,6 @@
 //! Claim: on random scenes of fractures that cross each other and held sides, geometric multigrid is set up wherever S_u can be
 //! factorized, and needs at most twice the iterations of AMG, or 30. Hierarchies that are made to go on to 60 unknowns, and to iterate there,
-//! miss that in at most 1 of 100 scenes.
+//! miss that in at most 1 of 50 scenes.
 //!
 //! `GEOMETRIC_FAMILY=3000 GEOMETRIC_SEED=1 cargo test --release --test geometric_family -- --nocapture` tries that many;
 //! `GEOMETRIC_SKIP=17` begins with the seed that is so much larger, and `GEOMETRIC_SCENES=folder` keeps the scenes.
@@ -37,7 +37,7 @@ const MOST: usize = 400;
 const LARGEST: usize = 5;
 
 /// Share of the scenes that may be missed by hierarchies that are made deeper than the default. Unit: 1.
-const DEEP: f64 = 0.01;
+const DEEP: f64 = 0.02;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
