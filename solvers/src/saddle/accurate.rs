@@ -122,9 +122,16 @@ pub fn solve_accurately(
                 matches!(&result, Ok(report) if report.outcome == Outcome::Converged) || rounding;
             let result = match result {
                 _ if is_enough => Ok(totals.report(Outcome::Converged, left.relative)),
-                // a small error beside a large residual: A may be singular
-                Err(stagnation @ Breakdown::Stagnation { .. }) if judged.worst() <= tolerance => {
-                    Err(stagnation)
+                // b is not met even in twice the digits, or the error is small beside a large residual: A may be singular
+                Err(Breakdown::Stagnation { .. })
+                    if left.relative > NEAR || judged.worst() <= tolerance =>
+                {
+                    Err(Breakdown::Stagnation {
+                        method: method.name(),
+                        iteration: totals.iterations,
+                        relative_residual: left.relative,
+                        smallest_ritz: totals.smallest_ritz,
+                    })
                 }
                 _ if is_met && measure == Measure::Error && judged.estimate.is_finite() => {
                     Err(Breakdown::Inaccurate {
