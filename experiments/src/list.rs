@@ -1,19 +1,20 @@
-//! The list of experiments: the only place besides its own file that a new experiment touches.
+//! The list of experiments, written in Rust or as study files: the only place besides its own file that a new one touches.
 
 use crate::report::Experiment;
+use crate::study::gallery;
 
 /// Every experiment, in the order of the report.
 pub static EXPERIMENTS: &[&dyn Experiment] = &[
     &crate::e01_checkerboard::Checkerboard,
-    &crate::e02_spectra::Spectra,
-    &crate::e02b_spectrum_amg::SpectrumAmg,
-    &crate::e03_conditioning::Conditioning,
-    &crate::e04_efficiency::Efficiency,
-    &crate::e05_mesh_independence::MeshIndependence,
-    &crate::e06_c_laboratory::CLaboratory,
-    &crate::e06b_relaxation::Relaxed,
-    &crate::e07_contact_state::ContactStates,
-    &crate::e08_size::Size,
+    &gallery::E02,
+    &gallery::E02B,
+    &gallery::E03,
+    &gallery::E04,
+    &gallery::E05,
+    &gallery::E06,
+    &gallery::E06B,
+    &gallery::E07,
+    &gallery::E08,
     &crate::e09_work_precision::WorkPrecision,
     &crate::e10_inclined_crack::Inclined,
     &crate::e11_pressurised_cracks::PressurisedCracks,

@@ -3,6 +3,9 @@
 use fracas::scene::{Scene, gallery, named};
 use std::path::Path;
 
+/// Behind the name of a scene of the gallery: its version of a few hundred to a few thousand unknowns.
+pub(crate) const SMALL: &str = ":small";
+
 /// Neither a file nor a name.
 #[derive(Debug, thiserror::Error)]
 #[error("no scene file and no scene of the gallery is called `{name}`{}; `fracas list` shows the gallery", nearest.map_or(String::new(), |n| format!(" (did you mean `{n}`?)")))]
@@ -25,11 +28,18 @@ pub(crate) fn load(name: &str) -> anyhow::Result<Scene> {
     if is_file(name) {
         return Ok(Scene::load(name)?);
     }
-    let found = named(name).ok_or_else(|| UnknownScene {
+    let (plain, is_small) = match name.strip_suffix(SMALL) {
+        Some(plain) => (plain, true),
+        None => (name, false),
+    };
+    let found = named(plain).ok_or_else(|| UnknownScene {
         name: name.into(),
-        nearest: nearest(name),
+        nearest: nearest(plain),
     })?;
-    Ok(found.scene()?)
+    Ok(match is_small {
+        true => found.small_scene()?,
+        false => found.scene()?,
+    })
 }
 
 fn nearest(name: &str) -> Option<&'static str> {

@@ -101,6 +101,7 @@ impl Compare {
             inner: or(&self.inner, none.inner),
             krylov: or(&self.krylov, none.krylov),
             tolerance: or(&self.tolerance, none.tolerance),
+            ..Axes::default()
         };
         let names = [self.scene.as_slice(), &self.system].concat();
         let title = format!("Comparison on {}", names.join(", "));

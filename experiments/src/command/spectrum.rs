@@ -5,7 +5,7 @@ use super::modes::Modes;
 use super::progress::Progress;
 use super::source::Source;
 use super::{Status, output};
-use crate::plot::Figure;
+use crate::plot;
 use clap::Args;
 use fracas_solvers::Observer;
 use fracas_solvers::saddle::{InnerChoice, Racp, SaddleMethod};
@@ -62,7 +62,7 @@ impl Spectrum {
         }
         drop(progress);
         if let Some(path) = &self.plot {
-            let figure = Figure::of_spectrum("spectrum", &report);
+            let figure = plot::Spectrum::from(&report).figure("spectrum");
             output::text(path, &figure.to_svg()?)?;
             output::text(&path.with_extension("csv"), &figure.to_csv())?;
         }

@@ -2,7 +2,7 @@
 
 use super::Status;
 use super::interrupt::{self, Signals};
-use crate::study::{Engine, Study as File};
+use crate::study::{Engine, Study as File, gallery};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
@@ -10,9 +10,12 @@ use std::path::{Path, PathBuf};
 
 #[derive(Args, Debug)]
 pub(super) struct Study {
-    /// Study file.
+    /// Study file, or the name of a study of the gallery (see `fracas list`).
     #[arg(value_name = "STUDY.toml")]
     file: PathBuf,
+    /// Level of the file, where it has several: `smoke` is that of the gallery that takes seconds.
+    #[arg(long, value_name = "NAME")]
+    level: Option<String>,
     #[command(flatten)]
     place: Place,
 }
@@ -30,7 +33,12 @@ pub(super) struct Place {
 
 impl Study {
     pub(super) fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
-        let study = File::load(&self.file)?;
+        let level = self.level.as_deref();
+        let named = self.file.to_str().and_then(gallery::named);
+        let study = match named {
+            Some(study) if !self.file.exists() => study.read(level)?,
+            _ => File::load(&self.file, level)?,
+        };
         self.place.run(&study, out)
     }
 }
@@ -64,6 +72,7 @@ impl Place {
         writeln!(out, "{}", page(&self.out).display())?;
         Ok(match interrupt::asked() {
             Some(signal) if !ended.is_complete() => Status::Interrupted(signal),
+            _ if !ended.holds => Status::CheckFailed,
             _ => Status::Done,
         })
     }

@@ -3,7 +3,6 @@
 use super::narrow::Narrow;
 use super::sample::Sample;
 use crate::clock::{Clock, fastest};
-use crate::measure::LIMIT;
 use anyhow::Context;
 use fracas::contact::JumpStabilization;
 use fracas::matrix_free::{MatrixFreeSaddle, MatrixFreeSystem, RacpParts};
@@ -16,6 +15,9 @@ use fracas_solvers::amg::Amg;
 use fracas_solvers::krylov::{Breakdown, Criteria, KrylovChoice, Outcome, System};
 use fracas_solvers::multigrid::Precision;
 use fracas_solvers::saddle::{Cost, InnerChoice, Racp, SaddleMethod, SaddleOperator, U};
+
+/// Iterations after which a method counts as failed.
+const LIMIT: usize = 1000;
 
 /// S̃_u⁻¹, and which digits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

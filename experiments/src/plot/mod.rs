@@ -19,3 +19,4 @@ mod tests;
 pub use axis::{Axis, Scale};
 pub use cells::Cells;
 pub use figure::{Figure, Mark, Region, Series, Shade, Slope};
+pub use spectrum::Spectrum;

@@ -5,6 +5,7 @@ use super::{Axis, Scale};
 use crate::report::format_real;
 use fracas_solvers::spectrum::bounds::is_non_real;
 use fracas_solvers::spectrum::{SpectrumReport, Theorem};
+use serde::{Deserialize, Serialize};
 
 /// Eigenvalues below this fraction of the largest are zero up to rounding.
 const ZERO: f64 = 1e-14;
@@ -106,134 +107,191 @@ impl Figure {
 /// Bounds further than this many extents of the spectrum from it are cut at the edge of the figure.
 const WINDOW: f64 = 0.6;
 
-impl Figure {
-    /// A spectrum over what is proved about it: the complex plane, or for a real spectrum the sorted eigenvalues.
-    pub fn of_spectrum(id: &str, report: &SpectrumReport) -> Self {
+/// What a figure shows of a spectrum.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Spectrum {
+    /// Name of C.
+    pub augmentation: String,
+    /// Name of S̃_u⁻¹.
+    pub inner: String,
+    /// Unknowns.
+    pub n_u: usize,
+    /// The same of tractions.
+    pub n_t: usize,
+    /// Re λ.
+    pub re: Vec<f64>,
+    /// Im λ.
+    pub im: Vec<f64>,
+    /// Proved for all eigenvalues where S_u is exact, else for the real ones.
+    pub real: Option<(f64, f64)>,
+    /// Proved for the others: Re λ, |Im λ|.
+    pub complex: Option<((f64, f64), f64)>,
+    /// They lie in |λ − ½| ≤ ½.
+    pub disc: bool,
+    /// Corners of the field of values.
+    pub field: Option<Vec<[f64; 2]>>,
+}
+
+impl From<&SpectrumReport> for Spectrum {
+    fn from(report: &SpectrumReport) -> Self {
+        let region = report.bounds.region();
+        let corners = |field: &fracas_solvers::spectrum::FieldOfValues| {
+            let points = field.re.iter().zip(&field.im);
+            points.map(|(re, im)| [*re, *im]).collect()
+        };
+        let real = report.exact_S_u_interval.filter(|_| report.n_complex == 0);
+        Self {
+            augmentation: report.augmentation.clone(),
+            inner: report.inner.clone(),
+            n_u: report.n_u,
+            n_t: report.n_t,
+            re: report.eigenvalues.re.clone(),
+            im: report.eigenvalues.im.clone(),
+            real: real.or(region.real),
+            complex: region.re.zip(region.im_max),
+            disc: report.bounds.theorem == Theorem::WithoutH,
+            field: report.field_of_values.as_ref().map(corners),
+        }
+    }
+}
+
+impl Spectrum {
+    /// (Re λ, Im λ).
+    pub fn points(&self) -> impl Iterator<Item = [f64; 2]> {
+        self.re.iter().zip(&self.im).map(|(re, im)| [*re, *im])
+    }
+
+    fn is_real(&self) -> bool {
+        self.points().all(|[re, im]| !is_non_real(re, im))
+    }
+
+    /// `max_i min_j |λ_i − μ_j|`, the larger of both ways.
+    pub fn distance(&self, other: &Self) -> f64 {
+        let one_way = |a: &Self, b: &Self| {
+            let nearest = |[x, y]: [f64; 2]| {
+                let distances = b.points().map(|[u, v]| (x - u).hypot(y - v));
+                distances.fold(f64::INFINITY, f64::min)
+            };
+            a.points().map(nearest).fold(0.0, f64::max)
+        };
+        one_way(self, other).max(one_way(other, self))
+    }
+
+    /// Real spectra over each other, a row each, with the proved intervals below them; the n_u ones that an exact S_u always gives are
+    /// one point.
+    pub fn strips(id: &str, caption: &str, sets: &[(String, &Self)]) -> Figure {
+        let values = |(name, spectrum): &(String, &Self)| {
+            let mut ones = spectrum.n_u;
+            let mut values = spectrum.re.clone();
+            values.retain(|v| {
+                let drop = ones > 0 && *v == 1.0;
+                ones -= usize::from(drop);
+                !drop
+            });
+            values.push(1.0);
+            (name.clone(), values)
+        };
+        let rows: Vec<_> = sets.iter().map(values).collect();
+        let mut figure = Figure::rows(id, "", caption, Axis::log("λ"), &rows);
+        for (k, (_, spectrum)) in sets.iter().enumerate() {
+            if let Some((low, high)) = spectrum.real {
+                let height = (sets.len() - 1 - k) as f64 - 0.3;
+                let name = if k == 0 { "proved interval" } else { "" };
+                let line = vec![[low, height], [high, height]];
+                figure = figure.with(Series::new(name, Mark::Line, line).tone(7));
+            }
+        }
+        figure
+    }
+
+    /// Over what is proved about it: the complex plane, or for a real spectrum the sorted eigenvalues.
+    pub fn figure(&self, id: &str) -> Figure {
         // Names of methods are words here, not symbols with an index.
-        let c = report.augmentation.replace("_h", " + H").replace('_', " ");
+        let c = self.augmentation.replace("_h", " + H").replace('_', " ");
         let title = format!(
             "C {c}, inner {}: n_u = {}, n_t = {}",
-            report.inner, report.n_u, report.n_t
+            self.inner, self.n_u, self.n_t
         );
-        let region = report.bounds.region();
         // Rounding around zero is not worth a power of ten.
         let round = |v: f64, scale: f64| if v.abs() < 1e-12 * scale { 0.0 } else { v };
         let name = |what: &str, (low, high): (f64, f64)| {
-            format!(
-                "{what} [{}, {}]",
-                format_real(round(low, high)),
-                format_real(high)
-            )
+            let low = format_real(round(low, high));
+            format!("{what} [{low}, {}]", format_real(high))
         };
-        let points = |real: bool| -> Vec<[f64; 2]> {
-            report
-                .eigenvalues
-                .iter()
-                .filter(|(re, im)| is_non_real(*re, *im) != real)
-                .map(|(re, im)| [re, im])
-                .collect()
-        };
-        if report.n_complex == 0 {
-            let values: Vec<f64> = report.eigenvalues.re.clone();
-            let positive = values.iter().all(|v| *v > 0.0);
-            let wide = report
-                .re_max
-                .zip(report.re_min)
-                .is_some_and(|(high, low)| high > 20.0 * low);
-            let axis = if positive && wide {
-                Axis::log("λ")
-            } else {
-                Axis::linear("λ")
+        if self.is_real() {
+            let least = self.re.iter().copied().fold(f64::INFINITY, f64::min);
+            let most = self.re.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let axis = match least > 0.0 && most > 20.0 * least {
+                true => Axis::log("λ"),
+                false => Axis::linear("λ"),
             };
-            let mut figure = Self::sorted(
-                id,
-                &title,
-                "Sorted eigenvalues of the preconditioned matrix.",
-                axis,
-                &[("eigenvalues".into(), values)],
-            );
+            let caption = "Sorted eigenvalues of the preconditioned matrix.";
+            let sets = [("eigenvalues".into(), self.re.clone())];
+            let mut figure = Figure::sorted(id, &title, caption, axis, &sets);
             figure.x = figure.x.range(-0.02, 1.02);
-            if let Some((low, high)) = report.exact_S_u_interval.or(region.real) {
-                figure = figure.shade(
-                    &name("proved:", (low, high)),
-                    Region::Rectangle {
-                        x: [-0.02, 1.02],
-                        y: [low, high],
-                    },
-                );
+            if let Some((low, high)) = self.real {
+                let region = Region::Rectangle {
+                    x: [-0.02, 1.02],
+                    y: [low, high],
+                };
+                figure = figure.shade(&name("proved:", (low, high)), region);
             }
             return figure;
         }
+        let points = |real: bool| -> Vec<[f64; 2]> {
+            let mut points: Vec<[f64; 2]> = self.points().collect();
+            points.retain(|[re, im]| is_non_real(*re, *im) != real);
+            points
+        };
         let sets = [
             ("complex eigenvalues", points(false)),
             ("real eigenvalues", points(true)),
         ];
-        let mut figure = Self::complex_plane(
-            id,
-            &title,
-            "Eigenvalues of the preconditioned matrix.",
-            &sets,
-        );
-        figure.window(report);
-        if let (Some((low, high)), Some(im)) = (region.re, region.im_max) {
-            let name = format!(
-                "{}, |Im λ| ≤ {}",
-                name("proved, complex: Re λ in", (low, high)),
-                format_real(im)
-            );
-            figure = figure.shade(
-                &name,
-                Region::Rectangle {
-                    x: [low, high],
-                    y: [-im, im],
-                },
-            );
+        let caption = "Eigenvalues of the preconditioned matrix.";
+        let mut figure = Figure::complex_plane(id, &title, caption, &sets);
+        self.window(&mut figure);
+        if let Some(((low, high), im)) = self.complex {
+            let re = name("proved, complex: Re λ in", (low, high));
+            let region = Region::Rectangle {
+                x: [low, high],
+                y: [-im, im],
+            };
+            figure = figure.shade(&format!("{re}, |Im λ| ≤ {}", format_real(im)), region);
         }
-        if report.bounds.theorem == Theorem::WithoutH {
-            figure = figure.shade(
-                "disc |λ − ½| ≤ ½",
-                Region::Disc {
-                    center: [0.5, 0.0],
-                    radius: 0.5,
-                },
-            );
+        if self.disc {
+            let region = Region::Disc {
+                center: [0.5, 0.0],
+                radius: 0.5,
+            };
+            figure = figure.shade("disc |λ − ½| ≤ ½", region);
         }
-        if let Some(field) = &report.field_of_values {
-            let corners = field
-                .re
-                .iter()
-                .zip(&field.im)
-                .map(|(re, im)| [*re, *im])
-                .collect();
-            figure = figure.shade("field of values", Region::Polygon(corners));
+        if let Some(corners) = &self.field {
+            figure = figure.shade("field of values", Region::Polygon(corners.clone()));
         }
-        if let Some((low, high)) = region.real {
-            figure = figure.shade(
-                &name("proved, real:", (low, high)),
-                Region::RealInterval([low, high]),
-            );
+        if let Some((low, high)) = self.real {
+            let region = Region::RealInterval([low, high]);
+            figure = figure.shade(&name("proved, real:", (low, high)), region);
         }
         figure
     }
 
     /// Shows all eigenvalues, and bounds as far as they lie within a window around them.
-    fn window(&mut self, report: &SpectrumReport) {
-        let (Some(low), Some(high), Some(im)) = (report.re_min, report.re_max, report.im_max)
-        else {
-            return;
+    fn window(&self, figure: &mut Figure) {
+        let ends = |values: &[f64]| {
+            let ends = (f64::INFINITY, f64::NEG_INFINITY);
+            let wider = |(a, b): (f64, f64), v: &f64| (a.min(*v), b.max(*v));
+            values.iter().fold(ends, wider)
         };
+        let ((low, high), (down, up)) = (ends(&self.re), ends(&self.im));
+        let im = up.max(-down);
         let room = WINDOW * (high - low).max(im);
-        let bounds = &report.bounds;
-        let least =
-            |a: Option<f64>, b: Option<f64>| a.unwrap_or(low).min(b.unwrap_or(low)).max(low - room);
-        let most = |a: Option<f64>, b: Option<f64>| {
-            a.unwrap_or(high).max(b.unwrap_or(high)).min(high + room)
-        };
-        let left = low.min(least(bounds.real_low, bounds.re_low));
-        let right = high.max(most(bounds.real_high, bounds.re_high));
-        let top = im.max(bounds.im_max.unwrap_or(im).min(im + room));
+        let [real, re] =
+            [self.real, self.complex.map(|(re, _)| re)].map(|i| i.unwrap_or((low, high)));
+        let left = low.min(real.0.min(re.0).max(low - room));
+        let right = high.max(real.1.max(re.1).min(high + room));
+        let top = im.max(self.complex.map_or(im, |(_, bound)| bound.min(im + room)));
         let margin = 0.05 * (right - left);
-        self.x = self.x.clone().range(left - margin, right + margin);
-        self.y = self.y.clone().range(-top - margin, top + margin);
+        figure.x = figure.x.clone().range(left - margin, right + margin);
+        figure.y = figure.y.clone().range(-top - margin, top + margin);
     }
 }

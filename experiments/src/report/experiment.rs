@@ -28,19 +28,19 @@ impl Level {
 /// A figure or table that can be reproduced.
 pub trait Experiment: Sync {
     /// Short name on the command line: `e01`.
-    fn id(&self) -> &'static str;
+    fn id(&self) -> &str;
 
     /// Heading in the report.
-    fn title(&self) -> &'static str;
+    fn title(&self) -> &str;
 
     /// What is asked, in a sentence.
-    fn question(&self) -> &'static str;
+    fn question(&self) -> &str;
 
     /// Scene, sizes, methods, tolerances.
-    fn setup(&self) -> &'static str;
+    fn setup(&self) -> &str;
 
     /// The expected answer, with its source.
-    fn expect(&self) -> &'static str;
+    fn expect(&self) -> &str;
 
     /// Answers. Methods that fail are rows of the table; an error means that the experiment itself broke.
     ///

@@ -1,10 +1,13 @@
 //! What a study varies.
 
-use super::{Choice, Inner, Load};
+use super::{Choice, Inner, Load, Name, Setting, State};
 use fracas_solvers::krylov::KrylovChoice;
 use fracas_solvers::saddle::{AugmentationChoice, SaddleMethod};
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::collections::BTreeMap;
+use std::fmt;
 use std::num::NonZeroU32;
 use toml::{Table, Value};
 
@@ -12,6 +15,12 @@ use toml::{Table, Value};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Axes {
+    /// Name of these rows, where a study has several products.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub part: String,
+    /// What is measured of these rows; by default what the study asks for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub measures: Vec<Name>,
     /// Scene files, or names of the gallery.
     #[serde(default)]
     pub scene: Vec<String>,
@@ -24,6 +33,15 @@ pub struct Axes {
     /// Factors on every cell count of the grid.
     #[serde(default = "one_factor")]
     pub refine: Vec<NonZeroU32>,
+    /// Values that go together under a name.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub together: Vec<Together>,
+    /// Contact states.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub state: Vec<State>,
+    /// Factors of H.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stabilization: Vec<f64>,
     /// Right-hand sides.
     #[serde(default = "one_default")]
     pub rhs: Vec<Choice<Load>>,
@@ -42,6 +60,19 @@ pub struct Axes {
     /// Tolerances.
     #[serde(default = "one_tolerance")]
     pub tolerance: Vec<Tolerance>,
+    /// Threads of a row.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub threads: Vec<u16>,
+}
+
+/// `[[axes.together]]`: an axis of variants, each with its own values of several keys.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Together {
+    /// Name of the axis.
+    pub name: String,
+    /// Its variants.
+    pub values: Vec<Setting>,
 }
 
 fn one_factor() -> Vec<NonZeroU32> {
@@ -59,16 +90,77 @@ fn one_tolerance() -> Vec<Tolerance> {
 impl Default for Axes {
     fn default() -> Self {
         Self {
+            part: String::new(),
+            measures: Vec::new(),
             scene: Vec::new(),
             system: Vec::new(),
             set: BTreeMap::new(),
             refine: one_factor(),
+            together: Vec::new(),
+            state: Vec::new(),
+            stabilization: Vec::new(),
             rhs: one_default(),
             method: one_default(),
             augmentation: one_default(),
             inner: one_default(),
             krylov: one_default(),
             tolerance: one_tolerance(),
+            threads: Vec::new(),
+        }
+    }
+}
+
+impl Axes {
+    /// True where rows have scenes.
+    pub(super) fn has_scenes(&self) -> bool {
+        let mut variants = self.together.iter().flat_map(|t| &t.values);
+        !self.scene.is_empty() || variants.any(|variant| variant.scene.is_some())
+    }
+
+    /// Scenes and systems, those of variants included.
+    pub(super) fn sources(&mut self) -> (Vec<&mut String>, Vec<&mut String>) {
+        let mut scenes: Vec<&mut String> = self.scene.iter_mut().collect();
+        let mut systems: Vec<&mut String> = self.system.iter_mut().collect();
+        for variant in self.together.iter_mut().flat_map(|t| &mut t.values) {
+            scenes.extend(&mut variant.scene);
+            systems.extend(&mut variant.system);
+        }
+        (scenes, systems)
+    }
+}
+
+/// `[axes]`, or several `[[axes]]` whose rows follow each other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Products(pub Vec<Axes>);
+
+impl<'de> Deserialize<'de> for Products {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct OneOrMany;
+        impl<'de> Visitor<'de> for OneOrMany {
+            type Value = Products;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("[axes] or several [[axes]]")
+            }
+
+            fn visit_map<M: MapAccess<'de>>(self, map: M) -> Result<Products, M::Error> {
+                let axes = Axes::deserialize(MapAccessDeserializer::new(map))?;
+                Ok(Products(vec![axes]))
+            }
+
+            fn visit_seq<S: SeqAccess<'de>>(self, seq: S) -> Result<Products, S::Error> {
+                Deserialize::deserialize(SeqAccessDeserializer::new(seq)).map(Products)
+            }
+        }
+        deserializer.deserialize_any(OneOrMany)
+    }
+}
+
+impl Serialize for Products {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.0.as_slice() {
+            [one] => one.serialize(serializer),
+            many => many.serialize(serializer),
         }
     }
 }

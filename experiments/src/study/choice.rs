@@ -4,9 +4,11 @@ use fracas::solve::{InnerRule, RightHandSide};
 use fracas_operators::random::Random;
 use fracas_solvers::saddle::InnerChoice;
 use fracas_solvers::saddle::inner::UnknownInner;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use std::fmt;
 use std::str::FromStr;
+use toml::Value;
 
 /// What leaves the choice to the program.
 const DEFAULT: &str = "default";
@@ -48,17 +50,31 @@ impl<V: FromStr> FromStr for Choice<V> {
     }
 }
 
-impl<'de, V: FromStr<Err: fmt::Display>> Deserialize<'de> for Choice<V> {
+/// A name, or a table of settings, whose text is the table.
+impl<'de, V: DeserializeOwned> Deserialize<'de> for Choice<V> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        String::deserialize(deserializer)?
-            .parse()
-            .map_err(de::Error::custom)
+        let value = Value::deserialize(deserializer)?;
+        let text = match &value {
+            Value::String(text) => text.clone(),
+            other => other.to_string(),
+        };
+        Ok(match text.as_str() {
+            DEFAULT => Self::default(),
+            _ => Self {
+                value: Some(value.try_into().map_err(de::Error::custom)?),
+                text,
+            },
+        })
     }
 }
 
 impl<V> Serialize for Choice<V> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(&self.text)
+        let table = self.text.starts_with('{').then(|| self.text.parse());
+        match table {
+            Some(Ok(table)) => Value::serialize(&table, serializer),
+            _ => serializer.serialize_str(&self.text),
+        }
     }
 }
 
@@ -69,6 +85,16 @@ pub enum Inner {
     Auto,
     /// This one.
     Named(InnerChoice),
+}
+
+impl<'de> Deserialize<'de> for Inner {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let value = Value::deserialize(deserializer)?;
+        match value.as_str() {
+            Some(name) => name.parse().map_err(de::Error::custom),
+            None => (value.try_into().map(Self::Named)).map_err(de::Error::custom),
+        }
+    }
 }
 
 impl FromStr for Inner {
@@ -111,6 +137,13 @@ pub enum Load {
 #[derive(Debug, thiserror::Error)]
 #[error("no right-hand side `{0}`; there are system, sin, ones and random:SEED")]
 pub struct UnknownLoad(String);
+
+impl<'de> Deserialize<'de> for Load {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        name.parse().map_err(de::Error::custom)
+    }
+}
 
 impl FromStr for Load {
     type Err = UnknownLoad;

@@ -1,13 +1,18 @@
 //! Rows one after the other, or several at once, each on the disk before its thread begins another one.
 
-use super::Study;
+use super::findings::Findings;
+use super::measured::Measured;
 use super::page;
-use super::product::{Case, Origin};
-use super::rows::Rows;
-use anyhow::Context;
+use super::product::Case;
+use super::rows::{self, Rows};
+use super::solving::{Row, Shared};
+use super::{Name, Study};
+use anyhow::{Context, bail};
 use fracas::run::Stop;
+use rayon::ThreadPool;
+use std::ops::ControlFlow;
 use std::path::Path;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, mpsc};
 
 /// A study with the folder that it fills.
@@ -40,6 +45,8 @@ pub struct Ended {
     pub done: usize,
     /// Rows of the study.
     pub total: usize,
+    /// True unless a check fails.
+    pub holds: bool,
 }
 
 impl Ended {
@@ -101,12 +108,13 @@ impl Engine<'_> {
                 })
         })?;
         let rows = rows.into_inner().unwrap_or_else(|held| held.into_inner());
-        let findings = rows.close()?;
-        let ended = Ended {
+        let findings = rows.close(self.study)?;
+        let mut ended = Ended {
             done: findings.rows.len(),
             total,
+            holds: true,
         };
-        page::write(self, &findings, &ended)?;
+        ended.holds = page::write(self, &findings, &ended)?;
         Ok(ended)
     }
 
@@ -124,13 +132,14 @@ impl Engine<'_> {
             .num_threads(threads)
             .build()
             .context("no threads for a row")?;
-        let mut reference = None;
+        let mut shared = Shared::default();
+        let names = self.study.measured();
         while stop.asked().is_none() {
             let Some(case) = cases.get(next.fetch_add(1, Ordering::Relaxed)) else {
                 break;
             };
-            let Some(measured) = pool.install(|| case.measured(self.study, &mut reference, stop))
-            else {
+            let row = row(self.study, case, &names, stop);
+            let Some(measured) = row.in_pool(&pool, &mut shared)? else {
                 break;
             };
             let mut rows = rows.lock().unwrap_or_else(|held| held.into_inner());
@@ -148,9 +157,7 @@ impl Engine<'_> {
 
 /// Refuses a study whose scenes cannot be read in a single row: then a key is wrong, and no row would say anything else.
 fn require_one_that_reads(cases: &[Case]) -> anyhow::Result<()> {
-    let scenes = cases
-        .iter()
-        .filter(|c| matches!(c.origin, Origin::Scene(_)));
+    let scenes = cases.iter().filter(|c| c.setting.scene.is_some());
     let mut first = None;
     for case in scenes {
         match case.problem() {
@@ -161,4 +168,64 @@ fn require_one_that_reads(cases: &[Case]) -> anyhow::Result<()> {
         }
     }
     first.map_or(Ok(()), Err)
+}
+
+fn row<'a>(
+    study: &'a Study,
+    case: &'a Case,
+    names: &'a [Name],
+    stop: &'a (dyn Stop + Sync),
+) -> Row<'a> {
+    let names = match case.only.as_slice() {
+        [] => names,
+        only => only,
+    };
+    Row {
+        case,
+        study,
+        names,
+        stop,
+    }
+}
+
+impl Row<'_> {
+    /// On the threads that it asks for, or on those of the pool.
+    fn in_pool(&self, pool: &ThreadPool, shared: &mut Shared) -> anyhow::Result<Option<Measured>> {
+        let Some(threads) = self.case.setting.threads else {
+            return Ok(pool.install(|| self.measured(shared)));
+        };
+        let own = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads.into())
+            .build()
+            .context("no threads for a row")?;
+        Ok(own.install(|| self.measured(shared)))
+    }
+}
+
+/// Every row of a study, on no disk; `tell` hears of those that are done, and may stop.
+///
+/// # Errors
+/// A study without a row that can be read; the wish to stop.
+pub(super) fn in_memory(
+    study: &Study,
+    mut tell: impl FnMut(usize, usize) -> ControlFlow<()>,
+) -> anyhow::Result<Findings> {
+    let cases = study.product()?;
+    require_one_that_reads(&cases)?;
+    let pool = rayon::ThreadPoolBuilder::new().build()?;
+    let never = AtomicBool::new(false);
+    let names = study.measured();
+    let mut findings = Findings::new(rows::header(study), &study.published);
+    let mut shared = Shared::default();
+    for (done, case) in cases.iter().enumerate() {
+        if tell(done, cases.len()) == ControlFlow::Break(()) {
+            bail!("stopped on request");
+        }
+        let row = row(study, case, &names, &never);
+        let measured = row.in_pool(&pool, &mut shared)?.unwrap_or_default();
+        let (fields, spectrum) = rows::fields(study, case, &measured);
+        findings.rows.push(fields);
+        (findings.spectra).extend(spectrum.map(|spectrum| (case.number, spectrum)));
+    }
+    Ok(findings)
 }

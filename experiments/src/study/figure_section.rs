@@ -1,15 +1,27 @@
 //! What a study file says of a figure.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
+use toml::Table;
 
 /// `[[figure]]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FigureSection {
-    /// A measure or an axis.
+    /// Name of its file; `{axis}` is filled in.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub id: Option<String>,
+    /// What is drawn.
+    #[serde(default)]
+    pub kind: Kind,
+    /// Rows that it shows.
+    #[serde(default, rename = "where", skip_serializing_if = "Table::is_empty")]
+    pub of_rows: Table,
+    /// A measure, an axis or a formula.
+    #[serde(default)]
     pub x: String,
-    /// A measure.
-    pub y: String,
+    /// A measure or a formula, or several.
+    #[serde(default, deserialize_with = "one_or_many")]
+    pub y: Vec<String>,
     /// Axes whose values tell curves apart; by default every axis that varies and is not x.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub series: Option<Vec<String>>,
@@ -28,16 +40,62 @@ pub struct FigureSection {
     /// Reference lines.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub line: Vec<ReferenceLine>,
+    /// Levels at which it is not drawn.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub not_at: Vec<String>,
+}
+
+/// What a figure draws.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// y over x, or bars where x has names.
+    #[default]
+    Curves,
+    /// The same without lines and bars.
+    Points,
+    /// The eigenvalues of every row over the region that is proved.
+    Spectrum,
+    /// The eigenvalues of several rows over each other.
+    Spectra,
+    /// Real spectra, a line of marks per row, with the proved intervals.
+    Strips,
+}
+
+impl Kind {
+    /// True where it draws eigenvalues.
+    pub(super) fn is_of_spectra(self) -> bool {
+        !matches!(self, Self::Curves | Self::Points)
+    }
+}
+
+/// A string, or a list of them.
+fn one_or_many<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<String>, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Either {
+        One(String),
+        Many(Vec<String>),
+    }
+    Ok(match Either::deserialize(deserializer)? {
+        Either::One(one) => vec![one],
+        Either::Many(many) => many,
+    })
 }
 
 /// `[[figure.line]]`: a value of y that others have published or proved.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReferenceLine {
-    /// The value.
-    pub y: f64,
+    /// The value; absent where a row gives it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub y: Option<f64>,
+    /// The first row with these values gives it.
+    #[serde(default, rename = "where", skip_serializing_if = "Table::is_empty")]
+    pub of_rows: Table,
     /// In the legend.
     pub label: String,
     /// Where the value is from.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub source: String,
 }

@@ -1,41 +1,12 @@
 //! Figures of a study, as asked for, or sensible ones.
 
+use super::Study;
 use super::curves::{figure, label};
-use super::figure_section::FigureSection;
-use super::rows::Findings;
-use super::{Name, Study};
-use crate::plot::Figure;
-use anyhow::bail;
+use super::figure_section::{FigureSection, Kind};
+use super::findings::{Fields, Findings};
+use crate::plot::{Axis, Figure, Mark, Series, Spectrum};
 use std::collections::BTreeSet;
-
-impl Study {
-    /// Refuses a figure of what is neither measured nor varied.
-    pub(super) fn check_figures(&self) -> anyhow::Result<()> {
-        let measures: Vec<&str> = Name::ALL.iter().map(|name| name.text()).collect();
-        let axes = self.axis_names();
-        let axes: Vec<&str> = axes.iter().map(String::as_str).collect();
-        let both = [measures.as_slice(), &axes].concat();
-        for (k, figure) in self.figure.iter().enumerate() {
-            let require = |key: &str, name: &str, known: &[&str]| match known.contains(&name) {
-                true => Ok(()),
-                false => bail!(
-                    "[[figure]] {}: `{key}` is `{name}`; there are: {}",
-                    k + 1,
-                    known.join(", ")
-                ),
-            };
-            require("x", &figure.x, &both)?;
-            require("y", &figure.y, &measures)?;
-            for series in figure.series.iter().flatten() {
-                require("series", series, &axes)?;
-            }
-            if let Some(facet) = &figure.facet {
-                require("facet", facet, &axes)?;
-            }
-        }
-        Ok(())
-    }
-}
+use toml::Table;
 
 /// Every figure that has something to show.
 pub(super) fn figures(study: &Study, findings: &Findings) -> Vec<Figure> {
@@ -45,41 +16,98 @@ pub(super) fn figures(study: &Study, findings: &Findings) -> Vec<Figure> {
         false => study.figure.clone(),
     };
     let mut figures: Vec<Figure> = Vec::new();
-    for section in &asked {
-        for facet in facets(section, findings) {
-            let mut id = format!("{}_over_{}", section.y, section.x);
-            if let Some(value) = facet {
-                id = format!("{id}_{}", label(value));
-            }
+    for section in asked.iter().filter(|f| study.is_at_level(&f.not_at)) {
+        let chosen = findings.chosen(&section.of_rows);
+        let facets = facets(section, &chosen, findings);
+        for (k, facet) in facets.iter().enumerate() {
+            let axis = section.facet.as_deref().unwrap_or("row");
+            let in_facet =
+                |row: &&&Fields| facet.is_none_or(|value| findings.field(row, axis) == value);
+            let rows: Vec<&Fields> = chosen.iter().filter(in_facet).copied().collect();
+            let Some(first) = rows.first() else {
+                continue;
+            };
+            let id = match (&section.id, facet) {
+                (Some(id), _) if id.contains('{') => findings.filled(id, first),
+                (Some(id), Some(_)) => format!("{id}_{}", k + 1),
+                (Some(id), None) => id.clone(),
+                (None, facet) => {
+                    let y = section.y.first().map_or("spectrum", String::as_str);
+                    let id = match section.x.as_str() {
+                        "" => y.to_owned(),
+                        x => format!("{y}_over_{x}"),
+                    };
+                    facet.map_or(id.clone(), |value| format!("{id}_{}", label(value)))
+                }
+            };
             let id = id.replace(|c: char| !c.is_ascii_alphanumeric() && c != '_', "_");
-            let again = (1..).find_map(|k| {
-                let id = if k == 1 {
+            let again = |k: usize| {
+                if k == 1 {
                     id.clone()
                 } else {
                     format!("{id}_{k}")
-                };
-                figures.iter().all(|f| f.id != id).then_some(id)
-            });
-            let id = again.unwrap_or(id);
-            figures.extend(figure(&id, section, facet, &varying, findings));
+                }
+            };
+            let is_free = |id: &String| figures.iter().all(|f| f.id != *id);
+            let id = (1..).map(again).find(is_free).unwrap_or_default();
+            match section.kind {
+                Kind::Curves | Kind::Points => {
+                    figures.extend(figure(&id, section, *facet, &varying, (&rows, findings)));
+                }
+                _ => figures.extend(eigenvalues(&id, section, &rows, findings)),
+            }
         }
     }
     figures
 }
 
-/// Values that get a figure of their own, or one figure of all rows.
-fn facets<'a>(section: &FigureSection, findings: &'a Findings) -> Vec<Option<&'a str>> {
-    let Some(axis) = &section.facet else {
+/// The figure of one or several spectra.
+fn eigenvalues(
+    id: &str,
+    section: &FigureSection,
+    rows: &[&Fields],
+    findings: &Findings,
+) -> Option<Figure> {
+    let spectra = rows.iter().filter_map(|row| {
+        let number = findings.field(row, "row").parse().ok()?;
+        let names = section.series.iter().flatten();
+        let name: Vec<String> = names.map(|name| label(findings.field(row, name))).collect();
+        Some((name.join(", "), findings.spectra.get(&number)?))
+    });
+    let spectra: Vec<(String, &Spectrum)> = spectra.collect();
+    let (_, first) = spectra.first()?;
+    let caption = findings.filled(&section.caption, rows.first()?);
+    let mut figure = match section.kind {
+        Kind::Strips => Spectrum::strips(id, "", &spectra),
+        Kind::Spectra => {
+            let axes = (Axis::linear("Re λ"), Axis::linear("Im λ"));
+            let mut figure = Figure::new(id, "", "", axes.0, axes.1);
+            for (name, spectrum) in &spectra {
+                let points = spectrum.points().collect();
+                figure = figure.with(Series::new(name, Mark::Points, points));
+            }
+            figure
+        }
+        _ => first.figure(id),
+    };
+    if !caption.is_empty() {
+        figure.caption = caption;
+    }
+    Some(figure)
+}
+
+/// Values that get a figure of their own, or one figure of all rows; a spectrum has one per row.
+fn facets<'a>(
+    section: &FigureSection,
+    rows: &[&'a Fields],
+    findings: &'a Findings,
+) -> Vec<Option<&'a str>> {
+    let own = (section.kind == Kind::Spectrum).then_some("row");
+    let Some(axis) = section.facet.as_deref().or(own) else {
         return vec![None];
     };
-    let mut values = Vec::new();
-    for row in &findings.rows {
-        let value = Some(findings.field(row, axis)).filter(|value| !value.is_empty());
-        if value.is_some() && !values.contains(&value) {
-            values.push(value);
-        }
-    }
-    values
+    let values = findings.values(rows, axis).into_iter();
+    values.filter(|value| !value.is_empty()).map(Some).collect()
 }
 
 /// Axes with more than one value.
@@ -89,7 +117,7 @@ fn varying(study: &Study, findings: &Findings) -> Vec<String> {
         fields.collect::<BTreeSet<_>>().len()
     };
     let mut names = study.axis_names();
-    names.retain(|name| values(name) > 1);
+    names.retain(|name| study.varies(name) && values(name) > 1);
     names
 }
 
@@ -112,8 +140,12 @@ fn sensible(varying: &[String]) -> Vec<FigureSection> {
     let of_source = |name: &&String| ["scene", "system"].contains(&name.as_str()) && *name != x;
     let facet = varying.iter().find(of_source);
     let section = |x: &str, y: &str, series, log_y| FigureSection {
+        id: None,
+        kind: Kind::Curves,
+        of_rows: Table::new(),
+        not_at: Vec::new(),
         x: x.into(),
-        y: y.into(),
+        y: vec![y.into()],
         series,
         facet: facet.cloned(),
         log_x: ["n", "tolerance", "solve_s"].contains(&x),

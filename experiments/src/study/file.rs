@@ -1,11 +1,13 @@
 //! A study file: what is varied, what is measured, what is drawn.
 
-use super::{Axes, FigureSection, Name};
+use super::names::SectionError;
+use super::{Axes, CheckSection, FigureSection, Name, Products, Published, TableSection};
 use crate::scenes;
-use anyhow::{Context, ensure};
+use anyhow::{Context, bail, ensure};
 use fracas::scene::read_toml;
 use fracas_solvers::saddle::Measure;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::Path;
 use toml::{Table, Value};
 
@@ -18,6 +20,24 @@ pub struct Study {
     /// What is asked, in a sentence.
     #[serde(default)]
     pub question: String,
+    /// How it is asked: scenes, sizes, methods, tolerances.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub setup: String,
+    /// The expected answer, with its source.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub expect: String,
+    /// Remarks for the reader.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub note: Vec<String>,
+    /// How solves are counted.
+    #[serde(default)]
+    pub counts: Counts,
+    /// False leaves out what the clock and the memory of the machine say, so that equal runs give equal bytes.
+    #[serde(default = "yes")]
+    pub clock: bool,
+    /// Level of this study, where it has several.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub at: String,
     /// What a tolerance is for, as `solve --measure`.
     #[serde(default)]
     pub tolerance_of: Measure,
@@ -28,7 +48,7 @@ pub struct Study {
     #[serde(default)]
     pub reference: bool,
     /// What is varied.
-    pub axes: Axes,
+    pub axes: Products,
     /// Rows that are left out: those that have all of these values.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub skip: Vec<Table>,
@@ -38,6 +58,33 @@ pub struct Study {
     /// What is drawn.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub figure: Vec<FigureSection>,
+    /// What is listed beside all rows.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub table: Vec<TableSection>,
+    /// What others have published.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub published: Vec<Published>,
+    /// What is claimed.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub check: Vec<CheckSection>,
+    /// By name, what is another one at this level.
+    #[serde(default, skip_serializing)]
+    pub level: BTreeMap<String, Table>,
+}
+
+/// How solves are counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Counts {
+    /// As `solve` does: with what fits the system, and with what takes the place of parts that fail.
+    #[default]
+    Solve,
+    /// As published tables do: products with the assembled 𝒜 to a true residual, and nothing takes the place of what fails.
+    Published,
+}
+
+fn yes() -> bool {
+    true
 }
 
 fn shown() -> Vec<Name> {
@@ -83,33 +130,75 @@ impl Study {
         Self {
             title,
             question: String::new(),
+            setup: String::new(),
+            expect: String::new(),
+            note: Vec::new(),
+            counts: Counts::default(),
+            clock: true,
+            at: String::new(),
             tolerance_of: Measure::default(),
             measures: shown(),
             reference,
-            axes,
+            axes: Products(vec![axes]),
             skip: Vec::new(),
             limit: Limit::default(),
             figure: Vec::new(),
+            table: Vec::new(),
+            published: Vec::new(),
+            check: Vec::new(),
+            level: BTreeMap::new(),
         }
     }
 
     /// Reads a study file; paths in it start at its folder.
     ///
     /// # Errors
-    /// What is wrong with it, and in which line.
-    pub fn load(path: &Path) -> anyhow::Result<Self> {
+    /// What is wrong with it, and in which line; a level that it does not have.
+    pub fn load(path: &Path, level: Option<&str>) -> anyhow::Result<Self> {
         let name = path.display().to_string();
         let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {name}"))?;
-        Self::from_toml(&text, &name, path.parent().unwrap_or(Path::new("")))
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Self::from_toml(&text, &name, folder, level)
     }
 
     /// Reads a study from text; `name` is for messages, paths in it start at `folder`.
     ///
     /// # Errors
-    /// What is wrong with it, and in which line.
-    pub fn from_toml(text: &str, name: &str, folder: &Path) -> anyhow::Result<Self> {
-        let study: Self = read_toml(text, name)?;
-        study.resolved(folder).with_context(|| name.to_owned())
+    /// What is wrong with it, and in which line; a level that it does not have.
+    pub fn from_toml(
+        text: &str,
+        name: &str,
+        folder: &Path,
+        level: Option<&str>,
+    ) -> anyhow::Result<Self> {
+        let mut study: Self = read_toml(text, name)?;
+        if let Some(level) = level {
+            let Some(other) = study.level.get(level) else {
+                let known: Vec<&str> = study.level.keys().map(String::as_str).collect();
+                bail!(
+                    "{name} has no level `{level}`; there are: {}",
+                    known.join(", ")
+                );
+            };
+            let mut whole: Table = text.parse()?;
+            whole.remove("level");
+            merge(&mut whole, other);
+            whole.insert("at".into(), level.into());
+            study = whole
+                .try_into()
+                .with_context(|| format!("{name}: [level.{level}]"))?;
+        }
+        study.level.clear();
+        let resolved = study.resolved(folder);
+        resolved.map_err(|error| match error.downcast_ref() {
+            Some(at @ SectionError { section, place, .. }) => {
+                match line_of(text, section, *place) {
+                    Some(line) => anyhow::anyhow!("{name}:{line}: {at}"),
+                    None => error.context(name.to_owned()),
+                }
+            }
+            None => error.context(name.to_owned()),
+        })
     }
 
     /// The same with absolute paths, checked as far as nothing needs to be meshed.
@@ -124,13 +213,16 @@ impl Study {
                 _ => Ok(scene.to_owned()),
             }
         };
-        for scene in &mut self.axes.scene {
-            *scene = file(scene)?;
-            scenes::load(scene)?;
-        }
-        for system in &mut self.axes.system {
-            *system = absolute(system)?;
-            ensure!(Path::new(system).is_dir(), "{system} is not a folder");
+        for axes in &mut self.axes.0 {
+            let (scenes_of, systems_of) = axes.sources();
+            for scene in scenes_of {
+                *scene = file(scene)?;
+                scenes::load(scene)?;
+            }
+            for system in systems_of {
+                *system = absolute(system)?;
+                ensure!(Path::new(system).is_dir(), "{system} is not a folder");
+            }
         }
         for skip in &mut self.skip {
             for (key, resolve) in [
@@ -154,37 +246,61 @@ impl Study {
     }
 
     fn check(&self) -> anyhow::Result<()> {
-        let axes = &self.axes;
-        ensure!(
-            !(axes.scene.is_empty() && axes.system.is_empty()),
-            "a study needs a scene or a system: [axes] scene = [\"crossing\"]"
-        );
-        let idle = axes.scene.is_empty()
-            && !(axes.set.is_empty() && axes.refine.iter().all(|f| f.get() == 1));
-        ensure!(!idle, "`set` and `refine` have no effect without `scene`");
+        for axes in &self.axes.0 {
+            let (sets, refines) = (
+                !axes.set.is_empty(),
+                axes.refine.iter().any(|f| f.get() > 1),
+            );
+            ensure!(
+                axes.has_scenes() || !(sets || refines),
+                "`set` and `refine` have no effect without `scene`"
+            );
+        }
         let limit = self.limit;
         ensure!(
             limit.products > 0.0 && limit.seconds.is_none_or(|s| s > 0.0),
             "a limit is a positive number"
         );
-        self.check_figures()?;
-        self.product().map(|_| ())
+        self.product()?;
+        Ok(self.check_names()?)
     }
+}
 
-    /// True where eigenvalues are asked for.
-    pub(super) fn is_spectral(&self) -> bool {
-        let drawn = |figure: &FigureSection| {
-            Name::ALL
-                .iter()
-                .any(|m| m.is_spectral() && [&figure.x, &figure.y].contains(&&m.text().to_owned()))
+/// Puts what a level says in the place of what is there. Tables are merged, products by their `part`, variants by their `name`; other
+/// lists are not.
+fn merge(whole: &mut Table, level: &Table) {
+    for (key, value) in level {
+        let known_by = match key.as_str() {
+            "axes" => "part",
+            "together" => "name",
+            _ => "",
         };
-        self.measures.iter().any(|m| m.is_spectral()) || self.figure.iter().any(drawn)
+        match (whole.get_mut(key), value) {
+            (Some(Value::Table(own)), Value::Table(other)) => merge(own, other),
+            (Some(Value::Array(own)), Value::Array(others)) if !known_by.is_empty() => {
+                for other in others {
+                    let same = |one: &&mut Value| one.get(known_by) == other.get(known_by);
+                    match (own.iter_mut().find(same), other) {
+                        (Some(Value::Table(one)), Value::Table(other)) => merge(one, other),
+                        _ => own.push(other.clone()),
+                    }
+                }
+            }
+            _ => {
+                whole.insert(key.clone(), value.clone());
+            }
+        }
     }
+}
 
-    /// Measures of a row, in the order of `rows.csv`.
-    pub(super) fn measured(&self) -> Vec<Name> {
-        let spectral = self.is_spectral();
-        let all = Name::ALL.iter().copied();
-        all.filter(|m| spectral || !m.is_spectral()).collect()
-    }
+/// Line of the k-th `[[section]]`, or of the k-th `{` of `section = [`, from 1.
+fn line_of(text: &str, section: &str, place: usize) -> Option<usize> {
+    let (head, list) = (format!("[[{section}]]"), format!("{section} = ["));
+    let mut is_in_list = false;
+    let mut found = text.lines().enumerate().filter(|(_, line)| {
+        let line = line.trim();
+        is_in_list = line.starts_with(&list) || (is_in_list && !line.starts_with(']'));
+        line.starts_with(&head) || (is_in_list && line.starts_with('{'))
+    });
+    found.nth(place).map(|(line, _)| line + 1)
 }

@@ -1,11 +1,33 @@
 //! What a row can measure, by name.
 
-use super::solving::Measured;
-use fracas_solvers::spectrum::SpectrumReport;
+use super::measured::Measured;
+use fracas_solvers::saddle::AugmentationChoice;
+use fracas_solvers::spectrum::{Bounds, SpectrumReport};
 use serde::{Deserialize, Serialize};
 
+/// What a measure takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Group {
+    /// The matrices.
+    System,
+    /// Its settings alone.
+    Settings,
+    /// A contact state.
+    State,
+    /// A solve.
+    Solve,
+    /// The clock or the memory of the machine; no second run repeats it.
+    Clock,
+    /// Whether and at which cost a solve succeeded.
+    Count,
+    /// Ends of the spectra of A and S_u.
+    Condition,
+    /// Eigenvalues of M⁻¹𝒜.
+    Spectrum,
+}
+
 macro_rules! measures {
-    ($($variant:ident $name:literal $label:literal;)*) => {
+    ($($variant:ident $name:literal $group:ident $label:literal $field:expr;)*) => {
         /// A measure; the name is that in study files and in `rows.csv`.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
         #[allow(missing_docs, reason = "the label says it")]
@@ -14,7 +36,7 @@ macro_rules! measures {
         }
 
         impl Name {
-            /// All of them: those of a solve first, then those of a spectrum.
+            /// All of them.
             pub const ALL: &[Self] = &[$(Self::$variant),*];
 
             /// As it is written.
@@ -26,100 +48,153 @@ macro_rules! measures {
             pub const fn label(self) -> &'static str {
                 match self { $(Self::$variant => $label),* }
             }
+
+            pub(super) const fn group(self) -> Group {
+                match self { $(Self::$variant => Group::$group),* }
+            }
+
+            /// The value of a row as a field of `rows.csv`; empty where there is none.
+            pub(super) fn field(self, measured: &Measured) -> String {
+                let of: fn(&Measured) -> Option<String> = match self {
+                    $(Self::$variant => $field),*
+                };
+                of(measured).unwrap_or_default()
+            }
         }
     };
 }
 
+/// The field of a number; none where it is not finite.
+fn real(value: Option<f64>) -> Option<String> {
+    value.filter(|v| v.is_finite()).map(number)
+}
+
+fn count(n: Option<usize>) -> Option<String> {
+    n.map(|n| n.to_string())
+}
+
+fn word(holds: Option<bool>) -> Option<String> {
+    holds.map(|holds| if holds { "yes" } else { "no" }.into())
+}
+
+fn spectrum(m: &Measured, of: fn(&SpectrumReport) -> Option<f64>) -> Option<String> {
+    real(m.spectrum.as_ref().and_then(of))
+}
+
+fn eigenvalues(m: &Measured, of: fn(&SpectrumReport) -> usize) -> Option<String> {
+    count(m.spectrum.as_ref().map(of))
+}
+
+fn bound(m: &Measured, of: fn(&Bounds) -> Option<f64>) -> Option<String> {
+    real(m.spectrum.as_ref().and_then(|s| of(&s.bounds)))
+}
+
+/// The interval that is proved for all eigenvalues where S_u is exact, else for the real ones.
+pub(super) fn interval(s: &SpectrumReport) -> Option<(f64, f64)> {
+    s.exact_S_u_interval.or(s.bounds.region().real)
+}
+
+/// Every bit of a solution in a number (FNV-1a).
+fn digest(x: &[f64]) -> String {
+    const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
+    const PRIME: u64 = 0x0100_0000_01b3;
+    let fold = |hash: u64, v: &f64| (hash ^ v.to_bits()).wrapping_mul(PRIME);
+    format!("{:016x}", x.iter().fold(BASIS, fold))
+}
+
 measures! {
-    N "n" "unknowns n";
-    DisplacementUnknowns "n_u" "displacement unknowns n_u";
-    TractionUnknowns "n_t" "traction unknowns n_t";
-    Iterations "n_it" "iterations n_it";
-    Application "c_app" "cost of M⁻¹ over that of 𝒜, c_app";
-    Cost "C_s" "cost C_s [products with 𝒜]";
-    SetUp "setup_s" "set-up [s]";
-    Solve "solve_s" "iteration [s]";
-    Memory "memory" "peak memory [MiB]";
-    ErrorU "error_u" "error of u, relative";
-    ErrorT "error_t" "error of t, relative";
-    Levels "levels" "levels of multigrid";
-    ConditionA "cond_A" "κ(A)";
-    ConditionSu "cond_S_u" "κ(S_u)";
-    RealMin "real_min" "smallest real eigenvalue";
-    RealMax "real_max" "largest real eigenvalue";
-    ReMin "re_min" "smallest Re λ";
-    ReMax "re_max" "largest Re λ";
-    ImMax "im_max" "largest |Im λ|";
-    Contained "contained" "inside the proved regions";
+    N "n" System "unknowns n" |m| count(m.sizes.map(|sizes| sizes.iter().sum()));
+    DisplacementUnknowns "n_u" System "displacement unknowns n_u" |m| count(m.sizes.map(|n| n[0]));
+    TractionUnknowns "n_t" System "traction unknowns n_t" |m| count(m.sizes.map(|n| n[1]));
+    Augmentation "C" Settings "C" |m| m.c.map(|c| c.name().into());
+    Factor "factor" Settings "s" |m| match m.c {
+        Some(AugmentationChoice::GlobalTimes(factor)) => real(Some(factor)),
+        _ => None,
+    };
+    Slip "slip" State "slipping faces [%]" |m| real(m.contact.map(|c| c.slip));
+    Open "open" State "open faces [%]" |m| real(m.contact.map(|c| c.open));
+    OwnRows "own_rows" State "rows with a law of their own" |m| count(m.contact.map(|c| c.own_rows));
+    Symmetric "symmetric" State "symmetric without its own rows" |m| word(m.contact.map(|c| c.is_symmetric));
+    Newton "newton" State "Newton steps" |m| count(m.contact.map(|c| c.newton));
+    NewtonConverged "newton_converged" State "Newton's method converged" |m| word(m.contact.map(|c| c.has_converged));
+    Tension "tension" State "closed faces in tension" |m| count(m.contact.map(|c| c.tension));
+    Overlap "overlap" State "open faces that overlap" |m| count(m.contact.map(|c| c.overlap));
+    Iterations "n_it" Count "iterations n_it" |m| count(m.run.as_ref().and_then(|r| r.iterations));
+    Application "c_app" Solve "cost of M⁻¹ over that of 𝒜, c_app" |m| real(m.run.as_ref().and_then(|r| r.c_app));
+    Cost "C_s" Count "cost C_s [products with 𝒜]" |m| real(m.run.as_ref().and_then(|r| r.cost));
+    MeshTime "mesh_s" Clock "mesh [s]" |m| real(m.mesh_s);
+    AssemblyTime "assembly_s" Clock "assembly [s]" |m| real(m.assembly_s);
+    SetUp "setup_s" Clock "set-up [s]" |m| real(m.run.as_ref().map(|r| r.setup_s));
+    Solve "solve_s" Clock "iteration [s]" |m| real(m.run.as_ref().map(|r| r.solve_s));
+    Memory "memory" Clock "peak memory [MiB]" |m| {
+        let bytes = m.run.as_ref().and_then(|r| r.memory);
+        real(bytes.map(|bytes| bytes as f64 / f64::from(1 << 20)))
+    };
+    ErrorU "error_u" Solve "error of u, relative" |m| {
+        let estimates = m.run.as_ref().map(|r| r.estimates);
+        real(m.errors.map(|e| e[0]).or(estimates.and_then(|e| e[0])))
+    };
+    ErrorT "error_t" Solve "error of t, relative" |m| {
+        let estimates = m.run.as_ref().map(|r| r.estimates);
+        real(m.errors.map(|e| e[1]).or(estimates.and_then(|e| e[1])))
+    };
+    Levels "levels" Solve "levels of multigrid" |m| {
+        let run = m.run.as_ref();
+        count(run.and_then(|r| Some(r.hierarchy.as_ref()?.levels.len())))
+    };
+    Complexity "complexity" Solve "operator complexity" |m| {
+        let run = m.run.as_ref();
+        real(run.and_then(|r| Some(r.hierarchy.as_ref()?.operator_complexity)))
+    };
+    Relaxation "relaxation" Solve "γ" |m| real(m.run.as_ref().map(|r| r.relaxation.gamma));
+    Degree "degree" Solve "degree of W" |m| count(m.run.as_ref().map(|r| r.relaxation.degree));
+    Iteration "iteration" Solve "iteration that ran" |m| {
+        Some(m.run.as_ref().map_or(m.asked.clone(), |r| r.krylov.clone()))
+    };
+    Digest "digest" Solve "bits of the solution" |m| m.run.as_ref().map(|r| digest(&r.x));
+    Kernel "kernel_A" Condition "dim ker A" |m| count(m.stiffness.map(|s| s.kernel));
+    ConditionA "cond_A" Condition "κ(A), off its kernel" |m| real(m.stiffness.and_then(|s| s.ends).map(|e| e.condition()));
+    ConditionSu "cond_S_u" Condition "κ(S_u)" |m| real(m.schur[0].map(|e| e.condition()));
+    ConditionScaled "cond_S_u_scaled" Condition "κ(S_u), unit diagonal" |m| real(m.schur[1].map(|e| e.condition()));
+    ConditionError "cond_error" Condition "error bars of κ(A) and κ(S_u), relative" |m| {
+        let ends = [m.stiffness.and_then(|s| s.ends), m.schur[0]];
+        real(Some(ends.iter().flatten().map(|e| e.error()).sum()))
+    };
+    LargestC "c_max" Spectrum "λ_max(C) [m³/Pa]" |m| spectrum(m, |s| Some(s.c_max));
+    RealMin "real_min" Spectrum "smallest real eigenvalue" |m| spectrum(m, |s| s.real_min);
+    RealMax "real_max" Spectrum "largest real eigenvalue" |m| spectrum(m, |s| s.real_max);
+    ReMin "re_min" Spectrum "smallest Re λ" |m| spectrum(m, |s| s.re_min);
+    ReMax "re_max" Spectrum "largest Re λ" |m| spectrum(m, |s| s.re_max);
+    ImMax "im_max" Spectrum "largest |Im λ|" |m| spectrum(m, |s| s.im_max);
+    NonReal "n_nonreal" Spectrum "non-real eigenvalues" |m| eigenvalues(m, |s| s.n_complex);
+    AtOne "n_at_one" Spectrum "eigenvalues at 1" |m| eigenvalues(m, |s| s.n_at_one);
+    AtHalf "n_at_half" Spectrum "eigenvalues at ½" |m| eigenvalues(m, |s| s.n_at_half);
+    AlphaU "alpha_u" Spectrum "α_u" |m| bound(m, |b| b.alpha_u);
+    BetaU "beta_u" Spectrum "β_u" |m| bound(m, |b| b.beta_u);
+    AlphaT "alpha_t" Spectrum "α_t" |m| bound(m, |b| b.alpha_t);
+    BetaT "beta_t" Spectrum "β_t" |m| bound(m, |b| b.beta_t);
+    ErrorBar "error_bar" Spectrum "error bar of α and β, relative" |m| spectrum(m, |s| s.error_bar);
+    ProvedLow "proved_low" Spectrum "proved lower end" |m| spectrum(m, |s| interval(s).map(|i| i.0));
+    ProvedHigh "proved_high" Spectrum "proved upper end" |m| spectrum(m, |s| interval(s).map(|i| i.1));
+    ProvedIm "proved_im" Spectrum "proved |Im λ|" |m| bound(m, |b| b.im_max);
+    Outside "outside" Spectrum "eigenvalues outside the proved regions" |m| eigenvalues(m, |s| s.outside.len());
+    OutsidePrinted "outside_printed" Spectrum "eigenvalues outside the region as printed" |m| {
+        eigenvalues(m, |s| s.printed.as_ref().map_or(0, |p| p.outside.len()))
+    };
+    Contained "contained" Spectrum "inside the proved regions" |m| {
+        word(m.spectrum.as_ref().and_then(|s| s.contained))
+    };
 }
 
 impl Name {
-    /// True for what takes eigenvalues.
-    pub fn is_spectral(self) -> bool {
-        self >= Self::ConditionA
+    /// By its text.
+    pub(super) fn find(text: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|name| name.text() == text)
     }
 
     /// True for what the clock or the system tells, and no second run repeats.
     pub fn is_measured(self) -> bool {
-        matches!(self, Self::SetUp | Self::Solve | Self::Memory)
-    }
-
-    /// The value of a row as a field of `rows.csv`; empty where there is none.
-    pub(super) fn field(self, measured: &Measured) -> String {
-        if self == Self::Contained {
-            let contained = measured.spectrum.as_ref().and_then(|s| s.contained);
-            return contained.map_or(String::new(), |inside| {
-                if inside { "yes" } else { "no" }.into()
-            });
-        }
-        let value = match &measured.spectrum {
-            Some(report) if self.is_spectral() => self.of_spectrum(report),
-            _ => self.of_solve(measured),
-        };
-        let value = value.filter(|v| v.is_finite());
-        value.map_or(String::new(), number)
-    }
-
-    fn of_spectrum(self, report: &SpectrumReport) -> Option<f64> {
-        match self {
-            Self::ConditionA => report.cond_A,
-            Self::ConditionSu => report.cond_S_u,
-            Self::RealMin => report.real_min,
-            Self::RealMax => report.real_max,
-            Self::ReMin => report.re_min,
-            Self::ReMax => report.re_max,
-            Self::ImMax => report.im_max,
-            _ => None,
-        }
-    }
-
-    fn of_solve(self, measured: &Measured) -> Option<f64> {
-        let solved = measured.solved.as_ref()?;
-        let count = |n: usize| Some(n as f64);
-        let [error_u, error_t] = match measured.errors {
-            Some(errors) => errors.map(Some),
-            None => [solved.error_u, solved.error_t],
-        };
-        match self {
-            Self::N => count(solved.n_u + solved.n_t + solved.n_p),
-            Self::DisplacementUnknowns => count(solved.n_u),
-            Self::TractionUnknowns => count(solved.n_t),
-            Self::Iterations => solved
-                .has_converged()
-                .then_some(solved.iterations)
-                .and_then(count),
-            Self::Application => Some(solved.c_app),
-            Self::Cost => solved.c_s,
-            Self::SetUp => Some(solved.setup_s),
-            Self::Solve => Some(solved.solve_s),
-            Self::Memory => solved
-                .peak_memory_bytes
-                .map(|bytes| bytes as f64 / f64::from(1 << 20)),
-            Self::ErrorU => error_u,
-            Self::ErrorT => error_t,
-            Self::Levels => solved.amg.as_ref().and_then(|amg| count(amg.levels.len())),
-            _ => None,
-        }
+        self.group() == Group::Clock
     }
 }
 

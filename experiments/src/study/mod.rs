@@ -1,36 +1,55 @@
-//! Studies: a product of scenes or systems, meshes, loads and methods, a row per solve, figures and a page.
+//! Studies: a product of scenes or systems, meshes, loads and methods, a row per solve, figures, tables and a page.
 //!
 //! | file | what it knows |
 //! |---|---|
-//! | `file`, `axes`, `choice`, `figure_section` | what a study file says |
+//! | `file`, `axes`, `setting`, `choice`, `figure_section` | what a study file says |
+//! | `names` | what it mentions, known or not |
 //! | `product` | its rows, in order |
-//! | `refine` | a finer mesh of the same scene |
-//! | `solving`, `reference`, `outcome` | one row: solve, true errors, how it ended |
-//! | `measure` | what is measured, by name |
+//! | `refine`, `state` | a finer mesh of the same scene, a contact state of it |
+//! | `solving`, `prepared`, `counted`, `reference`, `outcome` | one row: matrices, solve, true errors, how it ended |
+//! | `measure`, `measured` | what is measured, by name |
 //! | `rows`, `csv` | `rows.csv`, which survives the process |
 //! | `engine` | rows one after the other, or several at once |
-//! | `figures`, `curves`, `page` | what is drawn and written at the end |
+//! | `findings`, `formula` | rows chosen and computed with |
+//! | `figures`, `curves`, `tables`, `checks`, `page` | what is drawn, listed, judged and written at the end |
+//! | `gallery` | the studies of the product, which `reproduce` runs |
 
 mod axes;
+mod checks;
 mod choice;
+mod counted;
 mod csv;
 mod curves;
 mod engine;
 mod figure_section;
 mod figures;
 mod file;
+mod findings;
+mod formula;
+pub mod gallery;
 mod measure;
+mod measured;
+mod names;
 mod outcome;
 mod page;
+mod prepared;
 mod product;
 mod reference;
 mod refine;
 mod rows;
+mod setting;
 mod solving;
+mod state;
+mod tables;
 
-pub use axes::{Axes, Tolerance};
+pub use axes::{Axes, Products, Together, Tolerance};
+pub use checks::{Bound, CheckSection, Other, Take};
 pub use choice::{Choice, Inner, Load};
 pub use engine::{Ended, Engine, Taken};
-pub use figure_section::{FigureSection, ReferenceLine};
-pub use file::{Limit, Study};
+pub use figure_section::{FigureSection, Kind, ReferenceLine};
+pub use file::{Counts, Limit, Study};
+pub use findings::Published;
 pub use measure::Name;
+pub use setting::Setting;
+pub use state::State;
+pub use tables::{Column, LongColumn, TableSection};

@@ -10,6 +10,10 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Outcome {
     Converged,
+    /// Nothing was to be solved, and everything else is known.
+    Measured,
+    /// Above the unknowns that it may have.
+    NotTried,
     /// Not within the iterations allowed.
     IterationLimit,
     /// Not within the products or seconds allowed.
@@ -27,7 +31,9 @@ pub(super) enum Outcome {
 impl fmt::Display for Outcome {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Converged => CONVERGED,
+            Self::Converged => "converged",
+            Self::Measured => "measured",
+            Self::NotTried => NOT_TRIED,
             Self::IterationLimit => "iteration_limit",
             Self::CostLimit => "cost_limit",
             Self::Memory => "memory",
@@ -38,8 +44,11 @@ impl fmt::Display for Outcome {
     }
 }
 
-/// The word of a row with a solution.
-pub(super) const CONVERGED: &str = "converged";
+/// Words of a row with what it was to bring.
+pub(super) const GOOD: [&str; 2] = ["converged", "measured"];
+
+/// The word of a row that nobody tried.
+pub(super) const NOT_TRIED: &str = "not_tried";
 
 impl Outcome {
     /// Of a row that came to no iteration.
@@ -64,7 +73,11 @@ impl Outcome {
             // only a limit of time stops a set-up: the wish to stop leaves no row
             Some(SolveError::MatrixFree(MatrixFreeError::Stopped)) => Self::CostLimit,
             Some(SolveError::Setup(error)) => Self::of_set_up(error),
-            _ => Self::BadInput,
+            _ => match error.downcast_ref() {
+                Some(error) => Self::of_set_up(error),
+                None if error.is::<MatrixFreeError>() => Self::NotApplicable,
+                None => Self::BadInput,
+            },
         }
     }
 

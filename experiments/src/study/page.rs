@@ -1,26 +1,38 @@
 //! What a study leaves beside its rows: figures, a page, a manifest.
 
-use super::curves::label;
 use super::engine::{Ended, Engine};
 use super::figures::figures;
-use super::outcome::CONVERGED;
-use super::rows::Findings as Rows;
-use super::{Name, Study};
-use crate::report::{Cell, Findings, Sheet, Table, write_whole};
+use super::findings::Findings as Rows;
+use super::{Name, Study, tables};
+use crate::report::{Findings, Sheet, Table, write_whole};
 use std::collections::BTreeMap;
 
-/// Writes `figures/`, `report.html` and `manifest.json`.
-pub(super) fn write(engine: &Engine<'_>, rows: &Rows, ended: &Ended) -> anyhow::Result<()> {
-    let study = engine.study;
-    let mut findings = Findings {
-        figures: figures(study, rows),
-        tables: vec![table(study, rows)],
-        ..Findings::default()
+/// Figures, tables and checks.
+pub(super) fn answer(study: &Study, rows: &Rows) -> Findings {
+    let checks = study.check.iter().filter(|c| study.is_at_level(&c.not_at));
+    let settings = match serde_json::to_value(study) {
+        Ok(serde_json::Value::Object(settings)) => settings,
+        _ => serde_json::Map::new(),
     };
-    findings.tables.extend(failed(study, rows));
-    if let serde_json::Value::Object(settings) = serde_json::to_value(study)? {
-        findings.settings = settings;
+    Findings {
+        figures: figures(study, rows),
+        tables: study.table.iter().map(|t| tables::table(t, rows)).collect(),
+        checks: checks.flat_map(|check| check.checks(rows)).collect(),
+        notes: study.note.clone(),
+        settings,
     }
+}
+
+/// Writes `figures/`, `report.html` and `manifest.json`; true unless a check fails.
+pub(super) fn write(engine: &Engine<'_>, rows: &Rows, ended: &Ended) -> anyhow::Result<bool> {
+    let study = engine.study;
+    let mut findings = answer(study, rows);
+    if !ended.is_complete() {
+        // claims are about all rows
+        findings.checks.clear();
+    }
+    findings.tables.push(table(study, rows));
+    findings.tables.extend(failed(study, rows));
     if !ended.is_complete() {
         let note =
             "The study was interrupted; the same command goes on with the rows that are left.";
@@ -33,14 +45,21 @@ pub(super) fn write(engine: &Engine<'_>, rows: &Rows, ended: &Ended) -> anyhow::
         );
         findings.notes.push(note);
     }
-    if study.is_spectral() {
+    if study.measured().contains(&Name::ReMin) {
         findings.notes.push("Where a system is too large for a dense eigenvalue problem, only its outer eigenvalues are found; the column `reason` of rows.csv says so.".into());
     }
     let outcomes = outcomes(rows);
     let counts: Vec<String> = (outcomes.iter())
         .map(|(word, n)| format!("{n} {}", word.replace('_', " ")))
         .collect();
-    let lead = format!("{} {} of {} rows", study.question, ended.done, ended.total);
+    let texts = [&study.question, &study.setup, &study.expect];
+    let texts: Vec<&str> = texts.iter().map(|text| text.as_str()).collect();
+    let lead = format!(
+        "{} {} of {} rows",
+        texts.join(" ").trim(),
+        ended.done,
+        ended.total
+    );
     let lead = match counts.is_empty() {
         true => format!("{lead}."),
         false => format!("{lead}: {}.", counts.join(", ")),
@@ -62,10 +81,12 @@ pub(super) fn write(engine: &Engine<'_>, rows: &Rows, ended: &Ended) -> anyhow::
         "outcomes": outcomes,
         "columns": rows.header,
         "figures": figures,
+        "checks": findings.checks,
         "study": study,
     });
     let manifest = format!("{}\n", serde_json::to_string_pretty(&manifest)?);
-    write_whole(&engine.out.join("manifest.json"), &manifest)
+    write_whole(&engine.out.join("manifest.json"), &manifest)?;
+    Ok(findings.passed())
 }
 
 fn outcomes(rows: &Rows) -> BTreeMap<&str, usize> {
@@ -80,6 +101,9 @@ fn outcomes(rows: &Rows) -> BTreeMap<&str, usize> {
 fn axes(study: &Study, rows: &Rows) -> Vec<String> {
     let mut names = study.axis_names();
     names.retain(|name| {
+        if !study.varies(name) && name != "method" {
+            return false;
+        }
         let mut fields = rows.rows.iter().map(|row| rows.field(row, name));
         let first = fields.next();
         ["scene", "system", "method"].contains(&name.as_str()) || fields.any(|f| Some(f) != first)
@@ -102,7 +126,7 @@ fn table_of(
         .map(|row| {
             columns
                 .iter()
-                .map(|name| cell(name, rows.field(row, name)))
+                .map(|name| tables::parsed(rows.field(row, name)))
                 .collect()
         })
         .collect();
@@ -116,19 +140,6 @@ fn heading(name: &str) -> String {
         "solve_s" => "solve [s]".into(),
         "memory" => "memory [MiB]".into(),
         _ => name.into(),
-    }
-}
-
-fn cell(name: &str, field: &str) -> Cell {
-    let is_measure = name == "row" || Name::ALL.iter().any(|measure| measure.text() == name);
-    match (field, is_measure) {
-        ("", _) => Cell::Missing,
-        (_, false) => label(field).into(),
-        _ => match (field.parse::<i64>(), field.parse::<f64>()) {
-            (Ok(n), _) => Cell::Integer(n),
-            (_, Ok(value)) => Cell::Real(value),
-            _ => field.into(),
-        },
     }
 }
 
@@ -154,7 +165,7 @@ fn failed(study: &Study, rows: &Rows) -> Option<Table> {
         .chain(axes.iter().map(String::as_str))
         .chain(["outcome", "reason"])
         .collect();
-    let has_failed = |row: &[String]| rows.field(row, "outcome") != CONVERGED;
+    let has_failed = |row: &[String]| !rows.is_good(row);
     let table = table_of(
         "failed",
         "Rows that did not converge, and why.",

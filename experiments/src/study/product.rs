@@ -1,51 +1,58 @@
 //! Rows of a study, in order: the product of its axes without what it skips.
 
-use super::axes::flatten;
 use super::measure::number;
-use super::{Choice, Inner, Load, Study};
+use super::{Axes, Choice, Name, Setting, Study};
 use anyhow::{bail, ensure};
-use fracas_solvers::krylov::KrylovChoice;
-use fracas_solvers::saddle::{AugmentationChoice, SaddleMethod};
-use std::num::NonZeroU32;
-use toml::Value;
+use std::collections::BTreeMap;
+use toml::{Table, Value};
 
 /// Rows that one study may have.
 const MOST: usize = 100_000;
 
-/// Where a system comes from.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Origin {
-    Scene(String),
-    System(String),
-}
+/// Columns that every study has, after those of scenes and variants.
+const FIXED: [&str; 7] = [
+    "refine",
+    "rhs",
+    "method",
+    "augmentation",
+    "inner",
+    "krylov",
+    "tolerance",
+];
 
 /// A row that is to be solved.
 #[derive(Clone, Debug)]
 pub(super) struct Case {
     /// From 1.
     pub(super) number: usize,
-    pub(super) origin: Origin,
-    /// `key=value`.
-    pub(super) set: Vec<String>,
-    pub(super) refine: NonZeroU32,
-    pub(super) rhs: Choice<Load>,
-    pub(super) method: Choice<SaddleMethod>,
-    pub(super) augmentation: Choice<AugmentationChoice>,
-    pub(super) inner: Choice<Inner>,
-    pub(super) krylov: Choice<KrylovChoice>,
-    pub(super) tolerance: f64,
+    pub(super) setting: Setting,
     /// A field per axis.
     pub(super) fields: Vec<String>,
+    /// What is measured of it, where that is less than of others.
+    pub(super) only: Vec<Name>,
 }
 
 impl Case {
-    /// What its right-hand side and its matrices depend on: equal for rows that differ in the method alone.
-    pub(super) fn same_system(&self, other: &Self) -> bool {
+    /// What its matrices depend on: equal for rows that differ in the method alone.
+    pub(super) fn same_matrices(&self, other: &Self) -> bool {
         let of = |case: &Self| {
-            let rhs = case.rhs.to_string();
-            (case.origin.clone(), case.set.clone(), case.refine, rhs)
+            let Setting {
+                scene,
+                system,
+                set,
+                refine,
+                state,
+                stabilization,
+                ..
+            } = case.setting.clone();
+            (scene, system, set, refine, state, stabilization)
         };
         of(self) == of(other)
+    }
+
+    /// The same with the right-hand side.
+    pub(super) fn same_system(&self, other: &Self) -> bool {
+        self.same_matrices(other) && self.setting.rhs == other.setting.rhs
     }
 }
 
@@ -58,143 +65,276 @@ pub(super) fn text(value: &Value) -> String {
     }
 }
 
+/// Values of an axis.
+struct Axis {
+    /// Empty but for variants.
+    name: String,
+    values: Vec<Setting>,
+}
+
+fn axis<V: Clone>(values: &[V], put: impl Fn(&mut Setting, V)) -> Axis {
+    let setting = |value: &V| {
+        let mut setting = Setting::default();
+        put(&mut setting, value.clone());
+        setting
+    };
+    Axis {
+        name: String::new(),
+        values: values.iter().map(setting).collect(),
+    }
+}
+
+impl Axes {
+    /// Scenes, then everything that may differ for one of them, last running fastest; then systems.
+    fn lists(&self) -> Vec<Vec<Axis>> {
+        let scenes = axis(&self.scene, |s, v| s.scene = Some(v));
+        let systems = axis(&self.system, |s, v| s.system = Some(v));
+        let of_scenes = || {
+            let sets = self.set.iter().map(|(key, values)| {
+                axis(values, |s, v| {
+                    s.set.insert(key.clone(), v);
+                })
+            });
+            sets.chain([axis(&self.refine, |s, v| s.refine = Some(v))])
+                .collect::<Vec<_>>()
+        };
+        let rest = || {
+            let together = self.together.iter().map(|t| Axis {
+                name: t.name.clone(),
+                values: t.values.clone(),
+            });
+            let fixed = [
+                axis(&self.rhs, |s, v| s.rhs = Some(v)),
+                axis(&self.method, |s, v| s.method = Some(v)),
+                axis(&self.augmentation, |s, v| s.augmentation = Some(v)),
+                axis(&self.inner, |s, v| s.inner = Some(v)),
+                axis(&self.krylov, |s, v| s.krylov = Some(v)),
+                axis(&self.tolerance, |s, v| s.tolerance = Some(v)),
+            ];
+            let (state, factor) = (
+                axis(&self.state, |s, v| s.state = Some(v)),
+                axis(&self.stabilization, |s, v| s.stabilization = Some(v)),
+            );
+            let threads = axis(&self.threads, |s, v| s.threads = Some(v));
+            let said = |axis: &Axis| !axis.values.is_empty();
+            let optional = [state, factor].into_iter().filter(said);
+            // what changes the matrices runs slowly
+            optional
+                .chain(together)
+                .chain(fixed)
+                .chain(Some(threads).filter(said))
+                .collect::<Vec<_>>()
+        };
+        let mut lists = Vec::new();
+        if self.system.is_empty() || !self.scene.is_empty() {
+            let mut list = Vec::new();
+            list.extend((!self.scene.is_empty()).then_some(scenes));
+            list.extend(of_scenes());
+            list.extend(rest());
+            lists.push(list);
+        }
+        if !self.system.is_empty() {
+            let mut list = vec![systems];
+            list.extend(rest());
+            lists.push(list);
+        }
+        lists
+    }
+
+    /// True for an axis with values of its own, not for one that variants or defaults give.
+    fn varies(&self, name: &str) -> bool {
+        match name {
+            "scene" | "system" => !(self.scene.is_empty() && self.system.is_empty()),
+            "refine" => self.refine.len() > 1,
+            "rhs" => self.rhs.len() > 1,
+            "method" => self.method.len() > 1,
+            "augmentation" => self.augmentation.len() > 1,
+            "inner" => self.inner.len() > 1,
+            "krylov" => self.krylov.len() > 1,
+            "tolerance" => self.tolerance.len() > 1,
+            _ => true,
+        }
+    }
+
+    fn variants(&self) -> impl Iterator<Item = &Setting> {
+        self.together.iter().flat_map(|t| &t.values)
+    }
+}
+
 impl Study {
+    /// True for an axis that has values of its own in any product.
+    pub(super) fn varies(&self, name: &str) -> bool {
+        self.axes.0.iter().any(|axes| axes.varies(name))
+    }
+
     /// Names of the axes, in the order of the columns of `rows.csv`.
     pub(super) fn axis_names(&self) -> Vec<String> {
-        let axes = &self.axes;
-        let sources = [("scene", &axes.scene), ("system", &axes.system)];
-        let sources = sources.into_iter().filter(|(_, list)| !list.is_empty());
-        let fixed = [
-            "refine",
-            "rhs",
-            "method",
-            "augmentation",
-            "inner",
-            "krylov",
-            "tolerance",
-        ];
-        (sources.map(|(name, _)| name.to_owned()))
-            .chain(axes.set.keys().cloned())
-            .chain(fixed.map(String::from))
-            .collect()
+        let products = &self.axes.0;
+        let mut names: Vec<String> = Vec::new();
+        let mut add = |name: &str, used: bool| {
+            if used && names.iter().all(|known| known != name) {
+                names.push(name.to_owned());
+            }
+        };
+        let said = |key: &str| {
+            let mut variants = products.iter().flat_map(Axes::variants);
+            variants.any(|variant| variant.said().contains(&key))
+        };
+        add("part", products.len() > 1);
+        let any = |of: &dyn Fn(&Axes) -> bool| products.iter().any(of);
+        add("scene", any(&|a| !a.scene.is_empty()) || said("scene"));
+        add("system", any(&|a| !a.system.is_empty()) || said("system"));
+        for axes in products {
+            axes.set.keys().for_each(|key| add(key, true));
+            axes.together.iter().for_each(|t| add(&t.name, true));
+        }
+        add("state", any(&|a| !a.state.is_empty()) || said("state"));
+        let factor = any(&|a| !a.stabilization.is_empty());
+        add("stabilization", factor || said("stabilization"));
+        FIXED.iter().for_each(|name| add(name, true));
+        let threads = any(&|a| !a.threads.is_empty());
+        add("threads", threads || said("threads"));
+        names
     }
 
     /// The rows; numbers count those that are left out, too.
     pub(super) fn product(&self) -> anyhow::Result<Vec<Case>> {
-        let axes = &self.axes;
-        let scenes = axes.scene.iter().cloned().map(Origin::Scene);
-        let systems = axes.system.iter().cloned().map(Origin::System);
+        let names = self.axis_names();
         let mut cases = Vec::new();
-        for origin in scenes.chain(systems) {
-            let is_scene = matches!(origin, Origin::Scene(_));
-            let mut sizes: Vec<usize> = axes.set.values().map(Vec::len).collect();
-            sizes.push(axes.refine.len());
-            if !is_scene {
-                sizes.fill(1);
-            }
-            sizes.extend([
-                axes.rhs.len(),
-                axes.method.len(),
-                axes.augmentation.len(),
-                axes.inner.len(),
-                axes.krylov.len(),
-                axes.tolerance.len(),
-            ]);
-            let rows = sizes
-                .iter()
-                .try_fold(1_usize, |n, size| n.checked_mul(*size));
-            let rows = rows.filter(|n| n.saturating_add(cases.len()) <= MOST);
-            let Some(rows) = rows else {
-                bail!("the product of the axes has more than {MOST} rows");
-            };
-            ensure!(rows > 0, "an axis without a value leaves no row");
-            for row in 0..rows {
-                let number = cases.len() + 1;
-                cases.push(self.case(number, &origin, &places(row, &sizes)));
+        for axes in &self.axes.0 {
+            for list in axes.lists() {
+                let sizes: Vec<usize> = list.iter().map(|axis| axis.values.len()).collect();
+                let rows = sizes
+                    .iter()
+                    .try_fold(1_usize, |n, size| n.checked_mul(*size));
+                let rows = rows.filter(|n| n.saturating_add(cases.len()) <= MOST);
+                let Some(rows) = rows else {
+                    bail!("the product of the axes has more than {MOST} rows");
+                };
+                ensure!(rows > 0, "an axis without a value leaves no row");
+                for row in 0..rows {
+                    let number = cases.len() + 1;
+                    let places = places(row, &sizes);
+                    cases.push(Case {
+                        only: axes.measures.clone(),
+                        ..case(number, &axes.part, &list, &places, &names)
+                    });
+                }
             }
         }
+        let unsourced = cases
+            .iter()
+            .find(|case| case.setting.scene.is_some() == case.setting.system.is_some());
+        ensure!(
+            unsourced.is_none(),
+            "every row needs a scene or a system: [axes] scene = [\"crossing\"]"
+        );
         self.without_skipped(cases)
-    }
-
-    fn case(&self, number: usize, origin: &Origin, places: &[usize]) -> Case {
-        let axes = &self.axes;
-        let (of_set, rest) = places.split_at(axes.set.len());
-        let chosen: Vec<(&String, &Value)> = (axes.set.iter())
-            .zip(of_set)
-            .map(|((key, values), place)| (key, &values[*place]))
-            .collect();
-        let is_scene = matches!(origin, Origin::Scene(_));
-        let (refine, rhs) = (axes.refine[rest[0]], axes.rhs[rest[1]].clone());
-        let method = axes.method[rest[2]].clone();
-        let augmentation = axes.augmentation[rest[3]].clone();
-        let inner = axes.inner[rest[4]].clone();
-        let krylov = axes.krylov[rest[5]].clone();
-        let tolerance = axes.tolerance[rest[6]].0;
-        let of_scenes = |text: String| if is_scene { text } else { String::new() };
-        let mut fields = Vec::new();
-        let (scene, system) = match origin {
-            Origin::Scene(name) => (name.as_str(), ""),
-            Origin::System(name) => ("", name.as_str()),
-        };
-        fields.extend((!axes.scene.is_empty()).then(|| scene.to_owned()));
-        fields.extend((!axes.system.is_empty()).then(|| system.to_owned()));
-        fields.extend(chosen.iter().map(|(_, value)| of_scenes(text(value))));
-        fields.extend([
-            of_scenes(refine.to_string()),
-            rhs.to_string(),
-            method.to_string(),
-            augmentation.to_string(),
-            inner.to_string(),
-            krylov.to_string(),
-            text(&Value::Float(tolerance)),
-        ]);
-        let set = chosen.iter().filter(|_| is_scene);
-        Case {
-            number,
-            origin: origin.clone(),
-            set: set.map(|(key, value)| format!("{key}={value}")).collect(),
-            refine: if is_scene { refine } else { NonZeroU32::MIN },
-            rhs,
-            method,
-            augmentation,
-            inner,
-            krylov,
-            tolerance,
-            fields,
-        }
     }
 
     fn without_skipped(&self, mut cases: Vec<Case>) -> anyhow::Result<Vec<Case>> {
         let names = self.axis_names();
         for (k, skip) in self.skip.iter().enumerate() {
-            let mut wanted: Vec<(usize, Vec<String>)> = Vec::new();
-            let mut unknown = None;
-            flatten(skip, "", &mut |key, value| {
-                let values = match value {
-                    Value::Array(values) => values.iter().map(text).collect(),
-                    single => vec![text(single)],
-                };
-                match names.iter().position(|name| *name == key) {
-                    Some(column) => wanted.push((column, values)),
-                    None => unknown = Some(key),
-                }
-            });
-            if let Some(key) = unknown {
-                let names = names.join(", ");
+            let wanted = Wanted::new(skip);
+            if let Some(key) = wanted.0.iter().find(|(key, _)| !names.contains(key)) {
+                let (key, names) = (&key.0, names.join(", "));
                 bail!(
                     "[[skip]] {}: no axis is called `{key}`; there are: {names}",
                     k + 1
                 );
             }
             let before = cases.len();
-            let is_meant = |case: &Case| {
-                (wanted.iter()).all(|(column, values)| values.contains(&case.fields[*column]))
+            let field = |case: &Case, name: &str| {
+                let column = names.iter().position(|known| known == name);
+                column.map_or(String::new(), |column| case.fields[column].clone())
             };
-            cases.retain(|case| !is_meant(case));
+            cases.retain(|case| !wanted.is_met(|name| field(case, name)));
             ensure!(cases.len() < before, "[[skip]] {} matches no row", k + 1);
         }
         ensure!(!cases.is_empty(), "every row is skipped");
         Ok(cases)
+    }
+}
+
+/// What the fields of a row have to be: one of these values each; `"<5"` and `">=5"` bound a number.
+pub(super) struct Wanted(pub(super) Vec<(String, Vec<String>)>);
+
+impl Wanted {
+    pub(super) fn new(of: &Table) -> Self {
+        let mut wanted = Vec::new();
+        super::axes::flatten(of, "", &mut |key, value| {
+            let values = match value {
+                Value::Array(values) => values.iter().map(text).collect(),
+                single => vec![text(single)],
+            };
+            wanted.push((key, values));
+        });
+        Self(wanted)
+    }
+
+    pub(super) fn is_met(&self, field: impl Fn(&str) -> String) -> bool {
+        let meets = |field: &str, value: &String| {
+            let bound = |sign: &str| Some(value.strip_prefix(sign)?.trim().parse::<f64>().ok());
+            match (bound(">="), bound("<"), field.parse::<f64>()) {
+                (Some(Some(low)), _, Ok(found)) => found >= low,
+                (_, Some(Some(high)), Ok(found)) => found < high,
+                _ => field == value,
+            }
+        };
+        self.0.iter().all(|(name, values)| {
+            let field = field(name);
+            values.iter().any(|value| meets(&field, value))
+        })
+    }
+}
+
+fn case(place: usize, part: &str, list: &[Axis], places: &[usize], names: &[String]) -> Case {
+    let mut setting = Setting::default();
+    let mut variants = BTreeMap::new();
+    let chosen = || list.iter().zip(places);
+    for (axis, place) in chosen().filter(|(axis, _)| axis.name.is_empty()) {
+        setting.take(&axis.values[*place]);
+    }
+    // a variant knows better
+    for (axis, place) in chosen().filter(|(axis, _)| !axis.name.is_empty()) {
+        let variant = &axis.values[*place];
+        setting.take(variant);
+        variants.insert(axis.name.as_str(), variant.name.clone());
+    }
+    let s = &setting;
+    let field = |name: &String| -> String {
+        fn said<V: ToString>(value: &Option<V>) -> String {
+            value.as_ref().map_or(String::new(), V::to_string)
+        }
+        fn chosen<V: Clone>(value: &Option<Choice<V>>) -> String {
+            value.clone().unwrap_or_default().to_string()
+        }
+        if let Some(variant) = variants.get(name.as_str()) {
+            return variant.clone();
+        }
+        match name.as_str() {
+            "part" => part.to_owned(),
+            "scene" => said(&s.scene),
+            "system" => said(&s.system),
+            "refine" => said(&s.refine),
+            "state" => said(&s.state),
+            "stabilization" => s.stabilization.map_or(String::new(), number),
+            "rhs" => chosen(&s.rhs),
+            "method" => chosen(&s.method),
+            "augmentation" => chosen(&s.augmentation),
+            "inner" => chosen(&s.inner),
+            "krylov" => chosen(&s.krylov),
+            "tolerance" => s.tolerance.map_or(String::new(), |t| number(t.0)),
+            "threads" => said(&s.threads),
+            key => s.set.get(key).map_or(String::new(), text),
+        }
+    };
+    let fields = names.iter().map(field).collect();
+    Case {
+        number: place,
+        setting,
+        fields,
+        only: Vec::new(),
     }
 }
 

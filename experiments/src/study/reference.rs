@@ -32,7 +32,9 @@ impl Reference {
             method: SaddleMethod::Direct(Direct::default()),
             inner: InnerRule::Fixed,
             tolerance: TOLERANCE,
-            rhs: case.rhs.value.map(|load| load.known()),
+            rhs: (case.setting.rhs.as_ref())
+                .and_then(|rhs| rhs.value)
+                .map(|load| load.known()),
             ..Solve::default()
         };
         let mut solver = settings.set_up(problem, &mut Silent)?;

@@ -2,8 +2,10 @@
 
 use super::Study;
 use super::csv::records;
+use super::findings::{Fields, Findings};
+use super::measured::Measured;
 use super::product::Case;
-use super::solving::Measured;
+use crate::plot::Spectrum;
 use crate::report::{quote, write_whole};
 use anyhow::{Context, bail, ensure};
 use std::collections::BTreeMap;
@@ -14,6 +16,7 @@ use toml::{Table, Value};
 
 const STUDY: &str = "study.toml";
 const ROWS: &str = "rows.csv";
+const SPECTRA: &str = "spectra";
 
 /// Rows on the disk, and the file that takes further ones; no second process takes it.
 pub(super) struct Rows {
@@ -122,61 +125,75 @@ impl Rows {
         case: &Case,
         measured: &Measured,
     ) -> anyhow::Result<String> {
-        let mut fields = vec![case.number.to_string()];
-        fields.extend(case.fields.iter().cloned());
-        fields.push(measured.ran());
-        fields.extend(study.measured().iter().map(|name| name.field(measured)));
-        let outcome = measured.outcome.map_or(String::new(), |o| o.to_string());
-        fields.push(outcome.clone());
-        // a row is a line
-        fields.push(
-            measured
-                .reasons
-                .join("; ")
-                .split_whitespace()
-                .collect::<Vec<_>>()
-                .join(" "),
-        );
+        let (fields, spectrum) = fields(study, case, measured);
+        if let Some(spectrum) = spectrum {
+            let folder = self.path.with_file_name(SPECTRA);
+            std::fs::create_dir_all(&folder)?;
+            let text = toml::to_string(&spectrum)?;
+            write_whole(&folder.join(format!("{}.toml", case.number)), &text)?;
+        }
         self.append(&fields)?;
         self.known.insert(case.number, fields);
+        let outcome = measured.outcome.map_or(String::new(), |o| o.to_string());
         Ok(outcome)
     }
 
     /// Brings the file into the order of the product, where several rows at once have left another one.
-    pub(super) fn close(self) -> anyhow::Result<Findings> {
+    pub(super) fn close(self, study: &Study) -> anyhow::Result<Findings> {
         let mut text = line(&self.header);
         self.known.values().for_each(|fields| text += &line(fields));
         if std::fs::read_to_string(&self.path)? != text {
             write_whole(&self.path, &text)?;
         }
-        Ok(Findings {
-            header: self.header,
-            rows: self.known.into_values().collect(),
-        })
+        let mut findings = Findings::new(self.header, &study.published);
+        for number in self.known.keys().filter(|_| study.keeps_spectra()) {
+            let file = self
+                .path
+                .with_file_name(SPECTRA)
+                .join(format!("{number}.toml"));
+            if let Ok(text) = std::fs::read_to_string(file) {
+                findings.spectra.insert(*number, toml::from_str(&text)?);
+            }
+        }
+        findings.rows = self.known.into_values().collect();
+        Ok(findings)
     }
 }
 
-/// Every row, in the order of the product.
-pub(super) struct Findings {
-    pub(super) header: Vec<String>,
-    pub(super) rows: Vec<Vec<String>>,
+/// A row as fields, and its eigenvalues where they are needed later.
+pub(super) fn fields(
+    study: &Study,
+    case: &Case,
+    measured: &Measured,
+) -> (Fields, Option<Spectrum>) {
+    let mut fields = vec![case.number.to_string()];
+    fields.extend(case.fields.iter().cloned());
+    fields.push(
+        measured
+            .run
+            .as_ref()
+            .map_or(String::new(), |r| r.ran.clone()),
+    );
+    let measures = study.measured().into_iter().map(|name| {
+        let is_told = study.clock || !name.is_measured();
+        if is_told {
+            name.field(measured)
+        } else {
+            String::new()
+        }
+    });
+    fields.extend(measures);
+    fields.push(measured.outcome.map_or(String::new(), |o| o.to_string()));
+    // a row is a line
+    let reason = measured.reasons.join("; ");
+    fields.push(reason.split_whitespace().collect::<Vec<_>>().join(" "));
+    let keeps = study.keeps_spectra();
+    let spectrum = measured.spectrum.as_ref().filter(|_| keeps);
+    (fields, spectrum.map(Spectrum::from))
 }
 
-impl Findings {
-    /// The field of a row under a heading.
-    pub(super) fn field<'a>(&self, row: &'a [String], name: &str) -> &'a str {
-        let column = self.header.iter().position(|heading| heading == name);
-        column.map_or("", |column| &row[column])
-    }
-
-    /// The same as a number.
-    pub(super) fn number(&self, row: &[String], name: &str) -> Option<f64> {
-        let value = self.field(row, name).parse::<f64>().ok();
-        value.filter(|value| value.is_finite())
-    }
-}
-
-fn header(study: &Study) -> Vec<String> {
+/// Names of the columns.
+pub(super) fn header(study: &Study) -> Vec<String> {
     let measures = study
         .measured()
         .into_iter()

@@ -1,48 +1,22 @@
 //! One row: a system, a method, and what is measured.
 
-use super::Inner;
+use super::counted::counted;
+use super::measure::Group;
+use super::measured::{Contact, Measured};
 use super::outcome::Outcome;
-use super::product::{Case, Origin};
+use super::prepared::Prepared;
+use super::product::Case;
 use super::reference::Reference;
-use super::refine::refined;
-use super::{Limit, Study};
-use crate::scenes;
+use super::{Counts, Inner, Limit, Name, Study};
 use crate::sentence;
-use crate::trial::Budget;
 use fracas::memory;
 use fracas::run::Stop;
-use fracas::solve::{End, Problem, Route, Solve, Solved, Solver, StuckBody, SystemKind};
+use fracas::solve::{End, Problem, Route, Solve, Solver, SystemKind};
 use fracas_solvers::saddle::SaddleMethod;
-use fracas_solvers::spectrum::{SpectrumReport, SpectrumRequest, analyse_method};
+use fracas_solvers::spectrum::{SpectrumRequest, analyse_method};
 use fracas_solvers::{Observer, Silent, Step};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
-
-/// What a row brought to light.
-#[derive(Default)]
-pub(super) struct Measured {
-    pub(super) solved: Option<Solved>,
-    /// Of u and t, against a reference.
-    pub(super) errors: Option<[f64; 2]>,
-    pub(super) spectrum: Option<SpectrumReport>,
-    pub(super) outcome: Option<Outcome>,
-    /// Why, or what to mind; several sentences behind each other.
-    pub(super) reasons: Vec<String>,
-}
-
-impl Measured {
-    /// The method that ran, with its parts.
-    pub(super) fn ran(&self) -> String {
-        let Some(solved) = &self.solved else {
-            return String::new();
-        };
-        let mut ran = solved.method.clone();
-        for part in [&solved.augmentation, &solved.inner].into_iter().flatten() {
-            ran = format!("{ran} {part}");
-        }
-        format!("{ran} {}", solved.krylov)
-    }
-}
 
 /// Stops an iteration on request, or when its time is over.
 pub(super) struct Watch<'a> {
@@ -78,80 +52,179 @@ impl Observer for Watch<'_> {
     }
 }
 
+impl Limit {
+    /// Most iterations of a method whose M⁻¹ costs c_app products: C_s = n_it (1 + c_app).
+    pub(super) fn most(&self, c_app: f64) -> usize {
+        let affordable = (self.products / (1.0 + c_app)).min(1e9) as usize;
+        self.iterations.min(affordable)
+    }
+
+    /// What a limit of `most` iterations means.
+    pub(super) fn met(&self, most: usize) -> (Outcome, Option<String>) {
+        if most < self.iterations {
+            let above = self.products;
+            let reason = format!("given up after {most} iterations: C_s above {above}");
+            return (Outcome::CostLimit, Some(reason));
+        }
+        let reason = format!("not converged in {most} iterations");
+        (Outcome::IterationLimit, Some(reason))
+    }
+
+    pub(super) fn seconds_over(&self, iterations: usize) -> (Outcome, Option<String>) {
+        let seconds = self.seconds.unwrap_or_default();
+        let reason = format!("stopped after {iterations} iterations: its {seconds} s are over");
+        (Outcome::CostLimit, Some(reason))
+    }
+}
+
 /// Gives a solver the right-hand side of a row, where it does not know it.
 pub(super) fn load(solver: &mut Solver, case: &Case) {
-    let entries = case
-        .rhs
-        .value
-        .and_then(|load| load.entries(solver.unknowns()));
+    let load = case.setting.rhs.as_ref().and_then(|rhs| rhs.value);
+    let entries = load.and_then(|load| load.entries(solver.unknowns()));
     if let Some(entries) = entries {
         solver.set_rhs(entries);
     }
 }
 
-impl Case {
-    /// Reads what is solved; nothing is meshed.
-    pub(super) fn problem(&self) -> anyhow::Result<Problem> {
-        match &self.origin {
-            Origin::System(folder) => Ok(Problem::Folder(folder.into())),
-            Origin::Scene(name) => {
-                let scene = scenes::load(name)?.with_overrides(&self.set)?;
-                let scene = refined(scene, self.refine)?;
-                Ok(Problem::Body(StuckBody::of_scene(name, scene)))
-            }
-        }
+/// What rows behind each other share.
+#[derive(Default)]
+pub(super) struct Shared {
+    prepared: Option<Prepared>,
+    reference: Option<Reference>,
+}
+
+impl Shared {
+    /// Gives back what serves this row no longer, so that its memory is its own.
+    fn make_room(&mut self, case: &Case, raw: Option<bool>) {
+        self.prepared
+            .take_if(|own| !raw.is_some_and(|raw| own.serves(case, raw)));
+        self.reference.take_if(|own| !own.serves(case));
     }
 
+    fn prepared(&mut self, case: &Case, raw: bool) -> anyhow::Result<&mut Prepared> {
+        match &mut self.prepared {
+            Some(prepared) => Ok(prepared),
+            none => Ok(none.insert(Prepared::new(case, raw)?)),
+        }
+    }
+}
+
+/// A row in the making.
+pub(super) struct Row<'a> {
+    pub(super) case: &'a Case,
+    pub(super) study: &'a Study,
+    /// Measures that are asked for.
+    pub(super) names: &'a [Name],
+    pub(super) stop: &'a (dyn Stop + Sync),
+}
+
+impl Row<'_> {
     /// Solves and measures; what fails is an outcome. `None` where the wish to stop came first.
-    pub(super) fn measured(
-        &self,
-        study: &Study,
-        reference: &mut Option<Reference>,
-        stop: &dyn Stop,
-    ) -> Option<Measured> {
+    pub(super) fn measured(&self, shared: &mut Shared) -> Option<Measured> {
         let mut measured = Measured::default();
-        if let Err(error) = self.measure(study, reference, stop, &mut measured) {
+        if let Err(error) = self.measure(shared, &mut measured) {
             // what is known already stays
             let outcome = Outcome::of_error(&error);
             measured.outcome.get_or_insert(outcome);
             measured.reasons.push(sentence::of(&error));
         }
-        stop.asked().is_none().then_some(measured)
+        self.stop.asked().is_none().then_some(measured)
     }
 
-    fn measure(
-        &self,
-        study: &Study,
-        reference: &mut Option<Reference>,
-        stop: &dyn Stop,
-        measured: &mut Measured,
-    ) -> anyhow::Result<()> {
-        let problem = self.problem()?;
-        let settings = self.settings(study)?;
-        self.solve(&settings, &problem, &study.limit, stop, measured)?;
-        if stop.asked().is_some() {
+    fn asks(&self, groups: &[Group]) -> bool {
+        (self.names.iter()).any(|name| groups.contains(&name.group()))
+    }
+
+    fn measure(&self, shared: &mut Shared, measured: &mut Measured) -> anyhow::Result<()> {
+        let settings = self.settings()?;
+        measured.c = settings.method.augmentation();
+        measured.asked = settings.krylov.unwrap_or_default().to_string();
+        let (setting, study) = (&self.case.setting, self.study);
+        let solves = self.asks(&[Group::Solve, Group::Clock, Group::Count]);
+        let counts = setting.counts.unwrap_or(study.counts);
+        let (published, spectral) = (
+            solves && counts == Counts::Published,
+            self.asks(&[Group::Spectrum]),
+        );
+        let conditions = self.asks(&[Group::Condition]);
+        let prepares = published || conditions || spectral || !solves || setting.state.is_some();
+        shared.make_room(self.case, prepares.then_some(spectral || conditions));
+        memory::reset_peak();
+        if prepares {
+            let prepared = shared.prepared(self.case, spectral || conditions)?;
+            facts(prepared, measured);
+            let n: usize = measured.sizes.iter().flatten().sum();
+            if self.is_too_large(n, measured) {
+                return Ok(());
+            }
+            if published {
+                let mut watch = Watch::within(self.stop, &study.limit);
+                let (run, outcome, reason) =
+                    counted(self.case, &settings, prepared, &study.limit, &mut watch)?;
+                measured.run = Some(run);
+                measured.outcome = Some(outcome);
+                measured.reasons.extend(reason);
+            }
+        }
+        if solves && !published {
+            let problem = match (setting.state, &shared.prepared) {
+                (Some(_), Some(prepared)) => Problem::Blocks(prepared.blocks.clone()),
+                _ => self.case.problem()?,
+            };
+            self.solve(&settings, &problem, measured)?;
+            if study.reference && measured.run.is_some() {
+                self.compare(&problem, &mut shared.reference, measured);
+            }
+        }
+        if self.stop.asked().is_some() {
             return Ok(());
         }
-        if study.reference {
-            self.compare(&problem, reference, stop, measured);
+        if conditions {
+            self.conditions(&settings, shared.prepared(self.case, true)?, measured)?;
         }
-        if study.is_spectral() {
-            self.analyse(&settings, &problem, measured)?;
+        if spectral {
+            let blocks = &shared.prepared(self.case, true)?.blocks;
+            let kind = SystemKind::Entries("a spectrum");
+            let method: SaddleMethod = Route::new(&settings.method, settings.inner, kind)?.method;
+            let request = SpectrumRequest {
+                conditions: false,
+                dense_limit: (setting.dense).unwrap_or(SpectrumRequest::default().dense_limit),
+                ..SpectrumRequest::default()
+            };
+            let report = analyse_method(blocks, &method, &request, &mut Silent)?;
+            (measured.reasons).extend(report.notes.iter().map(|note| format!("spectrum: {note}")));
+            measured.spectrum = Some(report);
         }
+        measured.outcome.get_or_insert(Outcome::Measured);
         Ok(())
     }
 
-    fn settings(&self, study: &Study) -> anyhow::Result<Solve> {
-        let (inner, rule) = Inner::choose(self.inner.value);
-        let method = self.method.value.unwrap_or_default();
+    fn is_too_large(&self, n: usize, measured: &mut Measured) -> bool {
+        let Some(largest) = self.case.setting.largest.filter(|largest| n > *largest) else {
+            return false;
+        };
+        measured.outcome = Some(Outcome::NotTried);
+        let reason = format!("not tried above {largest} unknowns");
+        measured.reasons.push(reason);
+        true
+    }
+
+    fn settings(&self) -> anyhow::Result<Solve> {
+        fn value<V: Clone>(choice: &Option<super::Choice<V>>) -> Option<V> {
+            choice.as_ref().and_then(|choice| choice.value.clone())
+        }
+        let s = &self.case.setting;
+        let (inner, rule) = Inner::choose(value(&s.inner));
+        let method = value(&s.method).unwrap_or_default();
+        let c = value(&s.augmentation);
         Ok(Solve {
-            method: method.with_parts(self.augmentation.value, inner)?,
+            method: method.with_parts(c, inner)?,
             inner: rule,
-            krylov: self.krylov.value,
-            measure: study.tolerance_of,
-            tolerance: self.tolerance,
-            max_iterations: study.limit.iterations,
-            rhs: self.rhs.value.map(|load| load.known()),
+            krylov: value(&s.krylov),
+            measure: self.study.tolerance_of,
+            tolerance: s.tolerance.map_or(Solve::default().tolerance, |t| t.0),
+            max_iterations: self.study.limit.iterations,
+            rhs: value(&s.rhs).map(|load| load.known()),
             ..Solve::default()
         })
     }
@@ -160,49 +233,34 @@ impl Case {
         &self,
         settings: &Solve,
         problem: &Problem,
-        limit: &Limit,
-        stop: &dyn Stop,
         measured: &mut Measured,
     ) -> anyhow::Result<()> {
-        memory::reset_peak();
-        let mut watch = Watch::within(stop, limit);
+        let limit = &self.study.limit;
+        let mut watch = Watch::within(self.stop, limit);
+        let start = Instant::now();
         let mut solver = settings.set_up(problem, &mut watch)?;
-        load(&mut solver, self);
-        let budget = Budget {
-            iterations: limit.iterations,
-            cost: limit.products,
-        };
-        let most = budget.most(solver.cost().c_app());
+        if self.is_too_large(solver.unknowns(), measured) {
+            return Ok(());
+        }
+        // all that is before the set-up
+        measured.assembly_s = Some(0.0);
+        measured.mesh_s = Some((start.elapsed().as_secs_f64() - solver.setup_s()).max(0.0));
+        load(&mut solver, self.case);
+        let most = limit.most(solver.cost().c_app());
         solver.set_max_iterations(most);
         let solved = solver.solve(&mut watch)?;
         let (outcome, reason) = match solved.outcome {
             End::Converged => (Outcome::Converged, None),
-            End::IterationLimit if most < limit.iterations => (
-                Outcome::CostLimit,
-                Some(format!(
-                    "given up after {} iterations: C_s above {}",
-                    solved.iterations, limit.products
-                )),
-            ),
-            End::IterationLimit => (
-                Outcome::IterationLimit,
-                Some(format!("not converged in {} iterations", solved.iterations)),
-            ),
-            End::Stopped => (
-                Outcome::CostLimit,
-                Some(format!(
-                    "stopped after {} iterations: its {} s are over",
-                    solved.iterations,
-                    limit.seconds.unwrap_or_default()
-                )),
-            ),
+            End::IterationLimit => limit.met(most),
+            End::Stopped => limit.seconds_over(solved.iterations),
             End::Breakdown => (Outcome::Breakdown, None),
         };
+        measured.sizes = Some([solved.n_u, solved.n_t, solved.n_p]);
         measured.outcome = Some(outcome);
         measured.reasons.extend(reason);
         measured.reasons.extend(solved.reason.clone());
         (measured.reasons).extend(solved.findings.iter().map(ToString::to_string));
-        measured.solved = Some(solved);
+        measured.run = Some(solved.into());
         Ok(())
     }
 
@@ -211,12 +269,10 @@ impl Case {
         &self,
         problem: &Problem,
         reference: &mut Option<Reference>,
-        stop: &dyn Stop,
         measured: &mut Measured,
     ) {
-        if !reference.as_ref().is_some_and(|own| own.serves(self)) {
-            *reference = None;
-            match Reference::new(self, problem, stop) {
+        if reference.is_none() {
+            match Reference::new(self.case, problem, self.stop) {
                 Ok(new) => *reference = Some(new),
                 Err(error) => {
                     let why = sentence::of(&error);
@@ -224,23 +280,47 @@ impl Case {
                 }
             }
         }
-        measured.errors = (reference.as_ref().zip(measured.solved.as_ref()))
-            .map(|(reference, solved)| reference.errors(&solved.x));
+        measured.errors = (reference.as_ref().zip(measured.run.as_ref()))
+            .map(|(reference, run)| reference.errors(&run.x));
     }
 
-    fn analyse(
+    fn conditions(
         &self,
         settings: &Solve,
-        problem: &Problem,
+        prepared: &mut Prepared,
         measured: &mut Measured,
     ) -> anyhow::Result<()> {
-        let kind = SystemKind::Entries("a spectrum");
-        let method: SaddleMethod = Route::new(&settings.method, settings.inner, kind)?.method;
-        let blocks = problem.load(&mut Silent)?.blocks;
-        let request = SpectrumRequest::default();
-        let report = analyse_method(&blocks, &method, &request, &mut Silent)?;
-        (measured.reasons).extend(report.notes.iter().map(|note| format!("spectrum: {note}")));
-        measured.spectrum = Some(report);
+        let asks = |names: &[Name]| names.iter().any(|name| self.names.contains(name));
+        if asks(&[Name::Kernel, Name::ConditionA, Name::ConditionError]) {
+            measured.stiffness = Some(prepared.stiffness()?);
+        }
+        let plain = asks(&[Name::ConditionSu, Name::ConditionError]);
+        let wanted = [plain, asks(&[Name::ConditionScaled])];
+        if let Some(c) = settings.method.augmentation() {
+            measured.schur = prepared.schur(c, wanted)?;
+        }
         Ok(())
     }
+}
+
+/// What the matrices say before anything is solved.
+fn facts(prepared: &Prepared, measured: &mut Measured) {
+    let blocks = &prepared.blocks;
+    let n_p = blocks.size() - blocks.n_u() - blocks.n_t();
+    measured.sizes = Some([blocks.n_u(), blocks.n_t(), n_p]);
+    measured.mesh_s = Some(prepared.mesh_s);
+    measured.assembly_s = Some(prepared.assembly_s);
+    measured.contact = prepared.state.as_ref().map(|state| {
+        let (own_rows, is_symmetric) = state.own_rows();
+        Contact {
+            slip: state.percent(1),
+            open: state.percent(2),
+            own_rows,
+            is_symmetric,
+            newton: state.newton,
+            has_converged: state.converged,
+            tension: state.tension,
+            overlap: state.overlap,
+        }
+    });
 }

@@ -42,7 +42,7 @@ fn column(rows: &[Vec<String>], name: &str) -> Vec<String> {
 
 /// What no second run repeats left out.
 fn without_times(rows: &[Vec<String>]) -> Vec<Vec<String>> {
-    let measured = ["setup_s", "solve_s", "memory"];
+    let measured = ["mesh_s", "assembly_s", "setup_s", "solve_s", "memory"];
     let keep: Vec<bool> = (rows[0].iter())
         .map(|heading| !measured.contains(&heading.as_str()))
         .collect();
@@ -266,10 +266,134 @@ fn what_is_wrong_is_said_with_its_line() {
     );
     refused(
         &STUDY.replace("y = \"n_it\"", "y = \"n_its\""),
-        "[[figure]] 1: `y` is `n_its`; there are: n, n_u",
+        "study.toml:11: [[figure]] 1: `y` is `n_its` (did you mean `n_it`?); there are: n, n_u",
+    );
+    let with = |section: &str| format!("{STUDY}\n{section}\n");
+    refused(
+        &with("[[check]]\nclaim = \"few\"\nof = \"n_it / n_x\"\nmax = 1"),
+        "study.toml:21: [[check]] 1: `of` is `n_x` (did you mean `n_u`?)",
+    );
+    refused(
+        &with("[[check]]\nclaim = \"few\"\nof = \"n_it\""),
+        "[[check]] 1: it needs one of min, max, equals, is",
+    );
+    refused(
+        &with("[[check]]\nclaim = \"few\"\nof = \"n_it\"\nmaks = 1"),
+        "study.toml:24:1: unknown key `maks`, did you mean `max`?",
+    );
+    refused(
+        &with("[[table]]\nid = \"t\"\ncolumns = [\"a = (n_it\"]"),
+        "[[table]] 1: `columns` is `(n_it`: a bracket is not closed",
+    );
+    refused(
+        &STUDY.replace("refine =", "state = [\"slip:1.5\"]\nrefine ="),
+        "no contact state `slip:1.5`",
     );
     refused(
         &format!("{STUDY}\n[[skip]]\nmethod = \"direct\"\n"),
         "[[skip]] 1 matches no row",
+    );
+}
+
+/// Variants with their own C, a contact state, a pivot and claims.
+const VARIANTS: &str = r#"
+title = "Variants"
+counts = "published"
+published = [{ where = { variant = "relaxed" }, source = "a table", n_it = 100 }]
+
+[axes]
+scene = ["analogue_b:small"]
+state = ["stick", "slip:0.5"]
+together = [{ name = "variant", values = [
+  { name = "relaxed", augmentation = "fitted_h", inner = "amg" },
+  { name = "as published", method = "racp:0", augmentation = "local_h", inner = "exact", largest = 100 },
+] }]
+
+[[table]]
+id = "pivot"
+rows = ["state"]
+columns = ["state", "slip [%] = slip", { name = "relaxed", of = "n_it", where = { variant = "relaxed" } }, { name = "published", of = "n_it", where = { variant = "as published" } }, "share = n_it / published.n_it"]
+
+[[check]]
+claim = "{state}: fewer than published"
+of = "n_it"
+where = { variant = "relaxed" }
+max = "published.n_it"
+
+[[check]]
+claim = "slip costs little"
+of = "n_it"
+where = { variant = "relaxed" }
+pair = "variant"
+over = { where = { state = "stick" } }
+take = "max"
+max = 2
+"#;
+
+#[test]
+fn variants_states_pivots_and_claims_are_data() {
+    let (file, out) = study("study-variants", VARIANTS);
+    let ran = fracas(&["study", &file, "--out", out.to_str().unwrap()]);
+    assert_eq!(ran.status, 0, "{}", ran.stderr);
+    let outcomes = column(&rows(&out), "outcome");
+    assert_eq!(
+        outcomes,
+        ["converged", "not_tried", "converged", "not_tried"]
+    );
+    let pivot = std::fs::read_to_string(out.join("figures/pivot.csv")).unwrap();
+    let lines: Vec<Vec<&str>> = pivot
+        .lines()
+        .map(|line| line.split(',').collect())
+        .collect();
+    assert_eq!(
+        lines[0],
+        ["state", "slip [%]", "relaxed", "published", "share"]
+    );
+    assert_eq!([lines[1][0], lines[1][1], lines[1][3]], ["stick", "0", ""]);
+    assert_eq!([lines[2][0], lines[2][1]], ["slip:0.5", "50"]);
+    let [n_it, share] = [2, 4].map(|k| lines[2][k].parse::<f64>().unwrap());
+    assert_eq!(share, n_it / 100.0);
+    // the same claim with a bound that cannot hold
+    let text = VARIANTS.replace("max = 2\n", "max = 0.5\n");
+    let (file, out) = study("study-fails", &text);
+    let ran = fracas(&["study", &file, "--out", out.to_str().unwrap()]);
+    assert_eq!(ran.status, 4, "{}", ran.stderr);
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.contains("slip costs little") && page.contains("fails"));
+}
+
+#[test]
+fn a_study_of_the_gallery_is_known_by_name_and_goes_on_as_reproduce_prints_it() {
+    let out = scratch("study-gallery");
+    let [own, chapter] = ["own", "chapter"].map(|name| out.join(name));
+    let level = ["--level", "smoke", "--out"];
+    let at = |command: &str, out: &Path| {
+        let arguments = [&[command, "e02"], &level[..], &[out.to_str().unwrap()]].concat();
+        let ran = fracas(&arguments);
+        assert_eq!(ran.status, 0, "{}", ran.stderr);
+    };
+    at("study", &own);
+    // eigenvalues of the rows come back from the disk
+    std::fs::remove_dir_all(own.join("figures")).unwrap();
+    at("study", &own);
+    at("reproduce", &chapter);
+    for name in [
+        "e02_spectra.csv",
+        "e02_exact_h.csv",
+        "e02_ssor_local_h_h.csv",
+    ] {
+        let read = |folder: std::path::PathBuf| std::fs::read_to_string(folder.join(name)).unwrap();
+        assert_eq!(
+            read(own.join("figures")),
+            read(chapter.join("e02")),
+            "{name}"
+        );
+    }
+    let ran = fracas(&["study", "e02", "--level", "smok", "--out", "nowhere"]);
+    assert!(
+        ran.stderr
+            .contains("e02.toml has no level `smok`; there are: smoke"),
+        "{}",
+        ran.stderr
     );
 }

@@ -1,4 +1,4 @@
-//! A body with patches of slip and opening, brought to equilibrium with them.
+//! Contact states: patches of slip and opening, and the body in equilibrium with them.
 
 use fracas::contact::{ContactState, JumpStabilization};
 use fracas::jacobian::{ContactPoint, ContactSystem};
@@ -8,7 +8,10 @@ use fracas_operators::vector::{axpy, norm2};
 use fracas_solvers::Prepare;
 use fracas_solvers::Silent;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, System};
-use fracas_solvers::saddle::{Iterated, Racp, SaddleBlocks, SaddleOperator, T, U};
+use fracas_solvers::saddle::{Elimination, Iterated, Racp, SaddleBlocks, SaddleOperator, T, U};
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+use std::fmt;
+use std::str::FromStr;
 
 /// Newton steps that a fixed state may take; each step after the first one without new slip squares the error.
 const NEWTON_LIMIT: usize = 12;
@@ -22,13 +25,72 @@ const OVERPRESSURE: f64 = 1.5;
 /// The patch of every fracture grows around this point of its bounding box (a hypocentre off the middle).
 const HYPOCENTRE: [f64; 3] = [0.44, 0.42, 0.38];
 
-/// Shares of the faces of every fracture.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Shares {
+/// State of the faces of every fracture: `stick`, `slip:0.25`, `open:0.1`, `slip:0.15+open:0.1`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct State {
     /// Slip, around the open patch.
-    pub slip: f64,
+    slip: f64,
     /// Open, around the hypocentre.
-    pub open: f64,
+    open: f64,
+}
+
+/// What is no state.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "no contact state `{0}`; write stick, slip:SHARE, open:SHARE or slip:SHARE+open:SHARE, shares of at most 1 together"
+)]
+pub struct UnknownState(String);
+
+impl FromStr for State {
+    type Err = UnknownState;
+
+    fn from_str(text: &str) -> Result<Self, UnknownState> {
+        let unknown = || UnknownState(text.into());
+        let mut state = Self::default();
+        if text == "stick" {
+            return Ok(state);
+        }
+        for part in text.split('+') {
+            let (name, share) = part.split_once(':').ok_or_else(unknown)?;
+            let share = share.parse().map_err(|_| unknown())?;
+            match name {
+                "slip" => state.slip = share,
+                "open" => state.open = share,
+                _ => return Err(unknown()),
+            }
+        }
+        let all = 0.0..=1.0;
+        let fits = [state.slip, state.open, state.slip + state.open];
+        match fits.iter().all(|share| all.contains(share)) {
+            true => Ok(state),
+            false => Err(unknown()),
+        }
+    }
+}
+
+impl fmt::Display for State {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { slip, open } = self;
+        match (*slip > 0.0, *open > 0.0) {
+            (false, false) => f.write_str("stick"),
+            (true, false) => write!(f, "slip:{slip}"),
+            (false, true) => write!(f, "open:{open}"),
+            (true, true) => write!(f, "slip:{slip}+open:{open}"),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for State {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        text.parse().map_err(de::Error::custom)
+    }
+}
+
+impl Serialize for State {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
 }
 
 /// A linearized state.
@@ -75,7 +137,7 @@ fn ranks(body: &Body) -> Vec<(usize, usize)> {
 }
 
 /// State per face for given shares, slip faces in the state `slip`.
-fn pattern(body: &Body, shares: Shares, slip: ContactState) -> Vec<ContactState> {
+fn pattern(body: &Body, shares: State, slip: ContactState) -> Vec<ContactState> {
     ranks(body)
         .into_iter()
         .map(|(rank, of)| {
@@ -102,8 +164,8 @@ pub(super) struct Laboratory<'a> {
 
 impl<'a> Laboratory<'a> {
     /// Solves the body with every face in stick.
-    pub(super) fn new(body: &'a Body) -> anyhow::Result<Self> {
-        let stick = body.stick_system(Some(JumpStabilization::PUBLISHED));
+    pub(super) fn new(body: &'a Body, h: Option<JumpStabilization>) -> anyhow::Result<Self> {
+        let stick = body.stick_system(h);
         let system = ContactSystem::new(stick, &body.forces()?, &body.friction)?;
         let unit = system.stick().traction_unit();
         let blocks = system.stick().in_traction_unit(unit);
@@ -131,7 +193,7 @@ impl<'a> Laboratory<'a> {
     }
 
     /// Newton's method for these states from rest: new slip along the shear traction of stick, then slip.
-    pub(super) fn linearize(&self, shares: Shares) -> anyhow::Result<Linearized> {
+    pub(super) fn linearize(&self, shares: State) -> anyhow::Result<Linearized> {
         let states = pattern(self.body, shares, ContactState::Slip);
         let new_slip = pattern(self.body, shares, ContactState::NewSlip);
         let fluid = self.fluid(&states);
@@ -186,6 +248,21 @@ impl<'a> Laboratory<'a> {
             axpy(self.unit, d_t, &mut t);
             steps += 1;
         }
+    }
+}
+
+impl Linearized {
+    /// Rows with a law of their own, and whether the rest is symmetric.
+    pub(super) fn own_rows(&self) -> (usize, bool) {
+        match Elimination::new(&self.blocks) {
+            Some(elimination) => (elimination.rows().len(), elimination.is_symmetric()),
+            None => (0, self.blocks.b2.is_none()),
+        }
+    }
+
+    /// Share of the faces in a state: 0 stick, 1 slip, 2 open [%].
+    pub(super) fn percent(&self, state: usize) -> f64 {
+        100.0 * self.faces[state] as f64 / self.faces.iter().sum::<usize>() as f64
     }
 }
 

@@ -1,0 +1,130 @@
+//! Rows as fields under headings: looked up, chosen, computed with.
+
+use super::curves::label;
+use super::formula;
+use super::measure::{Group, Name};
+use super::outcome::{GOOD, NOT_TRIED};
+use super::product::Wanted;
+use crate::plot::Spectrum;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use toml::{Table, Value};
+
+/// Names of values that others have published.
+const PUBLISHED: &str = "published.";
+
+/// `[[published]]`: what others have published of some rows.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Published {
+    /// Of which rows.
+    #[serde(rename = "where")]
+    pub rows: Table,
+    /// Where from.
+    pub source: String,
+    /// By measure; `"X"` for a method that failed.
+    #[serde(flatten)]
+    pub values: BTreeMap<String, Value>,
+}
+
+/// A row, field by field.
+pub(super) type Fields = Vec<String>;
+
+/// Every row, in the order of the product.
+#[derive(Default)]
+pub(super) struct Findings {
+    pub(super) header: Vec<String>,
+    pub(super) rows: Vec<Fields>,
+    /// By number of the row.
+    pub(super) spectra: BTreeMap<usize, Spectrum>,
+    published: Vec<(Wanted, BTreeMap<String, String>)>,
+}
+
+impl Findings {
+    pub(super) fn new(header: Vec<String>, published: &[Published]) -> Self {
+        let text = |(key, value): (&String, &Value)| (key.clone(), super::product::text(value));
+        let published = published.iter().map(|p| {
+            let values = p.values.iter().map(text).collect();
+            (Wanted::new(&p.rows), values)
+        });
+        Self {
+            header,
+            published: published.collect(),
+            ..Self::default()
+        }
+    }
+
+    /// The field of a row under a heading, or what is published of it; empty where there is none.
+    pub(super) fn field<'a>(&'a self, row: &'a [String], name: &str) -> &'a str {
+        if let Some(measure) = name.strip_prefix(PUBLISHED) {
+            let is_meant = |wanted: &Wanted| wanted.is_met(|n| self.field(row, n).to_owned());
+            let mut found = self.published.iter().filter(|(wanted, _)| is_meant(wanted));
+            let value = found.find_map(|(_, values)| values.get(measure));
+            return value.map_or("", String::as_str);
+        }
+        let column = self.header.iter().position(|heading| heading == name);
+        column.map_or("", |column| &row[column])
+    }
+
+    /// The same as a number: yes is 1, no is 0.
+    pub(super) fn number(&self, row: &[String], name: &str) -> Option<f64> {
+        match self.field(row, name) {
+            "yes" => Some(1.0),
+            "no" => Some(0.0),
+            text => text.parse().ok().filter(|value: &f64| value.is_finite()),
+        }
+    }
+
+    /// Value of a formula; not a number where a part of it is missing. With `failed`, n_it and C_s of a row that failed are infinite.
+    pub(super) fn value(&self, row: &[String], of: &str, failed: bool) -> f64 {
+        let mut number = |name: &str| {
+            let infinite = failed && Name::find(name).is_some_and(|n| n.group() == Group::Count);
+            let otherwise = if infinite { f64::INFINITY } else { f64::NAN };
+            self.number(row, name).unwrap_or(otherwise)
+        };
+        formula::value(of, &mut number).unwrap_or(f64::NAN)
+    }
+
+    /// True where a row has what it was to bring.
+    pub(super) fn is_good(&self, row: &[String]) -> bool {
+        GOOD.contains(&self.field(row, "outcome"))
+    }
+
+    /// True where a row failed; one that nobody tried did not.
+    pub(super) fn has_failed(&self, row: &[String]) -> bool {
+        !self.is_good(row) && self.field(row, "outcome") != NOT_TRIED
+    }
+
+    /// Rows that have all of these values.
+    pub(super) fn chosen(&self, of: &Table) -> Vec<&Fields> {
+        let wanted = Wanted::new(of);
+        let is_meant =
+            |row: &&Fields| wanted.is_met(|name| label(self.field(row, name)).to_owned());
+        let is_named = |row: &&Fields| wanted.is_met(|name| self.field(row, name).to_owned());
+        let rows = self.rows.iter();
+        rows.filter(|row| is_meant(row) || is_named(row)).collect()
+    }
+
+    /// A sentence with the fields of a row in the place of `{name}`.
+    pub(super) fn filled(&self, text: &str, row: &[String]) -> String {
+        let mut filled = text.to_owned();
+        for name in &self.header {
+            let place = format!("{{{name}}}");
+            if filled.contains(&place) {
+                filled = filled.replace(&place, &label(self.field(row, name)));
+            }
+        }
+        filled
+    }
+
+    /// Values of a column in the order in which rows have them first.
+    pub(super) fn values<'a>(&'a self, rows: &[&'a Fields], name: &str) -> Vec<&'a str> {
+        let mut values = Vec::new();
+        for row in rows {
+            let value = self.field(row, name);
+            if !values.contains(&value) {
+                values.push(value);
+            }
+        }
+        values
+    }
+}

@@ -1,0 +1,93 @@
+//! What a row brought to light.
+
+use super::outcome::Outcome;
+use fracas::solve::Solved;
+use fracas_solvers::multigrid::Summary;
+use fracas_solvers::saddle::RelaxationSummary;
+use fracas_solvers::spectrum::SpectrumReport;
+use fracas_solvers::spectrum::condition::{Ends, StiffnessEnds};
+
+/// A solve that came to an end, however it was counted.
+pub(super) struct Run {
+    /// n_it and C_s, where the tolerance was met.
+    pub(super) iterations: Option<usize>,
+    pub(super) cost: Option<f64>,
+    pub(super) c_app: Option<f64>,
+    pub(super) setup_s: f64,
+    pub(super) solve_s: f64,
+    pub(super) memory: Option<u64>,
+    pub(super) hierarchy: Option<Summary>,
+    pub(super) relaxation: RelaxationSummary,
+    /// The iteration.
+    pub(super) krylov: String,
+    /// The method with its parts.
+    pub(super) ran: String,
+    /// Errors of u and t, as estimated.
+    pub(super) estimates: [Option<f64>; 2],
+    pub(super) x: Vec<f64>,
+}
+
+impl From<Solved> for Run {
+    fn from(solved: Solved) -> Self {
+        let mut ran = solved.method.clone();
+        for part in [&solved.augmentation, &solved.inner].into_iter().flatten() {
+            ran = format!("{ran} {part}");
+        }
+        Self {
+            iterations: solved.has_converged().then_some(solved.iterations),
+            cost: solved.c_s,
+            c_app: Some(solved.c_app),
+            setup_s: solved.setup_s,
+            solve_s: solved.solve_s,
+            memory: solved.peak_memory_bytes,
+            relaxation: RelaxationSummary {
+                gamma: solved.relaxation,
+                degree: solved.relaxation_degree,
+            },
+            krylov: solved.krylov.to_string(),
+            ran: format!("{ran} {}", solved.krylov),
+            estimates: [solved.error_u, solved.error_t],
+            hierarchy: solved.amg,
+            x: solved.x,
+        }
+    }
+}
+
+/// Facts about a contact state.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Contact {
+    /// Of the faces [%].
+    pub(super) slip: f64,
+    pub(super) open: f64,
+    pub(super) own_rows: usize,
+    pub(super) is_symmetric: bool,
+    pub(super) newton: usize,
+    pub(super) has_converged: bool,
+    /// Closed faces in tension, open ones that overlap.
+    pub(super) tension: usize,
+    pub(super) overlap: usize,
+}
+
+/// What a row brought to light.
+#[derive(Default)]
+pub(super) struct Measured {
+    /// n_u, n_t, n_p.
+    pub(super) sizes: Option<[usize; 3]>,
+    /// Meshing, assembly [s].
+    pub(super) mesh_s: Option<f64>,
+    pub(super) assembly_s: Option<f64>,
+    /// C, and the iteration that is asked for.
+    pub(super) c: Option<fracas_solvers::saddle::AugmentationChoice>,
+    pub(super) asked: String,
+    pub(super) run: Option<Run>,
+    /// Of u and t, against a reference.
+    pub(super) errors: Option<[f64; 2]>,
+    pub(super) contact: Option<Contact>,
+    pub(super) stiffness: Option<StiffnessEnds>,
+    /// Of S_u, and of S_u scaled to a unit diagonal.
+    pub(super) schur: [Option<Ends>; 2],
+    pub(super) spectrum: Option<SpectrumReport>,
+    pub(super) outcome: Option<Outcome>,
+    /// Why, or what to mind; several sentences behind each other.
+    pub(super) reasons: Vec<String>,
+}
