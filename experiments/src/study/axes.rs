@@ -117,6 +117,22 @@ impl Axes {
         !self.scene.is_empty() || variants.any(|variant| variant.scene.is_some())
     }
 
+    /// A key that says how a system is solved, where one is said.
+    pub(super) fn of_solves(&self) -> Option<&'static str> {
+        let none = Self::default();
+        let said = [
+            ("rhs", self.rhs != none.rhs),
+            ("method", self.method != none.method),
+            ("augmentation", self.augmentation != none.augmentation),
+            ("inner", self.inner != none.inner),
+            ("krylov", self.krylov != none.krylov),
+        ];
+        let own = said.iter().find(|(_, said)| *said).map(|(key, _)| *key);
+        let variants = self.together.iter().flat_map(|t| &t.values);
+        let mut keys = variants.flat_map(Setting::said);
+        own.or_else(|| keys.find(|key| said.iter().any(|(known, _)| known == key)))
+    }
+
     /// Scenes and systems, those of variants included.
     pub(super) fn sources(&mut self) -> (Vec<&mut String>, Vec<&mut String>) {
         let mut scenes: Vec<&mut String> = self.scene.iter_mut().collect();

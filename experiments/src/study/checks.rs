@@ -1,7 +1,6 @@
 //! Claims of a study, held against its rows.
 
 use super::findings::{Fields, Findings};
-use crate::plot::Spectrum;
 use crate::report::{Check, format_real};
 use serde::{Deserialize, Serialize};
 use toml::Table;
@@ -246,10 +245,7 @@ const EIGENVALUES: &str = "eigenvalues";
 
 /// Largest distance between the spectra of two rows.
 fn apart(findings: &Findings, a: &Fields, b: &Fields) -> f64 {
-    let spectrum = |row: &Fields| -> Option<&Spectrum> {
-        let number = findings.field(row, "row").parse().ok()?;
-        findings.spectra.get(&number)
-    };
+    let spectrum = |row: &Fields| findings.kept(row).and_then(|kept| kept.spectrum.as_ref());
     match (spectrum(a), spectrum(b)) {
         (Some(a), Some(b)) => a.distance(b),
         _ => f64::NAN,

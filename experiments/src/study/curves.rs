@@ -215,13 +215,13 @@ fn axis(name: &str, log: bool, points: &[Point], of: impl Fn(&Point) -> f64) -> 
     }
 }
 
-fn axis_label(name: &str) -> String {
+pub(super) fn axis_label(name: &str) -> String {
     let measure = Name::ALL.iter().find(|measure| measure.text() == name);
     measure.map_or(name, |measure| measure.label()).to_owned()
 }
 
 /// A value in a legend; what is no word of its own says whose value it is.
-fn named(axis: &str, field: &str) -> String {
+pub(super) fn named(axis: &str, field: &str) -> String {
     let of_its_own = ["refine", "rhs", "tolerance", "stabilization", "threads"];
     match field {
         "" => String::new(),

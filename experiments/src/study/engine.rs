@@ -138,7 +138,7 @@ impl Engine<'_> {
             let Some(case) = cases.get(next.fetch_add(1, Ordering::Relaxed)) else {
                 break;
             };
-            let row = row(self.study, case, &names, stop);
+            let row = row(self.study, case, &names, (stop, Some(self.out)));
             let Some(measured) = row.in_pool(&pool, &mut shared)? else {
                 break;
             };
@@ -174,7 +174,7 @@ fn row<'a>(
     study: &'a Study,
     case: &'a Case,
     names: &'a [Name],
-    stop: &'a (dyn Stop + Sync),
+    (stop, place): (&'a (dyn Stop + Sync), Option<&'a Path>),
 ) -> Row<'a> {
     let names = match case.only.as_slice() {
         [] => names,
@@ -185,6 +185,7 @@ fn row<'a>(
         study,
         names,
         stop,
+        place,
     }
 }
 
@@ -221,11 +222,11 @@ pub(super) fn in_memory(
         if tell(done, cases.len()) == ControlFlow::Break(()) {
             bail!("stopped on request");
         }
-        let row = row(study, case, &names, &never);
+        let row = row(study, case, &names, (&never, None));
         let measured = row.in_pool(&pool, &mut shared)?.unwrap_or_default();
-        let (fields, spectrum) = rows::fields(study, case, &measured);
+        let (fields, kept) = rows::fields(study, case, &measured);
         findings.rows.push(fields);
-        (findings.spectra).extend(spectrum.map(|spectrum| (case.number, spectrum)));
+        findings.kept.insert(case.number, kept);
     }
     Ok(findings)
 }

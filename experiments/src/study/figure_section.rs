@@ -22,6 +22,9 @@ pub struct FigureSection {
     /// A measure or a formula, or several.
     #[serde(default, deserialize_with = "one_or_many")]
     pub y: Vec<String>,
+    /// Of a map, a measure or a formula.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub color: String,
     /// Axes whose values tell curves apart; by default every axis that varies and is not x.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub series: Option<Vec<String>>,
@@ -60,12 +63,21 @@ pub enum Kind {
     Spectra,
     /// Real spectra, a line of marks per row, with the proved intervals.
     Strips,
+    /// Relative residuals over iterations, a curve per row.
+    Residuals,
+    /// A measure as a colour over the values of two axes.
+    Map,
 }
 
 impl Kind {
     /// True where it draws eigenvalues.
     pub(super) fn is_of_spectra(self) -> bool {
-        !matches!(self, Self::Curves | Self::Points)
+        matches!(self, Self::Spectrum | Self::Spectra | Self::Strips)
+    }
+
+    /// True where it draws y over x.
+    pub(super) fn has_axes(self) -> bool {
+        !self.is_of_spectra() && self != Self::Residuals
     }
 }
 

@@ -1,10 +1,10 @@
 //! Figures of a study, as asked for, or sensible ones.
 
 use super::Study;
-use super::curves::{figure, label};
+use super::curves::{axis_label, figure, label, named};
 use super::figure_section::{FigureSection, Kind};
 use super::findings::{Fields, Findings};
-use crate::plot::{Axis, Figure, Mark, Series, Spectrum};
+use crate::plot::{Axis, Cells, Figure, Mark, Series, Spectrum};
 use std::collections::BTreeSet;
 use toml::Table;
 
@@ -54,6 +54,14 @@ pub(super) fn figures(study: &Study, findings: &Findings) -> Vec<Figure> {
                 Kind::Curves | Kind::Points => {
                     figures.extend(figure(&id, section, *facet, &varying, (&rows, findings)));
                 }
+                Kind::Residuals => {
+                    figures.extend(residuals(&id, section, &rows, findings, &varying))
+                }
+                Kind::Map => {
+                    let drawn = map(&id, section, &rows, findings);
+                    let title = facet.map(label).unwrap_or_default();
+                    figures.extend(drawn.map(|figure| Figure { title, ..figure }));
+                }
                 _ => figures.extend(eigenvalues(&id, section, &rows, findings)),
             }
         }
@@ -69,10 +77,9 @@ fn eigenvalues(
     findings: &Findings,
 ) -> Option<Figure> {
     let spectra = rows.iter().filter_map(|row| {
-        let number = findings.field(row, "row").parse().ok()?;
         let names = section.series.iter().flatten();
         let name: Vec<String> = names.map(|name| label(findings.field(row, name))).collect();
-        Some((name.join(", "), findings.spectra.get(&number)?))
+        Some((name.join(", "), findings.kept(row)?.spectrum.as_ref()?))
     });
     let spectra: Vec<(String, &Spectrum)> = spectra.collect();
     let (_, first) = spectra.first()?;
@@ -94,6 +101,94 @@ fn eigenvalues(
         figure.caption = caption;
     }
     Some(figure)
+}
+
+/// Relative residuals over iterations, a curve per row.
+fn residuals(
+    id: &str,
+    section: &FigureSection,
+    rows: &[&Fields],
+    findings: &Findings,
+    varying: &[String],
+) -> Option<Figure> {
+    let caption = findings.filled(&section.caption, rows.first()?);
+    let axes = (Axis::linear("iteration"), Axis::log("relative residual"));
+    let mut figure = Figure::new(id, "", &caption, axes.0, axes.1);
+    let names = section.series.as_deref().unwrap_or(varying);
+    let differs = |name: &&String| findings.values(rows, name).len() > 1;
+    let names: Vec<&String> = names.iter().filter(differs).collect();
+    for row in rows {
+        let points = &findings.kept(row)?.residuals;
+        let points: Vec<[f64; 2]> = points
+            .iter()
+            .enumerate()
+            .map(|(k, r)| [k as f64, *r])
+            .collect();
+        let words = names
+            .iter()
+            .map(|name| named(name, findings.field(row, name)));
+        let words: Vec<String> = words.filter(|word| !word.is_empty()).collect();
+        if !points.is_empty() {
+            figure = figure.with(Series::new(&words.join(", "), Mark::Line, points));
+        }
+    }
+    (!figure.series.is_empty()).then_some(figure)
+}
+
+/// A measure as a colour over the values of two axes; rows without a value leave their place white.
+fn map(id: &str, section: &FigureSection, rows: &[&Fields], findings: &Findings) -> Option<Figure> {
+    let y = section.y.first()?;
+    let [across, up] = [&section.x, y].map(|name| findings.values(rows, name));
+    let place = |values: &[&str], field: &str| {
+        let place = values.iter().position(|value| *value == field)?;
+        Some(place as f64)
+    };
+    let (mut quads, mut values) = (Vec::new(), Vec::new());
+    for row in rows.iter().filter(|row| findings.is_good(row)) {
+        let value = findings.value(row, &section.color, false);
+        let x = place(&across, findings.field(row, &section.x))?;
+        let y = place(&up, findings.field(row, y))?;
+        if value.is_finite() {
+            let corner = |dx: f64, dy: f64| [x + dx, y + dy];
+            quads.push([
+                corner(-0.5, -0.5),
+                corner(0.5, -0.5),
+                corner(0.5, 0.5),
+                corner(-0.5, 0.5),
+            ]);
+            values.push(value);
+        }
+    }
+    let ends = (f64::INFINITY, f64::NEG_INFINITY);
+    let (low, high) = values
+        .iter()
+        .fold(ends, |(a, b), v: &f64| (a.min(*v), b.max(*v)));
+    let missing = rows.len() - values.len();
+    let mut caption = findings.filled(&section.caption, rows.first()?);
+    if missing > 0 {
+        caption += &format!(
+            " {missing} of {} rows have no value and are white.",
+            rows.len()
+        );
+    }
+    let axis = |name: &str, values: &[&str]| {
+        let names = values.iter().map(|value| label(value)).collect();
+        Axis::categories(&axis_label(name), names)
+    };
+    let mut figure = Figure::new(
+        id,
+        "",
+        caption.trim(),
+        axis(&section.x, &across),
+        axis(y, &up),
+    );
+    figure.cells = Some(Cells {
+        label: axis_label(&section.color),
+        quads,
+        values,
+        range: [low, if high > low { high } else { low + 1.0 }],
+    });
+    low.is_finite().then_some(figure)
 }
 
 /// Values that get a figure of their own, or one figure of all rows; a spectrum has one per row.
@@ -142,6 +237,7 @@ fn sensible(varying: &[String]) -> Vec<FigureSection> {
     let section = |x: &str, y: &str, series, log_y| FigureSection {
         id: None,
         kind: Kind::Curves,
+        color: String::new(),
         of_rows: Table::new(),
         not_at: Vec::new(),
         x: x.into(),

@@ -1,5 +1,6 @@
 //! A study file: what is varied, what is measured, what is drawn.
 
+use super::measure::Group;
 use super::names::SectionError;
 use super::{Axes, CheckSection, FigureSection, Name, Products, Published, TableSection};
 use crate::scenes;
@@ -256,6 +257,7 @@ impl Study {
                 "`set` and `refine` have no effect without `scene`"
             );
         }
+        self.check_runs()?;
         let limit = self.limit;
         ensure!(
             limit.products > 0.0 && limit.seconds.is_none_or(|s| s > 0.0),
@@ -263,6 +265,28 @@ impl Study {
         );
         self.product()?;
         Ok(self.check_names()?)
+    }
+}
+
+impl Study {
+    /// Refuses methods beside a run: those of a run are keys of the scene.
+    fn check_runs(&self) -> anyhow::Result<()> {
+        let measured = self.measured();
+        for axes in &self.axes.0 {
+            let names = match axes.measures.as_slice() {
+                [] => &measured,
+                own => own,
+            };
+            let any = |groups: &[Group]| names.iter().any(|name| groups.contains(&name.group()));
+            let solves = any(&[Group::Solve, Group::Count, Group::Clock, Group::Spectrum]);
+            let idle = axes.of_solves();
+            ensure!(
+                !any(&[Group::Run]) || solves || idle.is_none(),
+                "`{}` has no effect on a run, whose method is a key of the scene: set.\"solver.racp.inner\" = [\"exact\", \"amg\"]",
+                idle.unwrap_or_default()
+            );
+        }
+        Ok(())
     }
 }
 

@@ -26,6 +26,15 @@ pub struct Published {
     pub values: BTreeMap<String, Value>,
 }
 
+/// What figures and checks need of a row beside its fields.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Kept {
+    #[serde(default)]
+    pub(super) residuals: Vec<f64>,
+    #[serde(default)]
+    pub(super) spectrum: Option<Spectrum>,
+}
+
 /// A row, field by field.
 pub(super) type Fields = Vec<String>;
 
@@ -35,7 +44,7 @@ pub(super) struct Findings {
     pub(super) header: Vec<String>,
     pub(super) rows: Vec<Fields>,
     /// By number of the row.
-    pub(super) spectra: BTreeMap<usize, Spectrum>,
+    pub(super) kept: BTreeMap<usize, Kept>,
     published: Vec<(Wanted, BTreeMap<String, String>)>,
 }
 
@@ -51,6 +60,11 @@ impl Findings {
             published: published.collect(),
             ..Self::default()
         }
+    }
+
+    /// What is kept of a row.
+    pub(super) fn kept(&self, row: &[String]) -> Option<&Kept> {
+        self.kept.get(&self.field(row, "row").parse().ok()?)
     }
 
     /// The field of a row under a heading, or what is published of it; empty where there is none.

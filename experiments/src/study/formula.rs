@@ -1,4 +1,4 @@
-//! Arithmetic over measures and axes: `100 * n_t / n_u`.
+//! Arithmetic over measures and axes: `100 * n_t / n_u`, `log10(n_it)`.
 
 /// Value of a formula; `of` gives that of a name.
 ///
@@ -75,7 +75,10 @@ impl<'a> Reader<'a> {
             }
             Some(c) if c.is_alphabetic() => {
                 let name = self.word(|c| c.is_alphanumeric() || c == '_' || c == '.');
-                Ok((self.of)(name))
+                match (name, self.peek()) {
+                    ("log10", Some('(')) => Ok(self.factor()?.log10()),
+                    _ => Ok((self.of)(name)),
+                }
             }
             Some(c) => Err(format!("`{c}` is neither a name nor a number")),
             None => Err("it ends too early".into()),
@@ -99,6 +102,7 @@ mod tests {
         let of = |text: &str| value(text, &mut |name| if name == "C_s" { 7.0 } else { f64::NAN });
         assert_eq!(of("1 + 2 * (C_s - 4) / 3"), Ok(3.0));
         assert_eq!(of("1e3*C_s - 1 - 1"), Ok(6998.0));
+        assert_eq!(of("2 * log10(100 * (C_s - 6))"), Ok(4.0));
         assert!(of("published.n_it").unwrap().is_nan());
         for wrong in ["", "1 +", "(1", "1 2", "1..2", "n $ 2"] {
             assert!(of(wrong).is_err(), "{wrong}");

@@ -24,6 +24,8 @@ pub(super) enum Group {
     Condition,
     /// Eigenvalues of M⁻¹𝒜.
     Spectrum,
+    /// The scene, through its load steps.
+    Run,
 }
 
 macro_rules! measures {
@@ -152,6 +154,12 @@ measures! {
         Some(m.run.as_ref().map_or(m.asked.clone(), |r| r.krylov.clone()))
     };
     Digest "digest" Solve "bits of the solution" |m| m.run.as_ref().map(|r| digest(&r.x));
+    RunSteps "run_steps" Run "load steps" |m| count(m.steps.map(|s| s.steps));
+    RunRounds "run_rounds" Run "rounds of the active set" |m| count(m.steps.map(|s| s.rounds));
+    RunNewton "run_newton" Run "Newton steps of the run" |m| count(m.steps.map(|s| s.newton));
+    RunKrylov "run_krylov" Run "Krylov iterations of the run" |m| count(m.steps.map(|s| s.krylov));
+    RunCuts "run_cuts" Run "halvings of load steps" |m| count(m.steps.map(|s| s.cuts));
+    RunTime "run_s" Run "run [s]" |m| real(m.steps.map(|s| s.wall_s));
     Kernel "kernel_A" Condition "dim ker A" |m| count(m.stiffness.map(|s| s.kernel));
     ConditionA "cond_A" Condition "κ(A), off its kernel" |m| real(m.stiffness.and_then(|s| s.ends).map(|e| e.condition()));
     ConditionSu "cond_S_u" Condition "κ(S_u)" |m| real(m.schur[0].map(|e| e.condition()));
@@ -194,7 +202,7 @@ impl Name {
 
     /// True for what the clock or the system tells, and no second run repeats.
     pub fn is_measured(self) -> bool {
-        self.group() == Group::Clock
+        self.group() == Group::Clock || self == Self::RunTime
     }
 }
 

@@ -68,6 +68,18 @@ pub(super) struct Contact {
     pub(super) overlap: usize,
 }
 
+/// Sums over the load steps of a run.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Steps {
+    pub(super) steps: usize,
+    pub(super) rounds: usize,
+    pub(super) newton: usize,
+    pub(super) krylov: usize,
+    pub(super) cuts: usize,
+    /// Of this process [s].
+    pub(super) wall_s: f64,
+}
+
 /// What a row brought to light.
 #[derive(Default)]
 pub(super) struct Measured {
@@ -87,6 +99,9 @@ pub(super) struct Measured {
     /// Of S_u, and of S_u scaled to a unit diagonal.
     pub(super) schur: [Option<Ends>; 2],
     pub(super) spectrum: Option<SpectrumReport>,
+    pub(super) steps: Option<Steps>,
+    /// Relative residuals, iteration by iteration, as the method estimates them.
+    pub(super) residuals: Vec<f64>,
     pub(super) outcome: Option<Outcome>,
     /// Why, or what to mind; several sentences behind each other.
     pub(super) reasons: Vec<String>,

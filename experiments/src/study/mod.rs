@@ -6,7 +6,7 @@
 //! | `names` | what it mentions, known or not |
 //! | `product` | its rows, in order |
 //! | `refine`, `state` | a finer mesh of the same scene, a contact state of it |
-//! | `solving`, `prepared`, `counted`, `reference`, `outcome` | one row: matrices, solve, true errors, how it ended |
+//! | `solving`, `prepared`, `counted`, `stepping`, `reference`, `outcome` | one row: matrices, solve, run, true errors, how it ended |
 //! | `measure`, `measured` | what is measured, by name |
 //! | `rows`, `csv` | `rows.csv`, which survives the process |
 //! | `engine` | rows one after the other, or several at once |
@@ -40,6 +40,7 @@ mod rows;
 mod setting;
 mod solving;
 mod state;
+mod stepping;
 mod tables;
 
 pub use axes::{Axes, Products, Together, Tolerance};

@@ -2,7 +2,7 @@
 
 use super::measure::{Group, Name};
 use super::product::Wanted;
-use super::{Column, FigureSection, Study, TableSection, formula};
+use super::{Column, FigureSection, Kind, Study, TableSection, formula};
 use std::cell::RefCell;
 use toml::Table;
 
@@ -74,8 +74,10 @@ impl Judge {
 
 impl FigureSection {
     fn formulas(&self) -> impl Iterator<Item = &String> {
-        let x = Some(&self.x).filter(|x| !x.is_empty());
-        x.into_iter().chain(&self.y)
+        let own = [&self.x, &self.color]
+            .into_iter()
+            .filter(|text| !text.is_empty());
+        own.chain(&self.y)
     }
 }
 
@@ -111,13 +113,18 @@ impl Study {
         };
         for (place, figure) in self.figure.iter().enumerate() {
             judge.place = place;
-            if !figure.kind.is_of_spectra() && (figure.x.is_empty() || figure.y.is_empty()) {
+            if figure.kind.has_axes() && (figure.x.is_empty() || figure.y.is_empty()) {
                 return Err(judge.fail("it needs x and y".into()));
             }
             if !figure.x.is_empty() {
                 judge.formula("x", &figure.x)?;
             }
             figure.y.iter().try_for_each(|y| judge.formula("y", y))?;
+            match (figure.kind, figure.color.as_str()) {
+                (Kind::Map, "") => return Err(judge.fail("a map needs a color".into())),
+                (_, "") => {}
+                (_, color) => judge.formula("color", color)?,
+            }
             let series = figure.series.iter().flatten();
             series
                 .into_iter()
@@ -189,8 +196,10 @@ impl Study {
             .for_each(|name| add(name.text()));
         for figure in &self.figure {
             figure.formulas().for_each(|text| add(text));
-            if figure.kind.is_of_spectra() {
-                add(Name::ReMin.text());
+            match figure.kind {
+                Kind::Residuals => add(Name::Iterations.text()),
+                kind if kind.is_of_spectra() => add(Name::ReMin.text()),
+                _ => {}
             }
         }
         self.table
@@ -217,9 +226,11 @@ impl Study {
         all().filter(is_taken).collect()
     }
 
-    /// True where a figure or a check needs the eigenvalues themselves.
-    pub(super) fn keeps_spectra(&self) -> bool {
-        let drawn = self.figure.iter().any(|figure| figure.kind.is_of_spectra());
-        drawn || self.check.iter().any(|check| check.of == "eigenvalues")
+    /// Whether figures or checks need the eigenvalues of rows, and their residuals.
+    pub(super) fn keeps(&self) -> [bool; 2] {
+        let any = |of: fn(Kind) -> bool| self.figure.iter().any(|figure| of(figure.kind));
+        let compared = self.check.iter().any(|check| check.of == "eigenvalues");
+        let residuals = any(|kind| kind == Kind::Residuals);
+        [any(Kind::is_of_spectra) || compared, residuals]
     }
 }

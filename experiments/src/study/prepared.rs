@@ -5,7 +5,7 @@ use super::refine::refined;
 use super::state::{Laboratory, Linearized};
 use crate::scenes;
 use fracas::memory;
-use fracas::scene::Body;
+use fracas::scene::{Body, Scene};
 use fracas::solve::{Problem, StuckBody};
 use fracas_solvers::Silent;
 use fracas_solvers::direct::DirectChoice;
@@ -44,16 +44,23 @@ impl Case {
         Ok(Problem::Body(stuck))
     }
 
-    fn stuck(&self) -> anyhow::Result<Option<StuckBody>> {
+    /// The scene with its keys, refined.
+    pub(super) fn scene(&self) -> anyhow::Result<Option<Scene>> {
         let Some(name) = &self.setting.scene else {
             return Ok(None);
         };
         let set = self.setting.set.iter();
         let set: Vec<String> = set.map(|(key, value)| format!("{key}={value}")).collect();
         let scene = scenes::load(name)?.with_overrides(&set)?;
-        let scene = match self.setting.refine {
+        Ok(Some(match self.setting.refine {
             Some(factor) => refined(scene, factor)?,
             None => scene,
+        }))
+    }
+
+    fn stuck(&self) -> anyhow::Result<Option<StuckBody>> {
+        let (Some(name), Some(scene)) = (&self.setting.scene, self.scene()?) else {
+            return Ok(None);
         };
         let mut stuck = StuckBody::of_scene(name, scene);
         stuck.stabilization = self.setting.stabilization.unwrap_or(1.0);

@@ -2,7 +2,7 @@
 
 use super::Study;
 use super::csv::records;
-use super::findings::{Fields, Findings};
+use super::findings::{Fields, Findings, Kept};
 use super::measured::Measured;
 use super::product::Case;
 use crate::plot::Spectrum;
@@ -16,7 +16,7 @@ use toml::{Table, Value};
 
 const STUDY: &str = "study.toml";
 const ROWS: &str = "rows.csv";
-const SPECTRA: &str = "spectra";
+const KEPT: &str = "kept";
 
 /// Rows on the disk, and the file that takes further ones; no second process takes it.
 pub(super) struct Rows {
@@ -125,11 +125,11 @@ impl Rows {
         case: &Case,
         measured: &Measured,
     ) -> anyhow::Result<String> {
-        let (fields, spectrum) = fields(study, case, measured);
-        if let Some(spectrum) = spectrum {
-            let folder = self.path.with_file_name(SPECTRA);
+        let (fields, kept) = fields(study, case, measured);
+        if kept != Kept::default() {
+            let folder = self.path.with_file_name(KEPT);
             std::fs::create_dir_all(&folder)?;
-            let text = toml::to_string(&spectrum)?;
+            let text = toml::to_string(&kept)?;
             write_whole(&folder.join(format!("{}.toml", case.number)), &text)?;
         }
         self.append(&fields)?;
@@ -146,13 +146,13 @@ impl Rows {
             write_whole(&self.path, &text)?;
         }
         let mut findings = Findings::new(self.header, &study.published);
-        for number in self.known.keys().filter(|_| study.keeps_spectra()) {
+        for number in self.known.keys() {
             let file = self
                 .path
-                .with_file_name(SPECTRA)
+                .with_file_name(KEPT)
                 .join(format!("{number}.toml"));
             if let Ok(text) = std::fs::read_to_string(file) {
-                findings.spectra.insert(*number, toml::from_str(&text)?);
+                findings.kept.insert(*number, toml::from_str(&text)?);
             }
         }
         findings.rows = self.known.into_values().collect();
@@ -160,12 +160,8 @@ impl Rows {
     }
 }
 
-/// A row as fields, and its eigenvalues where they are needed later.
-pub(super) fn fields(
-    study: &Study,
-    case: &Case,
-    measured: &Measured,
-) -> (Fields, Option<Spectrum>) {
+/// A row as fields, and its eigenvalues and residuals where they are needed later.
+pub(super) fn fields(study: &Study, case: &Case, measured: &Measured) -> (Fields, Kept) {
     let mut fields = vec![case.number.to_string()];
     fields.extend(case.fields.iter().cloned());
     fields.push(
@@ -187,9 +183,17 @@ pub(super) fn fields(
     // a row is a line
     let reason = measured.reasons.join("; ");
     fields.push(reason.split_whitespace().collect::<Vec<_>>().join(" "));
-    let keeps = study.keeps_spectra();
-    let spectrum = measured.spectrum.as_ref().filter(|_| keeps);
-    (fields, spectrum.map(Spectrum::from))
+    let [spectra, residuals] = study.keeps();
+    let spectrum = measured.spectrum.as_ref().filter(|_| spectra);
+    let kept = Kept {
+        residuals: if residuals {
+            measured.residuals.clone()
+        } else {
+            Vec::new()
+        },
+        spectrum: spectrum.map(Spectrum::from),
+    };
+    (fields, kept)
 }
 
 /// Names of the columns.

@@ -7,7 +7,7 @@ use super::outcome::Outcome;
 use super::prepared::Prepared;
 use super::product::Case;
 use super::reference::Reference;
-use super::{Counts, Inner, Limit, Name, Study};
+use super::{Counts, Inner, Limit, Name, Study, stepping};
 use crate::sentence;
 use fracas::memory;
 use fracas::run::Stop;
@@ -16,12 +16,14 @@ use fracas_solvers::saddle::SaddleMethod;
 use fracas_solvers::spectrum::{SpectrumRequest, analyse_method};
 use fracas_solvers::{Observer, Silent, Step};
 use std::ops::ControlFlow;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Stops an iteration on request, or when its time is over.
 pub(super) struct Watch<'a> {
     stop: &'a dyn Stop,
     deadline: Option<Instant>,
+    residuals: Vec<f64>,
 }
 
 impl<'a> Watch<'a> {
@@ -30,6 +32,7 @@ impl<'a> Watch<'a> {
         Self {
             stop,
             deadline: None,
+            residuals: Vec::new(),
         }
     }
 
@@ -38,16 +41,32 @@ impl<'a> Watch<'a> {
         let deadline = seconds
             .flatten()
             .and_then(|s| Instant::now().checked_add(s));
-        Self { stop, deadline }
+        Self {
+            deadline,
+            ..Self::of(stop)
+        }
+    }
+}
+
+impl Stop for Watch<'_> {
+    fn asked(&self) -> Option<&'static str> {
+        let is_late = self.deadline.is_some_and(|end| Instant::now() > end);
+        let late = is_late.then_some("its seconds are over");
+        self.stop.asked().or(late)
     }
 }
 
 impl Observer for Watch<'_> {
-    fn observe(&mut self, _: &Step) -> ControlFlow<()> {
-        let late = self.deadline.is_some_and(|end| Instant::now() > end);
-        match late || self.stop.asked().is_some() {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
+    fn observe(&mut self, step: &Step) -> ControlFlow<()> {
+        if let Step::Krylov {
+            relative_residual, ..
+        } = step
+        {
+            self.residuals.push(*relative_residual);
+        }
+        match self.asked() {
+            Some(_) => ControlFlow::Break(()),
+            None => ControlFlow::Continue(()),
         }
     }
 }
@@ -116,6 +135,8 @@ pub(super) struct Row<'a> {
     /// Measures that are asked for.
     pub(super) names: &'a [Name],
     pub(super) stop: &'a (dyn Stop + Sync),
+    /// Folder of the study, where it has one.
+    pub(super) place: Option<&'a Path>,
 }
 
 impl Row<'_> {
@@ -147,7 +168,9 @@ impl Row<'_> {
             self.asks(&[Group::Spectrum]),
         );
         let conditions = self.asks(&[Group::Condition]);
-        let prepares = published || conditions || spectral || !solves || setting.state.is_some();
+        let runs = self.asks(&[Group::Run]);
+        let is_bare = !solves && !runs;
+        let prepares = published || conditions || spectral || is_bare || setting.state.is_some();
         shared.make_room(self.case, prepares.then_some(spectral || conditions));
         memory::reset_peak();
         if prepares {
@@ -161,6 +184,7 @@ impl Row<'_> {
                 let mut watch = Watch::within(self.stop, &study.limit);
                 let (run, outcome, reason) =
                     counted(self.case, &settings, prepared, &study.limit, &mut watch)?;
+                measured.residuals = watch.residuals;
                 measured.run = Some(run);
                 measured.outcome = Some(outcome);
                 measured.reasons.extend(reason);
@@ -178,6 +202,10 @@ impl Row<'_> {
         }
         if self.stop.asked().is_some() {
             return Ok(());
+        }
+        if runs {
+            let watch = Watch::within(self.stop, &study.limit);
+            stepping::run(self.case, self.place, &watch, measured)?;
         }
         if conditions {
             self.conditions(&settings, shared.prepared(self.case, true)?, measured)?;
@@ -255,6 +283,7 @@ impl Row<'_> {
             End::Stopped => limit.seconds_over(solved.iterations),
             End::Breakdown => (Outcome::Breakdown, None),
         };
+        measured.residuals = watch.residuals;
         measured.sizes = Some([solved.n_u, solved.n_t, solved.n_p]);
         measured.outcome = Some(outcome);
         measured.reasons.extend(reason);

@@ -397,3 +397,89 @@ fn a_study_of_the_gallery_is_known_by_name_and_goes_on_as_reproduce_prints_it() 
         ran.stderr
     );
 }
+
+/// Runs, which are killed, maps and residuals.
+const RUNS: &str = r#"
+title = "Runs"
+
+[[axes]]
+part = "runs"
+measures = ["run_steps", "run_newton", "run_krylov"]
+scene = ["cycle:small"]
+set."solver.racp.inner" = ["exact", "amg"]
+
+[[axes]]
+part = "solves"
+measures = ["n_it"]
+scene = ["layered:small"]
+inner = ["exact", "amg"]
+method = ["racp", "racp:0"]
+
+[[figure]]
+id = "map"
+kind = "map"
+where = { part = "solves" }
+x = "inner"
+y = "method"
+color = "log10(n_it)"
+
+[[figure]]
+id = "residuals"
+kind = "residuals"
+where = { part = "solves" }
+"#;
+
+#[test]
+fn runs_are_rows_that_go_on_from_their_checkpoints() {
+    let (file, out) = study("study-runs", RUNS);
+    let arguments = ["study", &file, "--out", out.to_str().unwrap()];
+    let mut child = Command::new(env!("CARGO_BIN_EXE_fracas"))
+        .args(arguments)
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    let history = out.join("runs/1/history.csv");
+    let steps = || std::fs::read_to_string(&history).map_or(0, |text| text.lines().count());
+    let start = Instant::now();
+    while steps() < 5 && start.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let before = std::fs::read_to_string(&history).unwrap();
+    let ran = fracas(&arguments);
+    assert_eq!(ran.status, 0, "{}", ran.stderr);
+    let after = std::fs::read_to_string(&history).unwrap();
+    let whole = before
+        .lines()
+        .next_back()
+        .is_some_and(|last| after.contains(last));
+    assert!(whole, "the run went on");
+    let found = rows(&out);
+    assert_eq!(column(&found, "outcome"), ["converged"; 6]);
+    let number = |text: &String| text.parse::<usize>().unwrap();
+    let sum = |name: &str| -> usize {
+        let head: Vec<&str> = after.lines().next().unwrap().split(',').collect();
+        let k = head.iter().position(|heading| *heading == name).unwrap();
+        after
+            .lines()
+            .skip(1)
+            .map(|line| line.split(',').nth(k).unwrap().parse::<usize>().unwrap())
+            .sum()
+    };
+    assert_eq!(number(&column(&found, "run_krylov")[0]), sum("lin_it"));
+    assert_eq!(number(&column(&found, "run_newton")[0]), sum("newton_it"));
+    // a map has a cell per row, a curve its iterations and the residual that it starts from
+    let csv =
+        |name: &str| std::fs::read_to_string(out.join(format!("figures/{name}.csv"))).unwrap();
+    assert_eq!(csv("map").matches(",cell,").count(), 4);
+    let n_it: usize = column(&found, "n_it")[2..].iter().map(number).sum();
+    assert!(csv("residuals").matches(",line,").count() >= n_it);
+    refused(
+        &RUNS.replace(
+            "scene = [\"cycle:small\"]",
+            "scene = [\"cycle:small\"]\ninner = [\"amg\"]",
+        ),
+        "`inner` has no effect on a run",
+    );
+}

@@ -1,0 +1,76 @@
+//! A row that runs its scene through its load steps.
+
+use super::measured::{Measured, Steps};
+use super::outcome::Outcome;
+use super::product::Case;
+use super::solving::Watch;
+use anyhow::Context;
+use fracas::run::{Outcome as Ending, Run, Taken, holds_run};
+use fracas_solvers::Silent;
+use std::path::Path;
+use std::time::Instant;
+
+/// Folder of the runs of a study.
+const RUNS: &str = "runs";
+
+/// Runs the scene in a folder of its own, from its last checkpoint where it has one; without a place the folder does not stay.
+///
+/// # Errors
+/// Of the scene and of files; a step that fails is an outcome.
+pub(super) fn run(
+    case: &Case,
+    place: Option<&Path>,
+    watch: &Watch<'_>,
+    measured: &mut Measured,
+) -> anyhow::Result<()> {
+    let scene = case.scene()?.context("a system folder has no load steps")?;
+    let name = case.setting.scene.clone().unwrap_or_default();
+    let number = case.number;
+    let out = match place {
+        Some(place) => place.join(RUNS).join(number.to_string()),
+        None => std::env::temp_dir().join(format!("fracas-row-{}-{number}", std::process::id())),
+    };
+    let goes_on = place.is_some() && holds_run(&out);
+    if out.exists() && !goes_on {
+        std::fs::remove_dir_all(&out)?;
+    }
+    let settings = Run {
+        restart: goes_on.then(|| out.clone()),
+        out: Some(out.clone()),
+        fields_every: usize::MAX,
+        ..Run::default()
+    };
+    let start = Instant::now();
+    let mut folder = settings.open(&name, scene, &mut Silent)?;
+    let mut run = folder.begin(&mut Silent)?;
+    let ended = loop {
+        if let Taken::Ended(ended) = run.advance(watch, &mut Silent)? {
+            break ended;
+        }
+    };
+    let sum = |column: &str| run.history().column(column).sum::<f64>() as usize;
+    measured.steps = Some(Steps {
+        steps: run.history().len(),
+        rounds: sum("active_it"),
+        newton: sum("newton_it"),
+        krylov: sum("lin_it"),
+        cuts: sum("cuts"),
+        wall_s: start.elapsed().as_secs_f64(),
+    });
+    measured.sizes = Some([run.state().u.len(), run.state().t.len(), 0]);
+    let outcome = match ended.outcome {
+        Ending::NotConverged => Outcome::IterationLimit,
+        Ending::Unstable => Outcome::Breakdown,
+        // a wish to stop leaves no row
+        Ending::Interrupted => Outcome::CostLimit,
+        _ => Outcome::Converged,
+    };
+    measured.outcome.get_or_insert(outcome);
+    measured.reasons.extend(ended.reason.clone());
+    run.close(&ended)?;
+    drop(folder);
+    if place.is_none() {
+        std::fs::remove_dir_all(&out)?;
+    }
+    Ok(())
+}
