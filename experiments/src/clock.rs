@@ -1,6 +1,5 @@
 //! Time that this thread was on a processor.
 
-use std::convert::Infallible;
 use std::time::Instant;
 
 /// Of what is timed in print; the fastest counts.
@@ -37,15 +36,7 @@ impl Clock {
     }
 }
 
-/// The same work this many times: what it gives, and the least processor time [s].
-pub(crate) fn fastest<T>(repetitions: usize, mut work: impl FnMut() -> T) -> (T, f64) {
-    match try_fastest(repetitions, || Ok::<T, Infallible>(work())) {
-        Ok(done) => done,
-        Err(never) => match never {},
-    }
-}
-
-/// [`fastest`] of work that can fail; a failure is not repeated.
+/// The same work this many times: what it gives, and the least processor time [s]; a failure is not repeated.
 pub(crate) fn try_fastest<T, E>(
     repetitions: usize,
     mut work: impl FnMut() -> Result<T, E>,

@@ -6,7 +6,6 @@ mod clock;
 pub mod command;
 pub mod crack;
 pub mod e01_checkerboard;
-pub mod e09_work_precision;
 pub mod e10_inclined_crack;
 pub mod e11_pressurised_cracks;
 pub mod e12_orders;

@@ -15,7 +15,7 @@ pub static EXPERIMENTS: &[&dyn Experiment] = &[
     &gallery::E06B,
     &gallery::E07,
     &gallery::E08,
-    &crate::e09_work_precision::WorkPrecision,
+    &gallery::E09,
     &crate::e10_inclined_crack::Inclined,
     &crate::e11_pressurised_cracks::PressurisedCracks,
     &crate::e12_orders::ObservedOrders,

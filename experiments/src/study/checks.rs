@@ -25,9 +25,13 @@ pub struct CheckSection {
     /// Less the number of other rows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub minus: Option<Other>,
-    /// An axis whose values pair rows with others before one is taken.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub pair: Option<String>,
+    /// Axes whose values pair rows with others before one is taken.
+    #[serde(
+        default,
+        deserialize_with = "super::figure_section::one_or_many",
+        skip_serializing_if = "Vec::is_empty"
+    )]
+    pub pair: Vec<String>,
     /// An axis: the claim is made for each of its values.
     #[serde(default, rename = "for", skip_serializing_if = "Option::is_none")]
     pub each: Option<String>,
@@ -131,7 +135,7 @@ impl CheckSection {
             return Some("it has `over` and `minus`");
         }
         let alone = self.over.is_none() && self.minus.is_none();
-        (self.pair.is_some() && alone).then_some("`pair` needs `over` or `minus`")
+        (!self.pair.is_empty() && alone).then_some("`pair` needs `over` or `minus`")
     }
 
     /// Holds the claim against rows.
@@ -182,11 +186,14 @@ impl CheckSection {
             None => ours - theirs,
         };
         let mut of: Vec<Of<'_>> = rows.iter().copied().zip(numbers(&self.of, rows)).collect();
-        if let (Some((other, theirs)), Some(axis)) = (&other, &self.pair) {
+        if let (Some((other, theirs)), false) = (&other, self.pair.is_empty()) {
             let name = other.of.as_ref().unwrap_or(&self.of);
             for (row, number) in &mut of {
-                let own = findings.field(row, axis);
-                let partner = theirs.iter().find(|r| findings.field(r, axis) == own);
+                let is_partner = |other: &&&Fields| {
+                    let mut axes = self.pair.iter();
+                    axes.all(|axis| findings.field(other, axis) == findings.field(row, axis))
+                };
+                let partner = theirs.iter().find(is_partner);
                 *number = partner.map_or(f64::NAN, |partner| match self.of == EIGENVALUES {
                     true => apart(findings, row, partner),
                     false => combined(*number, findings.value(partner, name, true)),
@@ -197,7 +204,7 @@ impl CheckSection {
             Take::Distinct => vec![(rows[0], findings.values(rows, &self.of).len() as f64)],
             take => take.of(&of),
         };
-        if let (Some((other, theirs)), None) = (&other, &self.pair) {
+        if let (Some((other, theirs)), true) = (&other, self.pair.is_empty()) {
             let name = other.of.as_ref().unwrap_or(&self.of);
             let theirs: Vec<Of<'_>> = (theirs.iter().copied())
                 .zip(numbers(name, theirs))

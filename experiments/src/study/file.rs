@@ -2,7 +2,7 @@
 
 use super::measure::Group;
 use super::names::SectionError;
-use super::{Axes, CheckSection, FigureSection, Name, Products, Published, TableSection};
+use super::{Axes, CheckSection, FigureSection, Finest, Name, Products, Published, TableSection};
 use crate::scenes;
 use anyhow::{Context, bail, ensure};
 use fracas::scene::read_toml;
@@ -48,6 +48,9 @@ pub struct Study {
     /// Errors against the solution of a direct solver, in the norms of energy; without it they are the estimates of `solve`.
     #[serde(default)]
     pub reference: bool,
+    /// The mesh that `mesh_error` is against.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub finest: Option<Finest>,
     /// What is varied.
     pub axes: Products,
     /// Rows that are left out: those that have all of these values.
@@ -137,6 +140,7 @@ impl Study {
             counts: Counts::default(),
             clock: true,
             at: String::new(),
+            finest: None,
             tolerance_of: Measure::default(),
             measures: shown(),
             reference,
@@ -257,6 +261,18 @@ impl Study {
                 "`set` and `refine` have no effect without `scene`"
             );
         }
+        let nested = self
+            .measured()
+            .iter()
+            .any(|name| name.group() == Group::Nested);
+        ensure!(
+            !nested || self.counts == Counts::Published,
+            "algebraic_u, algebraic_t and mesh_error need counts = \"published\""
+        );
+        ensure!(
+            !self.measured().contains(&Name::MeshError) || self.finest.is_some(),
+            "mesh_error needs [finest], the mesh that it is against"
+        );
         self.check_runs()?;
         let limit = self.limit;
         ensure!(

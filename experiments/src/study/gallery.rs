@@ -42,6 +42,7 @@ gallery! {
     E06B "e06b";
     E07 "e07";
     E08 "e08";
+    E09 "e09";
 }
 
 /// The study of that name.

@@ -24,6 +24,8 @@ pub(super) enum Group {
     Condition,
     /// Eigenvalues of M⁻¹𝒜.
     Spectrum,
+    /// Errors against solutions of their own.
+    Nested,
     /// The scene, through its load steps.
     Run,
 }
@@ -140,6 +142,9 @@ measures! {
         let estimates = m.run.as_ref().map(|r| r.estimates);
         real(m.errors.map(|e| e[1]).or(estimates.and_then(|e| e[1])))
     };
+    AlgebraicU "algebraic_u" Nested "error of u against the same mesh" |m| real(m.nested.map(|e| e.same[0]));
+    AlgebraicT "algebraic_t" Nested "error of t against the same mesh" |m| real(m.nested.map(|e| e.same[1]));
+    MeshError "mesh_error" Nested "error of u against the finest mesh" |m| real(m.nested.and_then(|e| e.mesh));
     Levels "levels" Solve "levels of multigrid" |m| {
         let run = m.run.as_ref();
         count(run.and_then(|r| Some(r.hierarchy.as_ref()?.levels.len())))

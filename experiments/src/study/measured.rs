@@ -1,5 +1,6 @@
 //! What a row brought to light.
 
+use super::nested::Errors;
 use super::outcome::Outcome;
 use fracas::solve::Solved;
 use fracas_solvers::multigrid::Summary;
@@ -94,6 +95,7 @@ pub(super) struct Measured {
     pub(super) run: Option<Run>,
     /// Of u and t, against a reference.
     pub(super) errors: Option<[f64; 2]>,
+    pub(super) nested: Option<Errors>,
     pub(super) contact: Option<Contact>,
     pub(super) stiffness: Option<StiffnessEnds>,
     /// Of S_u, and of S_u scaled to a unit diagonal.

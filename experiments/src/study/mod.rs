@@ -6,7 +6,7 @@
 //! | `names` | what it mentions, known or not |
 //! | `product` | its rows, in order |
 //! | `refine`, `state` | a finer mesh of the same scene, a contact state of it |
-//! | `solving`, `prepared`, `counted`, `stepping`, `reference`, `outcome` | one row: matrices, solve, run, true errors, how it ended |
+//! | `solving`, `prepared`, `counted`, `narrow`, `stepping`, `reference`, `nested`, `outcome` | one row: matrices, solve, run, true errors, how it ended |
 //! | `measure`, `measured` | what is measured, by name |
 //! | `rows`, `csv` | `rows.csv`, which survives the process |
 //! | `engine` | rows one after the other, or several at once |
@@ -30,6 +30,8 @@ pub mod gallery;
 mod measure;
 mod measured;
 mod names;
+mod narrow;
+mod nested;
 mod outcome;
 mod page;
 mod prepared;
@@ -51,6 +53,7 @@ pub use figure_section::{FigureSection, Kind, ReferenceLine};
 pub use file::{Counts, Limit, Study};
 pub use findings::Published;
 pub use measure::Name;
+pub use nested::Finest;
 pub use setting::Setting;
 pub use state::State;
 pub use tables::{Column, LongColumn, TableSection};

@@ -175,10 +175,14 @@ impl Study {
             let rows = others.map(|other| &other.of_rows);
             rows.chain([&check.of_rows])
                 .try_for_each(|rows| judge.rows(rows))?;
-            let axes = [("pair", &check.pair), ("for", &check.each)];
-            for (key, axis) in axes {
-                axis.iter().try_for_each(|axis| judge.name(key, axis))?;
-            }
+            check
+                .pair
+                .iter()
+                .try_for_each(|axis| judge.name("pair", axis))?;
+            check
+                .each
+                .iter()
+                .try_for_each(|axis| judge.name("for", axis))?;
         }
         Ok(())
     }
@@ -215,11 +219,11 @@ impl Study {
         let all = || Name::ALL.iter().copied();
         let groups: Vec<Group> = all().filter(is_mentioned).map(Name::group).collect();
         let has_states = self.axis_names().iter().any(|name| name == "state");
-        let solves = [Group::Solve, Group::Count, Group::Clock];
+        let solves = [Group::Solve, Group::Count, Group::Clock, Group::Nested];
         let is_taken = |name: &Name| match name.group() {
             Group::System | Group::Settings => true,
             Group::State => has_states,
-            Group::Condition => is_mentioned(name),
+            Group::Condition | Group::Nested => is_mentioned(name),
             group if solves.contains(&group) => solves.iter().any(|g| groups.contains(g)),
             group => groups.contains(&group),
         };

@@ -30,6 +30,8 @@ pub(super) struct Prepared {
     pub(super) mesh_s: f64,
     pub(super) assembly_s: f64,
     is_ours: bool,
+    /// Of tractions in these blocks [Pa].
+    unit: f64,
     stiffness: Option<StiffnessEnds>,
     schur: Option<(AugmentationChoice, [Option<Ends>; 2])>,
 }
@@ -58,7 +60,7 @@ impl Case {
         }))
     }
 
-    fn stuck(&self) -> anyhow::Result<Option<StuckBody>> {
+    pub(super) fn stuck(&self) -> anyhow::Result<Option<StuckBody>> {
         let (Some(name), Some(scene)) = (&self.setting.scene, self.scene()?) else {
             return Ok(None);
         };
@@ -87,6 +89,7 @@ impl Prepared {
                     mesh_s: 0.0,
                     assembly_s: start.elapsed().as_secs_f64(),
                     is_ours: loaded.is_ours,
+                    unit: 1.0,
                     stiffness: None,
                     schur: None,
                 }
@@ -112,14 +115,15 @@ impl Prepared {
                     state,
                     mesh_s,
                     assembly_s: start.elapsed().as_secs_f64(),
+                    unit: 1.0,
                     stiffness: None,
                     schur: None,
                 }
             }
         };
         if !raw {
-            prepared.blocks = prepared.balanced();
-            prepared.is_ours = false;
+            let (blocks, unit) = prepared.balanced();
+            (prepared.blocks, prepared.unit, prepared.is_ours) = (blocks, unit, false);
         }
         Ok(prepared)
     }
@@ -129,11 +133,12 @@ impl Prepared {
         self.raw == raw && self.case.same_matrices(case)
     }
 
-    /// The blocks in a balanced unit of tractions; those of other codes keep theirs.
-    pub(super) fn balanced(&self) -> Arc<SaddleBlocks> {
+    /// The blocks in a balanced unit of tractions, and this unit [Pa]; those of other codes keep theirs.
+    pub(super) fn balanced(&self) -> (Arc<SaddleBlocks>, f64) {
+        let unit = self.blocks.traction_unit();
         match self.is_ours {
-            true => Arc::new(self.blocks.in_traction_unit(self.blocks.traction_unit())),
-            false => self.blocks.clone(),
+            true => (self.blocks.in_traction_unit(unit).into(), unit),
+            false => (self.blocks.clone(), self.unit),
         }
     }
 

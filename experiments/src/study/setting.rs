@@ -71,11 +71,19 @@ settings! {
     dense: usize,
     /// `published` or `solve`, as of the study.
     counts: super::Counts,
+    /// Without an assembled 𝒜, where counts are those of published tables.
+    matrix_free: bool,
+    /// Everything in f32: products, vectors, scalar products.
+    single: bool,
+    /// Repetitions of the iteration, whose least time counts.
+    repetitions: usize,
     /// Whether rows of slip and opening are eliminated before RACP.
     eliminate: bool,
 }
 
-fn flat<'de, D: Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<String, Value>, D::Error> {
+pub(super) fn flat<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<BTreeMap<String, Value>, D::Error> {
     let mut flat = BTreeMap::new();
     flatten(&Table::deserialize(deserializer)?, "", &mut |key, value| {
         flat.insert(key, value.clone());

@@ -3,6 +3,7 @@
 use super::counted::counted;
 use super::measure::Group;
 use super::measured::{Contact, Measured};
+use super::nested::Nested;
 use super::outcome::Outcome;
 use super::prepared::Prepared;
 use super::product::Case;
@@ -109,6 +110,7 @@ pub(super) fn load(solver: &mut Solver, case: &Case) {
 #[derive(Default)]
 pub(super) struct Shared {
     prepared: Option<Prepared>,
+    nested: Nested,
     reference: Option<Reference>,
 }
 
@@ -119,12 +121,17 @@ impl Shared {
             .take_if(|own| !raw.is_some_and(|raw| own.serves(case, raw)));
         self.reference.take_if(|own| !own.serves(case));
     }
+}
 
-    fn prepared(&mut self, case: &Case, raw: bool) -> anyhow::Result<&mut Prepared> {
-        match &mut self.prepared {
-            Some(prepared) => Ok(prepared),
-            none => Ok(none.insert(Prepared::new(case, raw)?)),
-        }
+/// The matrices of a row, made where they are not there.
+fn prepared<'a>(
+    slot: &'a mut Option<Prepared>,
+    case: &Case,
+    raw: bool,
+) -> anyhow::Result<&'a mut Prepared> {
+    match slot {
+        Some(prepared) => Ok(prepared),
+        none => Ok(none.insert(Prepared::new(case, raw)?)),
     }
 }
 
@@ -161,7 +168,7 @@ impl Row<'_> {
         measured.c = settings.method.augmentation();
         measured.asked = settings.krylov.unwrap_or_default().to_string();
         let (setting, study) = (&self.case.setting, self.study);
-        let solves = self.asks(&[Group::Solve, Group::Clock, Group::Count]);
+        let solves = self.asks(&[Group::Solve, Group::Clock, Group::Count, Group::Nested]);
         let counts = setting.counts.unwrap_or(study.counts);
         let (published, spectral) = (
             solves && counts == Counts::Published,
@@ -174,7 +181,7 @@ impl Row<'_> {
         shared.make_room(self.case, prepares.then_some(spectral || conditions));
         memory::reset_peak();
         if prepares {
-            let prepared = shared.prepared(self.case, spectral || conditions)?;
+            let prepared = prepared(&mut shared.prepared, self.case, spectral || conditions)?;
             facts(prepared, measured);
             let n: usize = measured.sizes.iter().flatten().sum();
             if self.is_too_large(n, measured) {
@@ -183,8 +190,16 @@ impl Row<'_> {
             if published {
                 let mut watch = Watch::within(self.stop, &study.limit);
                 let (run, outcome, reason) =
-                    counted(self.case, &settings, prepared, &study.limit, &mut watch)?;
+                    counted(self.case, &settings, prepared, study, &mut watch)?;
                 measured.residuals = watch.residuals;
+                if self.asks(&[Group::Nested]) {
+                    let finest = study.finest.as_ref();
+                    let errors = shared.nested.errors(self.case, prepared, finest, &run.x);
+                    measured.nested = Some(errors?);
+                }
+                if setting.matrix_free == Some(true) || setting.single == Some(true) {
+                    measured.assembly_s = Some(0.0);
+                }
                 measured.run = Some(run);
                 measured.outcome = Some(outcome);
                 measured.reasons.extend(reason);
@@ -208,10 +223,14 @@ impl Row<'_> {
             stepping::run(self.case, self.place, &watch, measured)?;
         }
         if conditions {
-            self.conditions(&settings, shared.prepared(self.case, true)?, measured)?;
+            self.conditions(
+                &settings,
+                prepared(&mut shared.prepared, self.case, true)?,
+                measured,
+            )?;
         }
         if spectral {
-            let blocks = &shared.prepared(self.case, true)?.blocks;
+            let blocks = &prepared(&mut shared.prepared, self.case, true)?.blocks;
             let kind = SystemKind::Entries("a spectrum");
             let method: SaddleMethod = Route::new(&settings.method, settings.inner, kind)?.method;
             let request = SpectrumRequest {

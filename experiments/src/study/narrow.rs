@@ -3,15 +3,15 @@
 use fracas_operators::{Preconditioner, Properties};
 
 /// `z ← fl(M⁻¹ r)`.
-pub(super) struct Narrow<M>(M);
+pub(super) struct Narrow<'a>(&'a dyn Preconditioner<f64>);
 
-impl<M: Preconditioner<f64>> Narrow<M> {
-    pub(super) fn new(inverse: M) -> Self {
+impl<'a> Narrow<'a> {
+    pub(super) fn new(inverse: &'a dyn Preconditioner<f64>) -> Self {
         Self(inverse)
     }
 }
 
-impl<M: Preconditioner<f64>> Preconditioner<f32> for Narrow<M> {
+impl Preconditioner<f32> for Narrow<'_> {
     fn size(&self) -> usize {
         self.0.size()
     }
