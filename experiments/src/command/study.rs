@@ -3,6 +3,7 @@
 use super::Status;
 use super::interrupt::{self, Signals};
 use crate::study::{Engine, Study as File, gallery};
+use anyhow::bail;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
@@ -37,6 +38,10 @@ impl Study {
         let named = self.file.to_str().and_then(gallery::named);
         let study = match named {
             Some(study) if !self.file.exists() => study.read(level)?,
+            None if !self.file.exists() => bail!(
+                "no study file and no study of the gallery is called `{}`; `fracas list` shows the gallery",
+                self.file.display()
+            ),
             _ => File::load(&self.file, level)?,
         };
         self.place.run(&study, out)

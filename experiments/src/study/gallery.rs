@@ -97,7 +97,7 @@ impl Experiment for GalleryStudy {
     fn run(&self, level: Level, observer: &mut dyn Observer) -> anyhow::Result<Findings> {
         let study = self.at(level)?;
         let rows = in_memory(&study, |done, total| {
-            let stage = "rows";
+            let stage = self.name;
             observer.observe(&Step::Progress { stage, done, total })
         })?;
         let mut findings = page::answer(&study, &rows);

@@ -389,6 +389,13 @@ fn a_study_of_the_gallery_is_known_by_name_and_goes_on_as_reproduce_prints_it() 
             "{name}"
         );
     }
+    let ran = fracas(&["study", "e99", "--out", "nowhere"]);
+    assert!(
+        ran.stderr
+            .contains("no study of the gallery is called `e99`"),
+        "{}",
+        ran.stderr
+    );
     let ran = fracas(&["study", "e02", "--level", "smok", "--out", "nowhere"]);
     assert!(
         ran.stderr
