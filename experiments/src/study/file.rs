@@ -274,6 +274,9 @@ impl Study {
             "mesh_error needs [finest], the mesh that it is against"
         );
         self.check_runs()?;
+        if let Some(why) = self.axes.0.iter().find_map(Axes::objection) {
+            bail!(why);
+        }
         let limit = self.limit;
         ensure!(
             limit.products > 0.0 && limit.seconds.is_none_or(|s| s > 0.0),

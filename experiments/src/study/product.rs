@@ -1,7 +1,7 @@
 //! Rows of a study, in order: the product of its axes without what it skips.
 
 use super::measure::number;
-use super::{Axes, Choice, Name, Setting, Study};
+use super::{Axes, Choice, Name, Setting, Study, Together};
 use anyhow::{bail, ensure};
 use std::collections::BTreeMap;
 use toml::{Table, Value};
@@ -154,6 +154,39 @@ impl Axes {
             "tolerance" => self.tolerance.len() > 1,
             _ => true,
         }
+    }
+
+    /// What no row could mean, in a sentence.
+    pub(super) fn objection(&self) -> Option<String> {
+        let variants = || self.variants();
+        let of_threads = self.threads.iter().copied();
+        if (of_threads.chain(variants().filter_map(|v| v.threads))).any(|n| n == 0) {
+            return Some("a row has at least one of `threads`".into());
+        }
+        let factors = self.stabilization.iter().copied();
+        let mut factors = factors.chain(variants().filter_map(|v| v.stabilization));
+        if let Some(factor) = factors.find(|f| !(*f >= 0.0 && f.is_finite())) {
+            return Some(format!(
+                "`stabilization` is {factor}, and factors of H are numbers from 0"
+            ));
+        }
+        let is_taken = |name: &str| FIXED.contains(&name) || Name::find(name).is_some();
+        if let Some(Together { name, .. }) = self.together.iter().find(|t| is_taken(&t.name)) {
+            return Some(format!(
+                "variants cannot be called `{name}`: that is an axis or a measure"
+            ));
+        }
+        let key = variants().flat_map(Setting::said).find(|key| {
+            let own = match *key {
+                "state" => self.state.len(),
+                "stabilization" => self.stabilization.len(),
+                "threads" => self.threads.len(),
+                "scene" => self.scene.len(),
+                key => usize::from(FIXED.contains(&key) && self.varies(key)) * 2,
+            };
+            own > 1
+        });
+        key.map(|key| format!("`{key}` is an axis, and a variant says it, too"))
     }
 
     fn variants(&self) -> impl Iterator<Item = &Setting> {

@@ -285,6 +285,29 @@ fn what_is_wrong_is_said_with_its_line() {
         &with("[[table]]\nid = \"t\"\ncolumns = [\"a = (n_it\"]"),
         "[[table]] 1: `columns` is `(n_it`: a bracket is not closed",
     );
+    let with_axis = |line: &str| STUDY.replace("refine =", &format!("{line}\nrefine ="));
+    let variant = |name: &str, keys: &str| {
+        with_axis(&format!(
+            "together = [{{ name = \"{name}\", values = [{{ name = \"a\", {keys} }}] }}]"
+        ))
+    };
+    refused(
+        &with_axis("threads = [0]"),
+        "a row has at least one of `threads`",
+    );
+    refused(
+        &with_axis("stabilization = [-1.0]"),
+        "`stabilization` is -1, and factors of H",
+    );
+    refused(
+        &variant("method", "inner = \"amg\""),
+        "variants cannot be called `method`",
+    );
+    refused(
+        &variant("own", "method = \"racp\""),
+        "`method` is an axis, and a variant says it, too",
+    );
+    refused(&variant("own", "metod = \"racp\""), "study.toml:8:");
     refused(
         &STUDY.replace("refine =", "state = [\"slip:1.5\"]\nrefine ="),
         "no contact state `slip:1.5`",
