@@ -17,6 +17,11 @@ pub(super) fn figures(study: &Study, findings: &Findings) -> Vec<Figure> {
     };
     let mut figures: Vec<Figure> = Vec::new();
     for section in asked.iter().filter(|f| study.is_at_level(&f.not_at)) {
+        // over unknowns a curve is a method on all meshes
+        let mut varying = varying.clone();
+        if ["n", "n_u", "n_t"].contains(&section.x.as_str()) {
+            varying.retain(|name| !is_of_size(name));
+        }
         let chosen = findings.chosen(&section.of_rows);
         let facets = facets(section, &chosen, findings);
         for (k, facet) in facets.iter().enumerate() {
@@ -216,8 +221,13 @@ fn varying(study: &Study, findings: &Findings) -> Vec<String> {
     names
 }
 
+/// True for axes that make meshes of a scene finer.
+fn is_of_size(name: &str) -> bool {
+    name == "refine" || name.starts_with("mesh.")
+}
+
 fn sensible(varying: &[String]) -> Vec<FigureSection> {
-    let sizes = |name: &String| name == "refine" || name.starts_with("mesh.");
+    let sizes = |name: &String| is_of_size(name);
     let has_sizes = varying.iter().any(sizes);
     let keys = varying.iter().find(|name| name.contains('.'));
     let tolerances = varying.iter().any(|name| name == "tolerance");

@@ -118,6 +118,10 @@ fn every_row_has_an_outcome_and_figures_have_their_series() {
     }
     let csv = std::fs::read_to_string(out.join("figures/n_it_over_n.csv")).unwrap();
     assert!(csv.contains("published (test B),dashed"), "{csv}");
+    assert!(
+        !csv.contains("refine"),
+        "a curve is a method on all meshes: {csv}"
+    );
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
     assert!(page.contains("Do iterations grow with the mesh?") && page.contains("not_applicable"));
     let manifest = std::fs::read_to_string(out.join("manifest.json")).unwrap();
