@@ -68,12 +68,9 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
         .with_overrides(&["solver.racp.augmentation=tridiagonal"])?
         .build()?;
     let mut simulation = Simulation::new(&body)?;
-    let mut state = simulation.initial_state();
-    while state.step == 0 || !simulation.is_finished(&state) {
-        let done = simulation.advance(&state, &mut Silent)?;
-        let krylov: usize = done.linear.iter().map(|system| system.iterations).sum();
-        println!("step {}: {krylov} Krylov iterations", done.record.step);
-        state = done.state;
-    }
+    simulation.run(&mut Silent, |_, _, done| {
+        let (step, krylov) = (done.record.step, done.record.lin_it);
+        println!("step {step}: {krylov} Krylov iterations");
+    })?;
     Ok(())
 }

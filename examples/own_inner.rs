@@ -91,16 +91,8 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
         let own = format!("solver.racp.inner={inner}");
         let body = scene.with_overrides(&[own])?.build()?;
         let mut simulation = Simulation::new(&body)?;
-        let (mut state, mut krylov) = (simulation.initial_state(), 0);
-        while state.step == 0 || !simulation.is_finished(&state) {
-            let done = simulation.advance(&state, &mut Silent)?;
-            krylov += done
-                .linear
-                .iter()
-                .map(|system| system.iterations)
-                .sum::<usize>();
-            state = done.state;
-        }
+        let mut krylov = 0;
+        let state = simulation.run(&mut Silent, |_, _, done| krylov += done.record.lin_it)?;
         let slip = simulation.face_fields(&state).slip;
         let largest = slip.into_iter().fold(0.0, f64::max);
         println!("{inner}: {krylov} Krylov iterations, largest slip {largest:.9} m");

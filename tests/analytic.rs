@@ -35,10 +35,7 @@ fn body(scene: &str, axes: &[&str], s: f64) -> Body {
 
 fn equilibrium(body: &Body) -> (State, FaceFields) {
     let mut simulation = Simulation::new(body).unwrap();
-    let mut state = simulation.initial_state();
-    while !simulation.is_finished(&state) {
-        state = simulation.advance(&state, &mut Silent).unwrap().state;
-    }
+    let state = simulation.run(&mut Silent, |_, _, _| ()).unwrap();
     let fields = simulation.face_fields(&state);
     (state, fields)
 }

@@ -78,18 +78,12 @@ fn run(text: &str, solver: &[&str]) -> Result<Ran, Failure> {
     let scene = Scene::from_toml(text, "scene.toml").unwrap();
     let body = scene.with_overrides(solver).unwrap().build().unwrap();
     let mut simulation = Simulation::new(&body).unwrap();
-    let (mut state, mut by_rounds) = (simulation.initial_state(), true);
-    while !simulation.is_finished(&state) {
-        match simulation.advance(&state, &mut Silent) {
-            Ok(done) => {
-                state = done.state;
-                let cycles =
-                    |e: &Event| matches!(e, Event::Cycle { .. } | Event::Projection { .. });
-                by_rounds &= !done.events.iter().any(cycles);
-            }
-            Err(failure) => return Err(failure.reason),
-        }
-    }
+    let mut by_rounds = true;
+    let end = simulation.run(&mut Silent, |_, _, done| {
+        let cycles = |e: &Event| matches!(e, Event::Cycle { .. } | Event::Projection { .. });
+        by_rounds &= !done.events.iter().any(cycles);
+    });
+    let state = end.map_err(|failure| failure.reason)?;
     Ok(Ran { state, by_rounds })
 }
 

@@ -163,14 +163,8 @@ fn sliding() -> Body {
 
 fn solved(body: &Body) -> State {
     let mut simulation = Simulation::new(body).unwrap();
-    let mut state = simulation.initial_state();
-    while state.step == 0 || !simulation.is_finished(&state) {
-        state = match simulation.advance(&state, &mut Silent) {
-            Ok(done) => done.state,
-            Err(failure) => panic!("{failure}"),
-        };
-    }
-    state
+    let end = simulation.run(&mut Silent, |_, _, _| ());
+    end.unwrap_or_else(|failure| panic!("{failure}"))
 }
 
 #[test]

@@ -119,16 +119,14 @@ fn slip_that_weakens_slowly_is_never_called_unstable() {
         let case = Case::new(seed, [0.05, 0.98]);
         let body = case.body(method, &[]);
         let mut simulation = Simulation::new(&body).unwrap();
-        let (mut state, mut cuts) = (simulation.initial_state(), 0);
-        while state.step == 0 || !simulation.is_finished(&state) {
-            let done = simulation.advance(&state, &mut Silent).unwrap();
+        let mut cuts = 0;
+        let end = simulation.run(&mut Silent, |_, _, done| {
             let unstable =
                 |e: &Event| matches!(e, Event::Cut { reason, .. } if reason.contains("unstable"));
             assert!(!done.events.iter().any(unstable), "seed {seed} {method}");
             cuts += done.record.cuts;
-            state = done.state;
-        }
-        let fields = simulation.face_fields(&state);
+        });
+        let fields = simulation.face_fields(&end.unwrap());
         assert!(fields.slip[0] > 0.0, "seed {seed} {method}: nothing slips");
         halved += usize::from(cuts > 0);
     }
@@ -145,15 +143,8 @@ fn slip_that_runs_away_is_recognized_at_the_load_at_which_it_begins() {
         let body = case.body(method, &[]);
         let mut simulation = Simulation::new(&body).unwrap();
         let mut state = simulation.initial_state();
-        let failed = loop {
-            if state.step > 0 && simulation.is_finished(&state) {
-                break None;
-            }
-            match simulation.advance(&state, &mut Silent) {
-                Ok(done) => state = done.state,
-                Err(failure) => break Some(failure),
-            }
-        };
+        let end = simulation.run(&mut Silent, |_, _, done| state = done.state.clone());
+        let failed = end.err();
         // a jump that is small beside the slip of the shortest step is not told from a steep path
         let Some(failure) = failed else {
             println!("seed {seed} {method}, ratio {}: to the end", case.ratio);
@@ -351,18 +342,10 @@ fn as_pressure_rises_to([low, high]: [f64; 2]) {
             ];
             let body = body(PRESSED, &overrides.each_ref().map(|text| &**text));
             let mut simulation = Simulation::new(&body).unwrap();
-            let mut state = simulation.initial_state();
-            while state.step == 0 || !simulation.is_finished(&state) {
-                match simulation.advance(&state, &mut Silent) {
-                    Ok(done) => state = done.state,
-                    Err(failure) => {
-                        let unstable = matches!(failure.reason, Failure::Unstable(_));
-                        assert!(unstable, "seed {seed} {method}, {steps} steps: {failure}");
-                        return Some([failure.time, failure.time + failure.increment]);
-                    }
-                }
-            }
-            None
+            let failure = simulation.run(&mut Silent, |_, _, _| ()).err()?;
+            let unstable = matches!(failure.reason, Failure::Unstable(_));
+            assert!(unstable, "seed {seed} {method}, {steps} steps: {failure}");
+            Some([failure.time, failure.time + failure.increment])
         };
         let [low, high] = runs_away(60).unwrap();
         for steps in [1, 2, 1 + (9.0 * number(3)) as u64, 10] {

@@ -17,11 +17,10 @@ fn body(toml: &str) -> Body {
 /// Every accepted step to the end.
 fn run(body: &Body, mut visit: impl FnMut(&State, &FaceFields)) {
     let mut simulation = Simulation::new(body).unwrap();
-    let mut state = simulation.initial_state();
-    while !simulation.is_finished(&state) || state.step == 0 {
-        state = simulation.advance(&state, &mut Silent).unwrap().state;
-        visit(&state, &simulation.face_fields(&state));
-    }
+    let end = simulation.run(&mut Silent, |simulation, _, done| {
+        visit(&done.state, &simulation.face_fields(&done.state));
+    });
+    end.unwrap();
 }
 
 /// Pressures on x+, y+, z+ against rollers on the sides opposite [Pa].

@@ -83,12 +83,9 @@ fn run(solver: &str) -> (usize, Vec<f64>, Vec<f64>) {
     let scene = named("cycle").unwrap().small_scene().unwrap();
     let body = scene.with_overrides(&[solver]).unwrap().build().unwrap();
     let mut simulation = Simulation::new(&body).unwrap();
-    let (mut state, mut krylov) = (simulation.initial_state(), 0);
-    while state.step == 0 || !simulation.is_finished(&state) {
-        let done = simulation.advance(&state, &mut Silent).unwrap();
-        krylov += done.linear.iter().map(|s| s.iterations).sum::<usize>();
-        state = done.state;
-    }
+    let mut krylov = 0;
+    let end = simulation.run(&mut Silent, |_, _, done| krylov += done.record.lin_it);
+    let state = end.unwrap();
     (krylov, state.t, state.slip)
 }
 

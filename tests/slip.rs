@@ -30,26 +30,20 @@ struct Step {
 /// Runs to the end, or as far as it gets; true if to the end.
 fn steps(body: &Body, mut visit: impl FnMut(&Simulation<'_>, Step)) -> bool {
     let mut simulation = Simulation::new(body).unwrap();
-    let mut before = simulation.initial_state();
-    while !simulation.is_finished(&before) || before.step == 0 {
-        let done = match simulation.advance(&before, &mut Silent) {
-            Ok(done) => done,
-            Err(failure) => {
-                println!("{failure}");
-                return false;
-            }
-        };
+    let end = simulation.run(&mut Silent, |simulation, before, done| {
         let step = Step {
             fields: simulation.face_fields(&done.state),
-            energy: simulation.energy(&before, &done.state),
+            energy: simulation.energy(before, &done.state),
             record: done.record,
             after: done.state.clone(),
-            before,
+            before: before.clone(),
         };
-        before = done.state;
-        visit(&simulation, step);
+        visit(simulation, step);
+    });
+    if let Err(failure) = &end {
+        println!("{failure}");
     }
-    true
+    end.is_ok()
 }
 
 /// A box of random cells, perhaps thin in any direction, cut by a fault and sheared to and fro under 100 MPa.

@@ -12,6 +12,7 @@
 
 mod accuracy;
 mod active_set;
+mod all_steps;
 mod assembled;
 mod cycling;
 mod energy;

@@ -26,7 +26,7 @@ pub struct Simulation<'a> {
     linear: Linear,
     /// What takes the place of multipliers, if anything does.
     springs: Option<SpringMethod>,
-    times: Times,
+    pub(super) times: Times,
     /// Tractions of the initial stress: the start of the equilibrium at time 0 [Pa].
     initial_traction: Vec<f64>,
 }

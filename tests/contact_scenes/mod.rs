@@ -13,18 +13,16 @@ pub(crate) fn body(toml: &str, overrides: &[&str]) -> Body {
 /// Runs to the end; what `visit` sees is every accepted step.
 pub(crate) fn run(body: &Body, mut visit: impl FnMut(&State, &FaceFields, &StepRecord)) {
     let mut simulation = Simulation::new(body).unwrap();
-    let mut state = simulation.initial_state();
-    while !simulation.is_finished(&state) || state.step == 0 {
-        let done = match simulation.advance(&state, &mut Silent) {
-            Ok(done) => done,
-            Err(failure) => panic!("{failure}"),
-        };
+    let end = simulation.run(&mut Silent, |simulation, _, done| {
         for event in &done.events {
             println!("{event:?}");
         }
         println!("{:?}", done.record);
-        state = done.state;
-        visit(&state, &simulation.face_fields(&state), &done.record);
+        let fields = simulation.face_fields(&done.state);
+        visit(&done.state, &fields, &done.record);
+    });
+    if let Err(failure) = end {
+        panic!("{failure}");
     }
 }
 

@@ -29,10 +29,7 @@ impl Piece {
 /// The body under its last loads.
 pub(crate) fn solved(body: &Body) -> (State, FaceFields) {
     let mut simulation = Simulation::new(body).unwrap();
-    let mut state = simulation.initial_state();
-    while !simulation.is_finished(&state) || state.step == 0 {
-        state = simulation.advance(&state, &mut Silent).unwrap().state;
-    }
+    let state = simulation.run(&mut Silent, |_, _, _| ()).unwrap();
     let fields = simulation.face_fields(&state);
     (state, fields)
 }

@@ -25,17 +25,14 @@ impl Answer {
     /// A fracture without friction, or a step that fails.
     pub fn of(body: &Body, observer: &mut dyn Observer) -> anyhow::Result<Self> {
         let mut simulation = Simulation::new(body)?;
-        let mut state = simulation.initial_state();
         let mut iterations = [0; 3];
         let mut faces = [0; 4];
-        while !simulation.is_finished(&state) {
-            let accepted = simulation.advance(&state, observer)?;
-            let record = accepted.record;
+        let state = simulation.run(observer, |_, _, accepted| {
+            let record = &accepted.record;
             let more = [record.active_it, record.newton_it, record.lin_it];
             iterations.iter_mut().zip(more).for_each(|(n, m)| *n += m);
             faces = record.faces;
-            state = accepted.state;
-        }
+        })?;
         Ok(Self {
             n_u: state.u.len(),
             fields: simulation.face_fields(&state),

@@ -1,10 +1,9 @@
 //! The scene from its first step to its last, and what its faces show.
 
 use crate::report::{Cell, Table};
-use fracas::nonlinear::{Accepted, FaceFields, Simulation, State};
+use fracas::nonlinear::{Accepted, FaceFields, Simulation};
 use fracas::scene::{Body, Scene};
-use fracas_solvers::{Observer, Step};
-use std::ops::ControlFlow;
+use fracas_solvers::Observer;
 
 /// An accepted step and what its faces show.
 pub(super) struct Row {
@@ -128,19 +127,12 @@ impl Run {
 
 fn steps(body: &Body, observer: &mut dyn Observer) -> anyhow::Result<Vec<Row>> {
     let mut simulation = Simulation::new(body)?;
-    let mut state: State = simulation.initial_state();
-    let total = 1 + body.time.map_or(0, |time| time.steps as usize);
     let mut rows: Vec<Row> = Vec::new();
-    while rows.is_empty() || !simulation.is_finished(&state) {
-        let stage = "steps";
-        let done = rows.len().min(total);
-        if observer.observe(&Step::Progress { stage, done, total }) == ControlFlow::Break(()) {
-            anyhow::bail!("stopped on request");
-        }
-        let done = simulation.advance(&state, observer)?;
-        state = done.state.clone();
-        let fields = simulation.face_fields(&state);
-        rows.push(Row { done, fields });
-    }
+    simulation.run(observer, |simulation, _, done| {
+        rows.push(Row {
+            fields: simulation.face_fields(&done.state),
+            done: done.clone(),
+        });
+    })?;
     Ok(rows)
 }

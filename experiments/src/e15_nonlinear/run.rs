@@ -199,16 +199,8 @@ enum Halt {
 /// All steps.
 fn steps(body: &Body) -> Result<Vec<Accepted>, Halt> {
     let mut simulation = Simulation::new(body).map_err(|error| Halt::Other(error.into()))?;
-    let mut state = simulation.initial_state();
     let mut steps = Vec::new();
-    while steps.is_empty() || !simulation.is_finished(&state) {
-        match simulation.advance(&state, &mut Silent) {
-            Ok(done) => {
-                state = done.state.clone();
-                steps.push(done);
-            }
-            Err(failure) => return Err(Halt::Step(failure.to_string())),
-        }
-    }
+    let end = simulation.run(&mut Silent, |_, _, done| steps.push(done.clone()));
+    end.map_err(|failure| Halt::Step(failure.to_string()))?;
     Ok(steps)
 }
