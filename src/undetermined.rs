@@ -55,7 +55,7 @@ pub fn blamed(mut error: SetupError, scene: Option<&str>, body: Option<&Body>) -
         && *block != "S_u"
         && let Some(sentence) = idle()
     {
-        *advice = format!("{sentence}; --method racp needs no factorization of their rows");
+        *advice = format!("{sentence}; method = \"racp\" needs no factorization of their rows");
     }
     error
 }

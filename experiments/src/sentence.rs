@@ -1,4 +1,4 @@
-//! From a chain of errors to one sentence.
+//! From a chain of errors to one sentence, and from settings to flags.
 
 /// The error and its causes, without those that the error itself already quotes.
 pub(crate) fn of(error: &anyhow::Error) -> String {
@@ -9,13 +9,39 @@ pub(crate) fn of(error: &anyhow::Error) -> String {
             text = format!("{text}: {cause}");
         }
     }
+    with_flags(&text)
+}
+
+/// Settings that are flags of the command line, too.
+const FLAGS: [&str; 5] = ["augmentation", "inner", "krylov", "method", "restart"];
+
+/// A sentence of the library with its settings as flags: `inner = "amg"` becomes `--inner amg`.
+pub(crate) fn with_flags(text: &str) -> String {
+    let mut text = text.to_owned();
+    for name in FLAGS {
+        let setting = format!("{name} = \"");
+        while let Some((before, rest)) = text.split_once(&setting) {
+            let Some((value, after)) = rest.split_once('"') else {
+                break;
+            };
+            text = format!("{before}--{name} {value}{after}");
+        }
+    }
     text
 }
 
 #[cfg(test)]
 mod tests {
-    use super::of;
+    use super::{of, with_flags};
     use anyhow::Context;
+
+    #[test]
+    fn settings_of_the_library_are_flags_here() {
+        let said =
+            "inner = \"geometric\" belongs to method = \"racp\"; take name = \"x\" or inner = \"y";
+        let shown = "--inner geometric belongs to --method racp; take name = \"x\" or inner = \"y";
+        assert_eq!(with_flags(said), shown);
+    }
 
     #[test]
     fn causes_are_quoted_once() {

@@ -42,7 +42,7 @@ const fn parts([node, copy, face]: [f64; 3]) -> Parts {
     Parts { node, copy, face }
 }
 
-const FEWER_CELLS: &str = "use fewer cells, e.g. --set mesh.x.cells=8";
+const FEWER_CELLS: &str = "use fewer cells, e.g. mesh.x.cells=8";
 
 /// Mesh, fractures, sides and their audit.
 pub const CHECK: Work = Work {
@@ -55,7 +55,7 @@ pub const CHECK: Work = Work {
 pub const BLOCKS: Work = Work {
     bricks: parts(ASSEMBLED),
     mapped: parts(ASSEMBLED),
-    remedy: "use fewer cells, e.g. --set mesh.x.cells=8, or solve with --inner geometric, which assembles no A",
+    remedy: "use fewer cells, e.g. mesh.x.cells=8, or solve with inner = \"geometric\", which assembles no A",
 };
 
 /// Mesh, operator, hierarchy and the vectors of one solve, without an assembled A.

@@ -11,7 +11,7 @@ pub(super) const NAME: &str = "run.lock";
 
 /// Another process at work.
 #[derive(Debug, thiserror::Error)]
-#[error("process {pid} is running in {}: wait for it, or choose another --out", out.display())]
+#[error("process {pid} is running in {}: wait for it, or choose another folder", out.display())]
 pub struct Busy {
     /// Its number.
     pub pid: String,

@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 pub enum Refused {
     /// There is a run already.
     #[error(
-        "{0} holds a run: go on with --restart {0}, or choose another --out",
+        "{0} holds a run: go on with restart = \"{0}\", or choose another folder",
         out.display()
     )]
     Run {
@@ -33,14 +33,14 @@ pub enum Refused {
         out: PathBuf,
     },
     /// There is something else.
-    #[error("{} is not empty: choose another --out", out.display())]
+    #[error("{} is not empty: choose another folder", out.display())]
     Occupied {
         /// The folder.
         out: PathBuf,
     },
     /// A history that the checkpoint does not belong to.
     #[error(
-        "{} does not lead up to the checkpoint, which starts step {step}: it has {}; give --out the folder of the checkpoint, or an empty one",
+        "{} does not lead up to the checkpoint, which starts step {step}: it has {}; write to the folder of the checkpoint, or an empty one",
         path.display(),
         found.map_or("no steps".to_owned(), |(a, b)| format!("steps {a} to {b}"))
     )]

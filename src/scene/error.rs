@@ -251,13 +251,13 @@ pub enum SceneError {
         problem: Box<Problem>,
     },
     /// An override without a value.
-    #[error("--set {text}: write key=value, e.g. --set mesh.x.cells=8")]
+    #[error("override {text}: write key=value, e.g. mesh.x.cells=8")]
     OverrideForm {
         /// What was written.
         text: String,
     },
     /// An override whose path leads nowhere.
-    #[error("--set {text}: `{segment}` is not in `{parent}`; there are: {}", known.join(", "))]
+    #[error("override {text}: `{segment}` is not in `{parent}`; there are: {}", known.join(", "))]
     OverridePath {
         /// What was written.
         text: String,

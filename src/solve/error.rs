@@ -78,7 +78,7 @@ pub enum SolveError {
     NoRoomInDouble(#[from] NoRoomInDouble),
     /// An iteration that needs a linear preconditioner.
     #[error(
-        "--krylov {krylov} needs a linear preconditioner, and --inner {inner} is none; take gmres or fgmres"
+        "krylov = \"{krylov}\" needs a linear preconditioner, and inner = \"{inner}\" is none; take gmres or fgmres"
     )]
     Nonlinear {
         /// The iteration.

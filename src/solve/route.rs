@@ -35,21 +35,23 @@ pub struct Route {
 pub enum NotGeometric {
     /// In another method.
     #[error(
-        "--inner geometric belongs to --method racp; {0} takes exact, amg (also amg:gauss_seidel, amg:fsai, amg:chebyshev), fsai, fsai:static, jacobi or ssor"
+        "inner = \"geometric\" belongs to method = \"racp\"; {0} takes exact, amg (also amg:gauss_seidel, amg:fsai, amg:chebyshev), fsai, fsai:static, jacobi or ssor"
     )]
     Method(&'static str),
     /// For matrices alone.
     #[error(
-        "--inner geometric needs a scene, whose mesh is a grid; a system folder has matrices alone, take --inner amg"
+        "inner = \"geometric\" needs a scene, whose mesh is a grid; a system folder has matrices alone, take inner = \"amg\""
     )]
     Folder,
     /// For a mesh from a file.
     #[error(
-        "--inner geometric needs a mesh that is a grid, and the mesh of this scene comes from a file; take --inner amg"
+        "inner = \"geometric\" needs a mesh that is a grid, and the mesh of this scene comes from a file; take inner = \"amg\""
     )]
     NoGrid,
     /// For work that reads entries.
-    #[error("--inner geometric has no assembled A, and {0} reads its entries; take --inner amg")]
+    #[error(
+        "inner = \"geometric\" has no assembled A, and {0} reads its entries; take inner = \"amg\""
+    )]
     Entries(&'static str),
     /// With a C that needs more of A than the elements around a face.
     #[error(transparent)]

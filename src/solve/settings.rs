@@ -127,7 +127,7 @@ impl Solve {
             return Err(SolveError::Unit { value });
         }
         let kind = match problem {
-            Problem::Body(_) if self.explain => SystemKind::Entries("--explain"),
+            Problem::Body(_) if self.explain => SystemKind::Entries("an explanation"),
             Problem::Body(body) if body.is_grid() => SystemKind::Grid,
             Problem::Body(_) => SystemKind::Mesh,
             Problem::Folder(_) | Problem::Blocks(_) => SystemKind::Matrices,

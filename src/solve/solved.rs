@@ -152,7 +152,7 @@ impl Solved {
                     .map(|r| {
                         format!(
                             "converged in the norm of b, where forces hide the jumps: the contact rows hold to {r:.1e} of \
-                             the jumps only; lower --tolerance by that ratio or take --method direct"
+                             the jumps only; lower the tolerance by that ratio or take method = \"direct\""
                         )
                     });
             }

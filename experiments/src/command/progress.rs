@@ -1,5 +1,6 @@
 //! What is going on, on standard error: a bar on a terminal, a line per stage elsewhere.
 
+use crate::sentence::with_flags;
 use fracas_solvers::{Observer, Step};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::fmt::Display;
@@ -46,7 +47,7 @@ fn line(text: &str) {
 impl Observer for Progress {
     fn say(&mut self, text: &dyn Display) {
         self.announced.clear();
-        self.tell(&text.to_string());
+        self.tell(&with_flags(&text.to_string()));
     }
 
     fn observe(&mut self, step: &Step) -> ControlFlow<()> {

@@ -2,6 +2,7 @@
 
 use super::{explain, output};
 use crate::report::format_real;
+use crate::sentence::with_flags;
 use fracas::solve::{End, Solved};
 use std::io::Write;
 
@@ -71,5 +72,6 @@ pub(super) fn print(solved: &Solved, out: &mut dyn Write) -> anyhow::Result<()> 
     if let Some(facts) = &solved.explain {
         rows.extend(explain::rows(facts));
     }
-    output::pairs(out, &rows)
+    let shown = |(name, text): (_, String)| (name, with_flags(&text));
+    output::pairs(out, &rows.into_iter().map(shown).collect::<Vec<_>>())
 }

@@ -184,7 +184,7 @@ impl SaddleMethod {
         if blocks.flow.is_some() && !settings.takes_flow() {
             return Err(SetupError::NotApplicable {
                 method: self.name(),
-                reason: "the system has flow blocks (Q1, Q2, T), this method solves for u and t; take --method direct".into(),
+                reason: "the system has flow blocks (Q1, Q2, T), this method solves for u and t; take method = \"direct\"".into(),
             });
         }
         if settings.takes_local_rows() {

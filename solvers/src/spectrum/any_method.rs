@@ -41,7 +41,7 @@ pub fn analyse_method(
     };
     if !request.modes.is_empty() {
         return Err(no(
-            "eigenvectors are computed for --method racp:0 only, and for systems without rows of slip or opening",
+            "eigenvectors are computed for method = \"racp:0\" only, and for systems without rows of slip or opening",
         ));
     }
     let mut stages = Stages { observer, done: 0 };

@@ -205,7 +205,7 @@ fn for_indefinite(error: SetupError, semi_definite: &Hypothesis) -> SetupError {
         ) => SetupError::NotApplicable {
             method: "this inner solver",
             reason: format!(
-                "{}, and S_u = A + B C⁻¹Bᵀ with it: {error}; take a smaller C (--augmentation global_times=FACTOR) or another inner solver",
+                "{}, and S_u = A + B C⁻¹Bᵀ with it: {error}; take a smaller C (augmentation = \"global_times=FACTOR\") or another inner solver",
                 semi_definite.reason
             ),
         },

@@ -169,7 +169,7 @@ fn flow_needs_the_direct_solver() {
         assert_eq!(ready.is_ok(), method.name() == "direct");
         if let Err(error) = ready {
             assert!(
-                error.to_string().contains("take --method direct"),
+                error.to_string().contains("take method = \"direct\""),
                 "{error}"
             );
         }

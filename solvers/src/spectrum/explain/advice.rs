@@ -36,12 +36,12 @@ pub(super) fn of(facts: &Explanation, method: &SaddleMethod) -> String {
         let (part, rule) = match c.asked < 1.0 {
             true => (
                 format!("{:.0} % of H", 100.0 * c.asked),
-                "fitted_h, which adds as much of H to C as the cells need",
+                "\"fitted_h\", which adds as much of H to C as the cells need",
             ),
-            false => ("H".into(), "local_h, which adds H to C"),
+            false => ("H".into(), "\"local_h\", which adds H to C"),
         };
         return format!(
-            "C is smaller than {part} in {:.0} % of the rows, by up to {:.1e}: take --augmentation {rule}",
+            "C is smaller than {part} in {:.0} % of the rows, by up to {:.1e}: take augmentation = {rule}",
             100.0 * c.share_below,
             c.asked / c.min
         );
@@ -59,7 +59,7 @@ pub(super) fn of(facts: &Explanation, method: &SaddleMethod) -> String {
     if let Some(seen) = &facts.seen {
         if seen.settled == 0 {
             return format!(
-                "no eigenvalue settled in {} steps, the spectrum is spread: take a stronger --inner, or --method direct",
+                "no eigenvalue settled in {} steps, the spectrum is spread: take a stronger inner solver, or method = \"direct\"",
                 seen.steps
             );
         }
@@ -76,14 +76,14 @@ pub(super) fn of(facts: &Explanation, method: &SaddleMethod) -> String {
                 format!(" around ({x:.4}, {y:.4}, {z:.4}) m{why}")
             });
             let (part, remedy) = match (first, is_exact) {
-                (Some(o), _) if o.traction_share > 0.5 => ("tractions", "another --augmentation"),
-                (Some(_), true) => ("displacements", "another --augmentation"),
+                (Some(o), _) if o.traction_share > 0.5 => ("tractions", "another augmentation"),
+                (Some(_), true) => ("displacements", "another augmentation"),
                 (Some(_), false) => (
                     "displacements",
-                    "a stronger --inner (exact, if memory allows)",
+                    "a stronger inner solver (exact, if memory allows)",
                 ),
-                (None, true) => ("", "another --augmentation"),
-                (None, false) => ("", "a stronger --inner (exact, if memory allows)"),
+                (None, true) => ("", "another augmentation"),
+                (None, false) => ("", "a stronger inner solver (exact, if memory allows)"),
             };
             return match first {
                 Some(_) if seen.n_outliers <= FEW => format!(
@@ -104,7 +104,7 @@ pub(super) fn of(facts: &Explanation, method: &SaddleMethod) -> String {
     let setup = time.other_setup_s + time.c_s.unwrap_or(0.0) + time.inner_s.unwrap_or(0.0);
     if setup > 1.0 && setup > SETUP * time.iterations_s {
         return format!(
-            "set-up takes {:.0} % of the time: keep it for further right-hand sides, or take a cheaper --inner",
+            "set-up takes {:.0} % of the time: keep it for further right-hand sides, or take a cheaper inner solver",
             100.0 * setup / (setup + time.iterations_s)
         );
     }

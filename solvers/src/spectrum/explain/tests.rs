@@ -60,7 +60,7 @@ fn a_c_below_h_is_advised_away_and_local_h_is_not() {
     assert!((high.min - low.min - 1.0).abs() < 1e-12 && low.max < 1.0);
     assert_eq!((low.share_below, high.share_below), (1.0, 0.0));
     assert!(
-        local.advice.contains("--augmentation local_h"),
+        local.advice.contains("augmentation = \"local_h\""),
         "{}",
         local.advice
     );
