@@ -368,18 +368,31 @@ fn overrides_reach_tables_lists_and_names() {
     let text = |t: &str| set(t).unwrap_err().to_string();
     assert_eq!(
         text("mesh.x.cells"),
-        "--set mesh.x.cells: write key=value, e.g. --set mesh.x.cells=8"
+        "override mesh.x.cells: write key=value, e.g. mesh.x.cells=8"
     );
     assert_eq!(
         text("material.salt.young=1 GPa"),
-        "--set material.salt.young=1 GPa: `salt` is not in `material`; there are: rock"
+        "override material.salt.young=1 GPa: `salt` is not in `material`; there are: rock"
     );
     let unknown = text("mesh.x.cels=8");
     assert!(
-        unknown.starts_with("s.toml with --set:") && unknown.contains("did you mean `cells`?"),
+        unknown.starts_with("s.toml with overrides:") && unknown.contains("did you mean `cells`?"),
         "{unknown}"
     );
     assert!(set("title.a=1").is_err());
+    for (setting, refused) in [
+        (
+            "solver.rounds={ patience = 0 }",
+            "patience = 0: expected a number from 1 to 1000000",
+        ),
+        (
+            "solver.rounds={ loose = 1.0 }",
+            "loose = 1: expected a number from",
+        ),
+    ] {
+        let said = text(setting);
+        assert!(said.contains(refused), "{said}");
+    }
 }
 
 #[test]

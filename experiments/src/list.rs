@@ -22,6 +22,7 @@ pub static EXPERIMENTS: &[&dyn Experiment] = &[
     &crate::e13_checkerboard_traction::CheckerboardTractions,
     &crate::e14_cycle::Cycle,
     &crate::e15_nonlinear::Nonlinear,
+    &crate::e16_settings::Sensitivity,
 ];
 
 /// What `fracas reproduce` runs without arguments: about two minutes on two cores.

@@ -17,6 +17,7 @@ pub mod registry;
 pub mod saddle;
 pub mod smoothers;
 pub mod spectrum;
+pub mod steering;
 mod written;
 
 pub use coordinates::DofCoordinate;

@@ -3,44 +3,13 @@
 //! Trilinear functions do not bend where rock changes from stiff to soft, so such planes stay lines of the coarse grids
 //! as long as that leaves coarse grids at all. Fractures need no lines of their own.
 
+use super::GridLines;
 use super::grid::Grid;
 use crate::elasticity::Elastic;
 use crate::mesh::HexMesh;
 
-/// Ratio of shear moduli from which an interface is kept. Unit: 1.
-const CONTRAST: f64 = 8.0;
-
-/// Cells up to this many times the finest are small, and small neighbours become one cell. Beyond √2 cells are nearer to cubes if only
-/// the finest axis is halved: cells of 1:2 (`layered_crossing`, 64 × 32 × 32) take 16 iterations in place of 25, ν = 0.49 there 18 of 36.
-/// Unit: 1.
-const SMALL: f64 = 1.5;
-
-/// The same where interfaces leave no coarser grid. Unit: 1.
-const SMALL_BESIDE_INTERFACES: f64 = 2.0;
-
-/// Widest over finest cell of an axis up to which all its cells count as their mean. `inclined_crack`, `line_crack`, `penny_crack`
-/// take 34, 30, 17 iterations with 5, C_s 337, 485, 152; 38, 30, 17 with 3, 43, 31, 17 with 12, 267, 59, 39 (C_s 2,730, 1,017, 291)
-/// where every axis counts as its mean. Grids that grow by 1.05 to 1.4 per cell: least C_s or 5 % above it with 5. Unit: 1.
-const ALIKE: f64 = 5.0;
-
-/// On graded axes what is small grows, by a tenth at a time, until an axis is halved whole or this share of the cells would be left.
-/// The three cracks take 31, 26, 17 iterations with 0.5 in 1.2 to 1.7 times the time, 114, 45, 23 with 0.3. Unit: 1.
-const LEFT: f64 = 0.45;
-
-/// Share left from which on no other axis is halved whole, whose cells are wide beside those that have become one: plates of 1:50 between
-/// cuts took 230 iterations, and take 17. Unit: 1.
-const ENOUGH: f64 = 0.7;
-
-/// Growth of what is small. Unit: 1.
+/// Growth of what is small on graded axes, so that `left` is met to a tenth. Unit: 1.
 const STEP: f64 = 1.1;
-
-/// Width over thickness up to which cells beside a stiff sheet, one cell thick between interfaces, become one. Wider ones leave functions
-/// along the sheet to no level: its nodes are stiff across. A sheet of 1:10 over rock 1,000 times softer took 200 iterations, and takes 50,
-/// as many as with S_u factorized. Unit: 1.
-const FLAT: f64 = 4.0;
-
-/// Unknowns up to which algebraic multigrid takes over where only interfaces are left; a larger level drops them.
-const HYBRID: usize = 150_000;
 
 /// Where the stiffer rock of an interface lies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -59,13 +28,16 @@ impl Stiffer {
 /// Lines of the finest grid that lie between stiff and soft rock.
 #[derive(Debug)]
 pub(super) struct CoarseLines {
+    rules: GridLines,
     interfaces: [Vec<Stiffer>; 3],
 }
 
 impl CoarseLines {
-    pub(super) fn new(mesh: &HexMesh, materials: &[Elastic]) -> Self {
+    pub(super) fn new(rules: GridLines, mesh: &HexMesh, materials: &[Elastic]) -> Self {
+        let contrast = rules.contrast;
         let Some(grid) = &mesh.grid else {
             return Self {
+                rules,
                 interfaces: Default::default(),
             };
         };
@@ -73,7 +45,7 @@ impl CoarseLines {
         let mut interfaces = grid.cells.map(|n| vec![Stiffer::default(); n + 1]);
         let low = shear.iter().copied().fold(f64::INFINITY, f64::min);
         let high = shear.iter().copied().fold(0.0, f64::max);
-        if high > CONTRAST * low {
+        if high > contrast * low {
             let [nx, ny, nz] = grid.cells;
             let steps = [1, nx, nx * ny];
             for (e, region) in mesh.regions.iter().enumerate() {
@@ -85,23 +57,24 @@ impl CoarseLines {
                             shear[usize::from(mesh.regions[e + steps[d]])],
                         );
                         let interface = &mut interfaces[d][at[d] + 1];
-                        interface.below |= a > CONTRAST * b;
-                        interface.above |= b > CONTRAST * a;
+                        interface.below |= a > contrast * b;
+                        interface.above |= b > contrast * a;
                     }
                 }
             }
         }
-        Self { interfaces }
+        Self { rules, interfaces }
     }
 
     /// The lines of the next grid, if there is one: small neighbouring cells become one, except across interfaces where that still
     /// coarsens.
     pub(super) fn next(&self, grid: &Grid<'_>) -> Option<[Vec<usize>; 3]> {
         let fewer = |lines: &[Vec<usize>; 3]| (0..3).any(|d| lines[d].len() <= grid.cells[d]);
-        let is_large = 3 * grid.nodes > HYBRID;
-        let sizes = [0, 1, 2].map(|d: usize| sizes(grid, d));
-        let small = small(&sizes).min(FLAT * self.thinnest_sheet(grid));
-        let beside = small * SMALL_BESIDE_INTERFACES / SMALL;
+        let is_large = 3 * grid.nodes > self.rules.hybrid;
+        let rules = &self.rules;
+        let sizes = [0, 1, 2].map(|d: usize| sizes(rules, grid, d));
+        let small = small(rules, &sizes).min(rules.flat * self.thinnest_sheet(grid));
+        let beside = small * rules.beside_interfaces / rules.small;
         [(small, false), (beside, false), (beside, true)]
             .into_iter()
             .filter(|(_, drop)| is_large || !drop)
@@ -159,14 +132,14 @@ impl CoarseLines {
 }
 
 /// Sizes of the cells of an axis [m], all of them their mean where they differ little.
-fn sizes(grid: &Grid<'_>, axis: usize) -> Vec<f64> {
+fn sizes(rules: &GridLines, grid: &Grid<'_>, axis: usize) -> Vec<f64> {
     let mut sizes: Vec<f64> = (0..grid.cells[axis])
         .map(|i| grid.spacing(axis, i))
         .collect();
     let (finest, widest) = sizes
         .iter()
         .fold((f64::INFINITY, 0.0_f64), |(a, b), h| (a.min(*h), b.max(*h)));
-    if widest <= ALIKE * finest {
+    if widest <= rules.alike * finest {
         let mean = sizes.iter().sum::<f64>() / sizes.len() as f64;
         sizes.fill(mean);
     }
@@ -174,7 +147,7 @@ fn sizes(grid: &Grid<'_>, axis: usize) -> Vec<f64> {
 }
 
 /// The length [m] up to which cells are small, from the sizes of the cells of each axis; a single cell has no neighbour.
-fn small(sizes: &[Vec<f64>; 3]) -> f64 {
+fn small(rules: &GridLines, sizes: &[Vec<f64>; 3]) -> f64 {
     let axes: Vec<&Vec<f64>> = sizes.iter().filter(|sizes| sizes.len() > 1).collect();
     let all = axes.iter().copied().flatten().copied();
     let finest = all.fold(f64::INFINITY, f64::min);
@@ -187,10 +160,10 @@ fn small(sizes: &[Vec<f64>; 3]) -> f64 {
         let whole = shares.clone().any(|share| share == 0.5);
         (shares.product::<f64>(), whole)
     };
-    let mut small = SMALL * finest;
+    let mut small = rules.small * finest;
     while small.is_finite() {
         let (share, whole) = left(small);
-        if whole || share <= LEFT || (share <= ENOUGH && left(STEP * small).1) {
+        if whole || share <= rules.left || (share <= rules.enough && left(STEP * small).1) {
             break;
         }
         small *= STEP;

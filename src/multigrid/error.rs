@@ -4,6 +4,7 @@ use crate::elasticity::ElasticityError;
 use crate::mesh::{Hold, bodies};
 use crate::system::StickSystem;
 use fracas_solvers::SetupError;
+use fracas_solvers::steering::OutOfRange;
 
 /// Why a hierarchy is in f64 although f32 was asked for.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -25,8 +26,11 @@ pub enum Lost {
 /// A body or a C that geometric multigrid cannot take.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum GeometricError {
+    /// A setting beyond its range.
+    #[error("geometric multigrid: {0}")]
+    Setting(#[from] OutOfRange),
     /// The mesh follows no structured numbering.
-    #[error("the mesh has no grid to coarsen; take --inner amg")]
+    #[error("the mesh has no grid to coarsen; take inner = \"amg\"")]
     NoGrid,
     /// C⁻¹ couples faces with each other.
     #[error("C couples faces, and so does B C⁻¹Bᵀ; take a diagonal C or one block per face")]

@@ -10,6 +10,7 @@ use fracas_solvers::multigrid::{
     Hierarchy, MultigridInverse, Places, Precision, SomeHierarchy, Summary,
 };
 use fracas_solvers::saddle::AugmentationMatrix;
+use fracas_solvers::steering::Steering;
 
 /// What rounding to f32 may leave of a uniform force as a residual before f64 is taken, in a body of unlike rocks. On
 /// `layered_crossing` with contrasts from 10 to 10⁴ and 16 to 48 cells across, up to 8e-3 cost no iteration, 1.6e-2 cost 19 beside
@@ -64,6 +65,8 @@ impl GeometricInverse {
         system: &StickSystem<'_>,
         c: &AugmentationMatrix,
     ) -> Result<Self, GeometricError> {
+        settings.checked()?;
+        settings.lines.checked()?;
         let expected = 3 * system.fractures.faces.len();
         if c.size() != expected {
             return Err(GeometricError::SizeOfC {

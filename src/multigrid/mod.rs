@@ -37,5 +37,5 @@ mod smoothing;
 mod tests;
 
 pub use error::{GeometricError, Lost};
-pub use fracas_solvers::multigrid::Geometric;
+pub use fracas_solvers::multigrid::{Geometric, GridLines};
 pub use inverse::GeometricInverse;

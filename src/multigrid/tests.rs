@@ -97,7 +97,7 @@ fn every_body_keeps_its_own_linear_motions_on_every_level() {
         // one body per element of the level
         let mut label = of.clone();
         let mut levels = 0;
-        let lines = CoarseLines::new(&body.mesh, &body.materials);
+        let lines = CoarseLines::new(GridLines::default(), &body.mesh, &body.materials);
         while let Some(starts) = lines.next(&grid) {
             let coarsening = coarsen(&grid, starts);
             let coarse = &coarsening.coarse;
@@ -156,14 +156,14 @@ fn every_body_keeps_its_own_linear_motions_on_every_level() {
 fn lines_between_stiff_and_soft_rock_are_kept() {
     // layers of 2 m between z = -6 and 6 m, interfaces at -4, -2, 0, 2
     let body = body("layered", &["mesh.z.cells=24"]);
-    let lines = CoarseLines::new(&body.mesh, &body.materials);
+    let lines = CoarseLines::new(GridLines::default(), &body.mesh, &body.materials);
     let grid = Grid::of_mesh(&body.mesh).unwrap();
     let Some(starts) = lines.next(&grid) else {
         panic!("24 lines can be halved");
     };
     assert_eq!(starts[2], (0..=24).step_by(2).collect::<Vec<_>>());
     let body = super::tests::body("layered", &["mesh.z.cells=18"]);
-    let lines = CoarseLines::new(&body.mesh, &body.materials);
+    let lines = CoarseLines::new(GridLines::default(), &body.mesh, &body.materials);
     let grid = Grid::of_mesh(&body.mesh).unwrap();
     let Some(starts) = lines.next(&grid) else {
         panic!("layers of three cells can become two");

@@ -11,20 +11,11 @@ use crate::contact::ContactState;
 use fracas_operators::Fields;
 use fracas_solvers::{Observer, Step};
 
-/// Rounds after which proximal iterations take over though no states have returned.
-const PATIENCE: usize = 20;
-
-/// Proximal iterations after which states that did not settle are tried again.
-const AGAIN: usize = 10;
-
 /// Krylov iterations of a step, over the most of one system, from which on it is given up. Unit: 1.
 const SPENT: usize = 50;
 
 /// Traction that would close the widest jump, over the largest traction, beyond which a body is taken to fly away. Unit: 1.
 const AWAY: f64 = 1e5;
-
-/// Rounds with which an attempt to finish may do after proximal iterations.
-const FINISHING: usize = 8;
 
 /// What an attempt found.
 pub(super) struct Settled {
@@ -75,7 +66,7 @@ impl Log {
     }
 }
 
-/// Rounds of Newton and new states; where states return, still change after [`PATIENCE`] rounds, or Newton fails at those at
+/// Rounds of Newton and new states; where states return, still change after `patience` rounds, or Newton fails at those at
 /// hand, proximal iterations towards tractions in Coulomb's cones, after whose states the rounds go on.
 ///
 /// There H does not lose what it had: it acts on every jump that a state since then constrained. Rounds return where H of
@@ -90,6 +81,7 @@ pub(super) fn active_set(
 ) -> Result<Settled, Failure> {
     let problem = attempt.problem;
     let most = problem.body().solver.max_active;
+    let settings = problem.body().solver.rounds;
     let mut judge = Judge::new(attempt, states.len());
     let mut search = Search {
         attempt,
@@ -99,7 +91,7 @@ pub(super) fn active_set(
         observer,
     };
     let (from, first) = (x.clone(), log.rounds + 1);
-    let patience = PATIENCE.min(most);
+    let patience = settings.patience.min(most);
     let (mut form, why) = match search.rounds(states, &mut x, None, patience, log)? {
         Ended::Settled(found) => return Ok(search.settled(*found, x)),
         // linear equations that cannot be solved are no matter of states, and those at the start no matter of the load
@@ -153,7 +145,7 @@ pub(super) fn active_set(
             h = problem.stabilization(&form);
         }
         since += 1;
-        let again = changed == 0 && !grown && (found != tried || since >= AGAIN);
+        let again = changed == 0 && !grown && (found != tried || since >= settings.again);
         before = found;
         if !again {
             continue;
@@ -162,7 +154,7 @@ pub(super) fn active_set(
         since = 0;
         let mut y = x.clone();
         let fixed = Some(h.as_ref());
-        match search.rounds(before.clone(), &mut y, fixed, FINISHING, log)? {
+        match search.rounds(before.clone(), &mut y, fixed, settings.finishing, log)? {
             // H acts on all that these states constrain
             Ended::Settled(found) if !grow(&mut form, &found.states) => {
                 return Ok(search.settled(*found, y));

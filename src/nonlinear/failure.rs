@@ -12,6 +12,7 @@ use crate::scene::Body;
 use crate::system::of_held_bodies;
 use fracas_solvers::SetupError;
 use fracas_solvers::krylov::Breakdown;
+use fracas_solvers::steering::OutOfRange;
 
 /// Why a linear system has no solution good enough.
 #[derive(Debug, thiserror::Error)]
@@ -289,13 +290,11 @@ pub enum SimulationError {
     )]
     NoGrid,
     /// A setting of geometric multigrid that makes no preconditioner.
-    #[error("[solver] racp: {key} of geometric has to be above 0, and is {value}")]
-    Geometric {
-        /// The setting.
-        key: &'static str,
-        /// As given.
-        value: f64,
-    },
+    #[error("[solver] racp: geometric: {0}")]
+    Geometric(OutOfRange),
+    /// A number of the search for states beyond its range.
+    #[error("[solver] rounds: {0}")]
+    Rounds(#[from] OutOfRange),
     /// A C that geometric multigrid cannot have.
     #[error("[solver] racp: {0}")]
     Augmentation(SetupError),

@@ -22,10 +22,6 @@ use fracas_solvers::saddle::{
 };
 use fracas_solvers::{Observer, Step};
 
-/// Iterations per digit, over those of the first all-stick system, from which a preconditioner of the present states is
-/// wanted. Unit: 1.
-const SLOW: f64 = 1.3;
-
 /// C where the scene does not choose: half of H also where cells are flat. S̃_u is kept while faces slip and open, and less of H in
 /// C leaves stiffer springs in it: flat cells of 1:50 all opening take 91 iterations with fitted_h, 48 with this.
 const AUGMENTATION: AugmentationChoice = AugmentationChoice::HalfH;
@@ -155,7 +151,7 @@ impl Linear {
         let digits = -solved.relative_residual.max(f64::EPSILON).log10();
         let rate = solved.iterations as f64 / digits.max(1.0);
         let reference = *self.reference.get_or_insert(rate);
-        self.slow = rate > SLOW * reference;
+        self.slow = rate > problem.body().solver.rounds.slow * reference;
         Ok(solved)
     }
 

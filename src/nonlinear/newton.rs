@@ -20,9 +20,6 @@ pub(super) const BACKTRACKS: usize = 6;
 /// Least relative decrease of the residual for a share of the correction (Armijo). Unit: 1.
 pub(super) const DECREASE: f64 = 1e-4;
 
-/// Largest relative residual of a linear solve, and share of the asked residual for the last one. Unit: 1.
-const FORCING: (f64, f64) = (1e-2, 0.3);
-
 /// Where the iteration stands; tractions in Pa.
 #[derive(Clone, Debug)]
 pub(super) struct Iterate {
@@ -106,7 +103,7 @@ pub(super) struct Until {
 /// Solves the equations at fixed `states`, from and to `x`; returns the last evaluation and its relative residual, which may
 /// be larger than asked when the steps run out.
 ///
-/// `J δ = −r` to `η = max(0.3 asked/‖r‖, min(1e-2, ‖r‖²/‖r_before‖²))` (Eisenstat and Walker, choice 2), with
+/// `J δ = −r` to `η = max(last asked/‖r‖, min(forcing, ‖r‖²/‖r_before‖²))` (Eisenstat and Walker, choice 2), with
 /// backtracking on ‖r‖. With stick and open alone the equations are linear, and one solve does it.
 pub(super) fn newton(
     attempt: &Attempt<'_>,
@@ -118,6 +115,7 @@ pub(super) fn newton(
     observer: &mut dyn Observer,
 ) -> Result<(Evaluation, f64), Failure> {
     let problem = attempt.problem;
+    let rounds = problem.body().solver.rounds;
     let layout = problem.saddle().layout();
     let evaluate =
         |x: &Iterate| problem.evaluate(states, h, [&x.u, &x.t], attempt.start, attempt.load);
@@ -147,10 +145,10 @@ pub(super) fn newton(
         {
             return Err(Failure::Stopped);
         }
-        let last = FORCING.1 * until.residual / residual;
+        let last = rounds.last * until.residual / residual;
         let forcing = match is_linear {
             true => last,
-            false => (size / before).powi(2).min(FORCING.0).max(last),
+            false => (size / before).powi(2).min(rounds.forcing).max(last),
         };
         if linear.wanted.is_some_and(|wanted| wanted <= records.len()) {
             let blocks = problem.assembled(states, h, &at, until.lagged);

@@ -13,12 +13,6 @@ use fracas_operators::vector::norm2;
 use fracas_solvers::saddle::Judged;
 use fracas_solvers::{Observer, Step};
 
-/// Residual up to which Newton is solved while states still change, and what then counts as zero. Unit: 1.
-const LOOSE: f64 = 1e-4;
-
-/// Newton steps that a round may take while states still change.
-const LOOSE_STEPS: usize = 3;
-
 /// Newton steps that a round may take while the limit of the iterate before stands for weakening.
 const LAGGED_STEPS: usize = 60;
 
@@ -69,7 +63,7 @@ impl Search<'_, '_> {
 
     /// At most `most` rounds, H that of the states or the given one.
     ///
-    /// While states change, Newton takes at most three steps and stops at 1e-4, and only violations beyond that count; once no
+    /// While states change, Newton takes at most `loose_steps` steps and stops at `loose`, and only violations beyond that count; once no
     /// face changes it is solved, and the faces are judged, to the tolerances asked. Then the errors of u and t are judged, and
     /// Newton goes on until they are below the tolerance, too, or rounding leaves no more to gain.
     pub(super) fn rounds(
@@ -83,8 +77,8 @@ impl Search<'_, '_> {
         let (attempt, problem) = (self.attempt, self.attempt.problem);
         let settings = problem.body().solver;
         let loose = Until {
-            residual: settings.tolerance.max(LOOSE),
-            steps: LOOSE_STEPS.min(settings.max_newton),
+            residual: settings.tolerance.max(settings.rounds.loose),
+            steps: settings.rounds.loose_steps.min(settings.max_newton),
             lagged: false,
         };
         let tight = Until {
@@ -151,7 +145,7 @@ impl Search<'_, '_> {
                 return Ok(unsolved(states, (until, residual), (log, round)));
             }
             let zero = match until == loose {
-                true => settings.state_tolerance.max(LOOSE),
+                true => settings.state_tolerance.max(settings.rounds.loose),
                 false => settings.state_tolerance,
             };
             let changes = self.judge.changes(&states, x, &at, zero);
@@ -183,7 +177,7 @@ impl Search<'_, '_> {
                     // steps that rounding keeps from it are few
                     until = Until {
                         residual: last * residual,
-                        steps: LOOSE_STEPS.min(settings.max_newton),
+                        steps: settings.rounds.loose_steps.min(settings.max_newton),
                         ..until
                     };
                     continue;

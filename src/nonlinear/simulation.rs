@@ -19,6 +19,7 @@ use crate::scene::{Body, Unstable};
 use fracas_operators::vector::{axpy, norm2};
 use fracas_solvers::Observer;
 use fracas_solvers::saddle::{InnerChoice, Racp};
+use fracas_solvers::steering::Steering;
 
 /// A body in contact, stepped through time.
 pub struct Simulation<'a> {
@@ -44,20 +45,13 @@ impl<'a> Simulation<'a> {
                 fracture: names.get(fracture).cloned().unwrap_or_default(),
             });
         }
+        body.solver.rounds.checked()?;
         let problem = ContactProblem::new(body)?;
         let linear = Linear::new(&problem);
         let racp = linear.settings();
         if let InnerChoice::Geometric(geometric) = racp.inner {
-            let settings = [
-                ("degree", geometric.degree as f64),
-                ("over_correction", geometric.over_correction),
-            ];
-            let wrong = settings
-                .into_iter()
-                .find(|(_, value)| value.is_nan() || *value <= 0.0);
-            if let Some((key, value)) = wrong {
-                return Err(SimulationError::Geometric { key, value });
-            }
+            let checked = geometric.checked();
+            checked.map_err(SimulationError::Geometric)?;
             if body.mesh.grid.is_none() {
                 return Err(SimulationError::NoGrid);
             }

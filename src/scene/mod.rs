@@ -13,6 +13,7 @@ mod located;
 mod mesh_sections;
 mod one_or_many;
 mod overrides;
+mod rounds;
 mod sections;
 mod size;
 mod solver_section;
@@ -32,6 +33,7 @@ pub use mesh_sections::{
     MapSection, MeshSection, RotateSection,
 };
 pub use one_or_many::OneOrMany;
+pub use rounds::Rounds;
 pub use sections::{
     BoundarySection, BoxSection, ComponentsSection, HoldSection, InitialStressSection,
     MaterialSection, SceneSections, SideName, TensorSection,
@@ -109,7 +111,7 @@ impl Scene {
             return Ok(self.clone());
         }
         let text = overrides::apply(&self.source, overrides)?;
-        let name = format!("{} with --set", self.source.file());
+        let name = format!("{} with overrides", self.source.file());
         Self::read(&text, &name, &self.folder)
     }
 

@@ -6,6 +6,7 @@ use fracas_solvers::saddle::{self as solvers, Racp};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::rounds::Rounds;
 use crate::contact::Lengths;
 use crate::units::{Duration, Measure};
 
@@ -97,6 +98,9 @@ pub struct SolverSection {
     /// Lengths that the jump stabilization H is made of: `deep`, or `box` as published, which lets more shear and
     /// less overlap through where cells are thin across fractures. Where none is thin they are the same.
     pub stabilization: Lengths,
+    /// How contact states are searched for.
+    #[serde(deserialize_with = "fracas_solvers::steering::in_range")]
+    pub rounds: Rounds,
     /// Inner solver of the preconditioner.
     pub inner: RunInner,
     /// The preconditioner in full, in place of `inner`.
@@ -158,6 +162,7 @@ impl Default for SolverSection {
             unstable: Unstable::Stop,
             method: Method::Lagrange,
             stabilization: Lengths::default(),
+            rounds: Rounds::default(),
             inner: RunInner::Auto,
             racp: None,
         }

@@ -376,6 +376,7 @@ fn a_run_whose_geometric_multigrid_cannot_be_is_refused_before_its_first_step() 
         (dense, "exact_h needs all of A"),
         (inner("over_correction = -1.0"), "over_correction"),
         (inner("degree = 0"), "degree"),
+        (inner("lines = { left = 2.0 }"), "left = 2"),
     ] {
         let ran = run_cycle(&out, &[&settings]);
         assert_eq!(ran.status, 2, "{}", ran.stderr);

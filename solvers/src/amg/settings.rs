@@ -1,6 +1,7 @@
 //! Plain settings of algebraic multigrid.
 
 use crate::multigrid::{Cycle, Precision, Smoother};
+use crate::steering;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -85,6 +86,14 @@ impl Default for Amg {
             over_correction: 1.2,
         }
     }
+}
+
+steering! {
+    Amg:
+    sweeps [1.0, 1e3],
+    strength [0.0, 1.0],
+    coarsest [0.0, 1e15],
+    over_correction [1e-3, 1e3],
 }
 
 impl Amg {

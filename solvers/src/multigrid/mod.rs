@@ -15,7 +15,7 @@
 //! | the coarsest level, functions that depend on each other left out | `bottom`, `direct` |
 //! | f64 outside, f32 or f64 inside, unknowns in their places | `inverse`, `places`, `scratch` |
 //! | what a hierarchy costs | `summary` |
-//! | plain settings | `choices`, `settings` |
+//! | plain settings | `choices`, `settings`, `grid_lines` |
 
 mod block_jacobi;
 mod bottom;
@@ -23,6 +23,7 @@ mod chebyshev;
 mod choices;
 mod cycle;
 mod direct;
+mod grid_lines;
 mod groups;
 mod inverse;
 pub(crate) mod lambda;
@@ -41,6 +42,7 @@ pub use chebyshev::{BlockChebyshev, Chebyshev, Scaled};
 pub use choices::{Precision, Smoother};
 pub use cycle::{About, Cycle, Hierarchy};
 pub use direct::Direct;
+pub use grid_lines::GridLines;
 pub use inverse::{MultigridInverse, SomeHierarchy};
 pub use level::{Correction, Level, Transfer};
 pub use places::Places;

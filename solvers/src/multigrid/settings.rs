@@ -1,6 +1,7 @@
 //! Plain settings of geometric multigrid.
 
-use super::{Cycle, Precision};
+use super::{Cycle, GridLines, Precision};
+use crate::steering;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -23,6 +24,9 @@ pub struct Geometric {
     pub direct: usize,
     /// Factor on the result: RACP gains from eigenvalues of `S̃_u⁻¹S_u` *around* 1, a V-cycle leaves them in (0, 1].
     pub over_correction: f64,
+    /// Which lines of a grid the next one keeps.
+    #[serde(deserialize_with = "crate::steering::in_range")]
+    pub lines: GridLines,
 }
 
 impl Default for Geometric {
@@ -34,8 +38,18 @@ impl Default for Geometric {
             coarsest: 1000,
             direct: 20_000,
             over_correction: 1.0,
+            lines: GridLines::default(),
         }
     }
+}
+
+// at degree 0 nothing is smoothed, and a factor of 0 leaves nothing
+steering! {
+    Geometric:
+    degree [1.0, 1e3],
+    coarsest [0.0, 1e15],
+    direct [0.0, 1e15],
+    over_correction [1e-3, 1e3],
 }
 
 impl Geometric {

@@ -1,0 +1,59 @@
+//! How contact states are searched for, in numbers.
+
+use fracas_solvers::steering;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How contact states are searched for: rounds of Newton and new states, proximal iterations where these do not settle.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Rounds {
+    /// Residual up to which Newton is solved while states still change, and what then counts as zero. `cycle`, `crossing` and
+    /// `inclined_crack` together take 394, 393, 384 Krylov iterations with half, this and double. Unit: 1.
+    pub loose: f64,
+    /// Newton steps that a round may take while states still change. Two in place of three: no change in the gallery; a random run with
+    /// proximal iterations 1,279 → 1,070 Krylov iterations.
+    pub loose_steps: usize,
+    /// Rounds after which proximal iterations take over though no states have returned. 10 and 40 change nothing in ten runs.
+    pub patience: usize,
+    /// Proximal iterations after which states that did not settle are tried again. 5 and 20 change nothing where they are needed.
+    pub again: usize,
+    /// Rounds with which an attempt to finish may do after proximal iterations. With 4 a random run takes 1,171 Krylov iterations for
+    /// 1,279.
+    pub finishing: usize,
+    /// Largest relative residual of a linear solve. Half: a random run takes 1,282 Krylov iterations for 1,279. Unit: 1.
+    pub forcing: f64,
+    /// Residual of the last linear solve over the one that Newton is asked for. The three scenes take 397, 393, 372 Krylov iterations with
+    /// half, this and double. Unit: 1.
+    pub last: f64,
+    /// Iterations per digit, over those of the first all-stick system, from which a preconditioner of the present states is
+    /// wanted. The three scenes take 376, 393, 640 Krylov iterations with 1, this and double; `cycle` 12, 8, 1 set-ups. Unit: 1.
+    pub slow: f64,
+}
+
+impl Default for Rounds {
+    fn default() -> Self {
+        Self {
+            loose: 1e-4,
+            loose_steps: 3,
+            patience: 20,
+            again: 10,
+            finishing: 8,
+            forcing: 1e-2,
+            last: 0.3,
+            slow: 1.3,
+        }
+    }
+}
+
+steering! {
+    Rounds:
+    loose [1e-15, 0.1],
+    loose_steps [1.0, 1e6],
+    patience [1.0, 1e6],
+    again [1.0, 1e6],
+    finishing [1.0, 1e6],
+    forcing [1e-15, 0.9],
+    last [1e-6, 0.9],
+    slow [1.0, 1e300],
+}
