@@ -184,3 +184,24 @@ fn every_file_is_compiled_and_libraries_are_silent() {
         }
     }
 }
+
+/// A claim that no binary lists would never be run.
+#[test]
+fn every_claim_in_a_folder_is_listed() {
+    let mut folders = 0;
+    for entry in fs::read_dir(root().join("tests")).unwrap() {
+        let folder = entry.unwrap().path();
+        let Ok(list) = fs::read_to_string(folder.join("main.rs")) else {
+            continue;
+        };
+        folders += 1;
+        let mut files = Vec::new();
+        rust_files(&folder, &mut files);
+        for path in files.iter().filter(|path| !path.ends_with("main.rs")) {
+            let claim = path.file_stem().unwrap().to_str().unwrap();
+            let listed = list.contains(&format!("mod {claim};"));
+            assert!(listed, "{}: main.rs does not list it", path.display());
+        }
+    }
+    assert!(folders >= 5, "{folders} folders of claims");
+}

@@ -21,7 +21,7 @@ pub use system::MatrixFreeSystem;
 
 /// `[A B; Bᵀ −H]` over the free displacements and the tractions: A cell by cell, B face by face, H by its few entries.
 ///
-/// Equal to the assembled blocks up to rounding (`tests/matrix_free.rs`).
+/// Equal to the assembled blocks up to rounding (`tests/multigrid/matrix_free.rs`).
 ///
 /// # Cost
 /// Memory: O(cells) numbers instead of the 243 entries per node of an assembled A.

@@ -22,7 +22,7 @@ const GAIN: f64 = 0.5;
 ///
 /// Where M is poor, M⁻¹r may be too small by the eigenvalue θ of M⁻¹𝒜 nearest to zero: 1/|θ|, θ a Ritz value of the iteration, is
 /// a bound, and what a further pass changes shows the error before it. The geometric mean of both is taken, and no less than a tenth
-/// of the bound: a rule, not a theorem, tried over random systems (`tests/accuracy.rs`).
+/// of the bound: a rule, not a theorem, tried over random systems (`tests/systems/accuracy.rs`).
 #[derive(Clone, Debug)]
 pub struct ErrorJudge {
     tolerance: f64,

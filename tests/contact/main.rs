@@ -1,0 +1,13 @@
+//! Claims about contact: states, slip, springs, runs of random scenes.
+#![allow(clippy::unwrap_used)]
+
+mod accuracy;
+mod consistency;
+mod jacobian;
+mod known;
+mod patch;
+mod robust;
+mod scenes;
+mod slip;
+mod springs;
+mod unstable;

@@ -1,0 +1,14 @@
+//! Claims against known answers: closed forms, tables, boundary elements.
+#![allow(clippy::unwrap_used)]
+
+mod analytic;
+mod crack_table;
+mod crossing_cracks;
+mod crossing_exact;
+mod depleted_fault;
+mod graded;
+mod inclined_fault;
+mod interface_crack;
+mod plane_strain;
+mod tips;
+mod volume_control;

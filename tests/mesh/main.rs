@@ -1,0 +1,9 @@
+//! Claims about meshes and scenes.
+#![allow(clippy::unwrap_used)]
+
+mod checkerboard;
+mod gallery;
+mod rank;
+mod scene_errors;
+mod splitting;
+mod stabilization_lengths;

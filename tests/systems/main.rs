@@ -1,0 +1,8 @@
+//! Claims about linear systems: accuracy, spectra, units, imports, the library.
+#![allow(clippy::unwrap_used)]
+
+mod accuracy;
+mod foreign_systems;
+mod library;
+mod theorems;
+mod traction_unit;
