@@ -1,8 +1,8 @@
 //! Nodes gathered into aggregates of strongly connected neighbours.
 
+use super::matrix::NodeMatrix;
 use super::node_map::NONE;
 use super::reach::Reach;
-use super::sweeps::SweepMatrix;
 use fracas_operators::Real;
 use fracas_operators::small::Matrix3;
 use fracas_operators::sparse::{Pattern, SparseRows};
@@ -76,7 +76,7 @@ pub(super) struct Strong(SparseRows<f32>);
 
 impl Strong {
     pub(super) fn new<R: Real>(
-        a: &SweepMatrix<R>,
+        a: &NodeMatrix<R>,
         bonds: Option<&Pattern>,
         reach: &Reach<'_>,
         group: usize,
@@ -136,7 +136,7 @@ impl Strong {
 /// Factors of the rows: 1 on the finest level; on the others, where translations and rotations have different units, those of a unit
 /// diagonal. In flat cells a rotation is up to (ratio of sides)² stiffer than a translation, and couples to its like less and less
 /// from level to level: without factors it hides all others, and coarsening stops.
-fn scales<R: Real>(a: &SweepMatrix<R>, group: usize) -> Vec<[f64; 3]> {
+fn scales<R: Real>(a: &NodeMatrix<R>, group: usize) -> Vec<[f64; 3]> {
     let of_row = |i: usize| {
         let own = a.diagonal(i);
         [0, 1, 2].map(|k: usize| {
@@ -157,7 +157,7 @@ fn scales<R: Real>(a: &SweepMatrix<R>, group: usize) -> Vec<[f64; 3]> {
 ///
 /// # Source
 /// Vaněk, Mandel, Brezina, Computing 56 (1996).
-pub(super) fn aggregate<R: Real>(a: &SweepMatrix<R>, strong: &Strong, group: usize) -> Aggregates {
+pub(super) fn aggregate<R: Real>(a: &NodeMatrix<R>, strong: &Strong, group: usize) -> Aggregates {
     let nodes = a.rows() / group;
     let mut of = vec![NONE; nodes];
     let mut count = 0_u32;
@@ -199,7 +199,7 @@ pub(super) fn aggregate<R: Real>(a: &SweepMatrix<R>, strong: &Strong, group: usi
 }
 
 /// True when a node is coupled to any other.
-fn has_neighbours<R: Real>(a: &SweepMatrix<R>, group: usize, node: usize) -> bool {
+fn has_neighbours<R: Real>(a: &NodeMatrix<R>, group: usize, node: usize) -> bool {
     let zero = [[R::zero(); 3]; 3];
     (node * group..(node + 1) * group).any(|i| {
         a.row(i)

@@ -1,8 +1,8 @@
 //! Where Gauss–Seidel by nodes smooths badly.
 
 use super::Amg;
+use super::matrix::NodeMatrix;
 use super::reach::Reach;
-use super::sweeps::SweepMatrix;
 use crate::multigrid::{Smoother, Smoothing};
 use fracas_operators::Real;
 use fracas_operators::small::norm_squared;
@@ -29,7 +29,7 @@ const VOLUME: f64 = 0.8;
 /// Under [`Smoother::Auto`] one pass over the blocks.
 pub(super) fn smoothing<R: Real>(
     settings: &Amg,
-    finest: &SweepMatrix<R>,
+    finest: &NodeMatrix<R>,
     positions: &[[f64; 3]],
 ) -> Smoothing {
     if settings.smoother != Smoother::Auto {
@@ -50,7 +50,7 @@ pub(super) fn smoothing<R: Real>(
 }
 
 /// Share of the nodes with a neighbour that is a link.
-fn chained<R: Real>(a: &SweepMatrix<R>, reach: &Reach<'_>) -> f64 {
+fn chained<R: Real>(a: &NodeMatrix<R>, reach: &Reach<'_>) -> f64 {
     let sizes: Vec<f64> = (0..a.rows())
         .into_par_iter()
         .map(|i| norm_squared(a.diagonal(i)))

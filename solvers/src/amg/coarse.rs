@@ -3,8 +3,8 @@
 use super::Amg;
 use super::aggregation::Aggregates;
 use super::galerkin::{self, Patterns};
+use super::matrix::{NodeMatrix, SINGULAR};
 use super::prolongation::Prolongation;
-use super::sweeps::{SINGULAR, SweepMatrix};
 use super::transfer::{Transfer, TransferPattern};
 use fracas_operators::Real;
 use fracas_operators::small::{Matrix3, equilibrated_inverse, transposed};
@@ -32,7 +32,7 @@ pub(super) struct Frame {
 
 impl Frame {
     /// For P of this pattern.
-    pub(super) fn new<S: Real>(a: &SweepMatrix<S>, aggregates: Aggregates, p: Pattern) -> Self {
+    pub(super) fn new<S: Real>(a: &NodeMatrix<S>, aggregates: Aggregates, p: Pattern) -> Self {
         let transfer = TransferPattern::new(p, aggregates.count);
         Self {
             patterns: Patterns::new(a, &transfer),
@@ -44,7 +44,7 @@ impl Frame {
     /// P and `A_c = Pᵀ(A + Δ)P` for a P with these blocks.
     pub(super) fn values<S: Real, R: Real, const N: usize>(
         &self,
-        a: &SweepMatrix<S>,
+        a: &NodeMatrix<S>,
         defect: &[Matrix3<f64>],
         blocks: Vec<[[R; N]; 3]>,
     ) -> Result<Values<R>, NotPositive> {
@@ -69,7 +69,7 @@ pub(super) struct Values<R> {
     /// P and Pᵀ.
     pub(super) transfer: Transfer<R>,
     /// `A_c = PᵀA P`.
-    pub(super) matrix: SweepMatrix<f64>,
+    pub(super) matrix: NodeMatrix<f64>,
 }
 
 /// What is known of a level besides its matrix.
@@ -95,7 +95,7 @@ pub(super) trait Coarsener<const N: usize, const K: usize>: Sized + Send + Sync 
     fn plan<S: Real>(
         settings: &Amg,
         depth: usize,
-        a: &SweepMatrix<S>,
+        a: &NodeMatrix<S>,
         known: &Known<K>,
         group: usize,
     ) -> Option<Planned<Self, K>>;
@@ -104,7 +104,7 @@ pub(super) trait Coarsener<const N: usize, const K: usize>: Sized + Send + Sync 
     /// an error is that of [`Frame`].
     fn values<S: Real, R: Real>(
         &self,
-        a: &SweepMatrix<S>,
+        a: &NodeMatrix<S>,
         defect: &[Matrix3<f64>],
         lambda_max: f64,
     ) -> Result<Values<R>, NotPositive>;
@@ -137,7 +137,7 @@ struct Task<'a> {
 fn coarse_matrix<const K: usize>(
     pattern: &Pattern,
     nodes: &[[[f64; K]; K]],
-) -> Result<SweepMatrix<f64>, NotPositive> {
+) -> Result<NodeMatrix<f64>, NotPositive> {
     let parts = K / 3;
     let rows = parts * pattern.rows();
     let mut offsets = Vec::with_capacity(rows + 1);
@@ -208,7 +208,10 @@ fn coarse_matrix<const K: usize>(
     let worst = tasks.into_par_iter().map(cut).filter_map(Result::err).min();
     match worst {
         Some(row) => Err(NotPositive(row)),
-        None => Ok(SweepMatrix::new(offsets, columns, blocks, inverses)),
+        None => {
+            let pattern = Pattern { offsets, columns };
+            Ok(NodeMatrix::new(pattern, blocks, inverses))
+        }
     }
 }
 

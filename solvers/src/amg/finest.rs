@@ -1,7 +1,7 @@
 //! The finest level: A, or S_u = A + F Fᵀ, in 3×3 node blocks.
 
+use super::matrix::{NodeMatrix, SINGULAR};
 use super::node_map::{NONE, NodeMap};
-use super::sweeps::{SINGULAR, SweepMatrix};
 use crate::SetupError;
 use crate::smoothers::entries::finite_entries;
 use fracas_operators::small::{Matrix3, cast, equilibrated_inverse};
@@ -10,13 +10,16 @@ use fracas_operators::{Real, Shape};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+/// Nodes whose blocks one task sums.
+const NODES_PER_TASK: usize = 2048;
+
 /// Name of the matrix in messages; the caller knows better.
 const BLOCK: &str = "A";
 
 /// The finest level, ready.
 pub(super) struct Finest<R> {
     /// Blocks divided by `scale`.
-    pub(super) matrix: SweepMatrix<R>,
+    pub(super) matrix: NodeMatrix<R>,
     /// A power of two near the largest diagonal entry of A.
     pub(super) scale: f64,
     /// What rounding to R takes from the row sums: `Σ_j (A_ij − Ã_ij)`. Added to the diagonal in coarse products, it keeps
@@ -98,11 +101,14 @@ impl<'a> Sum<'a> {
         let scratch = || vec![NONE; map.nodes()];
         Pattern::collect(map.nodes(), scratch, |node, seen, columns| {
             let start = columns.len();
+            // unknowns of a node follow each other
+            let mut last = usize::MAX;
             let mut see = |other: usize| {
-                if seen[other] != node as u32 {
+                if other != last && seen[other] != node as u32 {
                     seen[other] = node as u32;
                     columns.push(other as u32);
                 }
+                last = other;
             };
             see(node);
             for i in map.of_node(node).iter().filter(|i| **i != NONE) {
@@ -138,40 +144,31 @@ impl<'a> Sum<'a> {
     ) -> Result<Finest<R>, SetupError> {
         let scale = self.scale();
         let mut blocks = vec![[[R::zero(); 3]; 3]; pattern.columns.len()];
-        let slots = map.slots();
+        let mut defect = vec![[[0.0; 3]; 3]; pattern.rows()];
         let outside = AtomicUsize::new(usize::MAX);
+        let mut tasks = Vec::new();
+        let mut rest = &mut blocks[..];
+        for (k, defect) in defect.chunks_mut(NODES_PER_TASK).enumerate() {
+            let first = k * NODES_PER_TASK;
+            let nodes = first..first + defect.len();
+            let length = pattern.offsets[nodes.end] - pattern.offsets[first];
+            let (part, tail) = rest.split_at_mut(length);
+            rest = tail;
+            tasks.push((nodes, part, defect));
+        }
         let scratch = || (vec![0_u32; map.nodes()], Vec::<Matrix3<f64>>::new());
-        pattern.fill(&mut blocks, scratch, |nodes, part, (place, row)| {
+        (tasks.into_par_iter()).for_each_init(scratch, |(place, row), (nodes, part, defects)| {
             let start = pattern.offsets[nodes.start];
-            for node in nodes {
+            for (node, defect) in nodes.zip(defects) {
                 let columns = pattern.row(node);
-                row.clear();
-                row.resize(columns.len(), [[0.0; 3]; 3]);
-                for (k, j) in columns.iter().enumerate() {
-                    place[*j as usize] = k as u32;
-                }
-                for (c, i) in map.of_node(node).iter().enumerate() {
-                    if *i != NONE {
-                        self.for_each(*i as usize, |j, value| {
-                            let slot = slots[j] as usize;
-                            let at = place[slot / 3] as usize;
-                            if columns.get(at) == Some(&(slot as u32 / 3)) {
-                                row[at][c][slot % 3] += value;
-                            } else {
-                                outside.fetch_min(*i as usize, Ordering::Relaxed);
-                            }
-                        });
-                    }
-                }
-                let own = &mut row[place[node] as usize];
-                let largest = own[0][0].max(own[1][1]).max(own[2][2]);
+                self.node_row(map, (node, columns), (place, row), &outside);
+                let target = &mut part[pattern.offsets[node] - start..][..columns.len()];
+                *defect = rounded(row, scale, target);
                 for (c, i) in map.of_node(node).iter().enumerate() {
                     if *i == NONE {
-                        own[c][c] = largest;
+                        defect[c] = [0.0; 3];
+                        (0..3).for_each(|k| defect[k][c] = 0.0);
                     }
-                }
-                for (target, block) in part[pattern.offsets[node] - start..].iter_mut().zip(&*row) {
-                    *target = block.map(|row| row.map(|v| R::of(v / scale)));
                 }
             }
         });
@@ -188,8 +185,7 @@ impl<'a> Sum<'a> {
         let inverse = inverses(&pattern, &blocks, |row| {
             map.of_node(row / 3)[row % 3] as usize
         })?;
-        let matrix = SweepMatrix::new(pattern.offsets, pattern.columns, blocks, inverse);
-        let defect = self.defect(map, &matrix, scale);
+        let matrix = NodeMatrix::new(pattern, blocks, inverse);
         Ok(Finest {
             matrix,
             scale,
@@ -197,34 +193,57 @@ impl<'a> Sum<'a> {
         })
     }
 
-    /// `Σ_j (A_ij − Ã_ij)` of every node row, Ã the stored blocks.
-    fn defect<R: Real>(
+    /// The blocks of a node row in f64, in the order of its columns; `place` has room for every node. An entry outside of them
+    /// leaves its row in `outside`.
+    #[inline(always)]
+    fn node_row(
         &self,
         map: &NodeMap,
-        stored: &SweepMatrix<R>,
-        scale: f64,
-    ) -> Vec<Matrix3<f64>> {
+        (node, columns): (usize, &[u32]),
+        (place, row): (&mut [u32], &mut Vec<Matrix3<f64>>),
+        outside: &AtomicUsize,
+    ) {
         let slots = map.slots();
-        let of_row = |node: usize| {
-            let mut defect: Matrix3<f64> = [[0.0; 3]; 3];
-            for (c, i) in map.of_node(node).iter().enumerate() {
-                if *i != NONE {
-                    let sum = &mut defect[c];
-                    self.for_each(*i as usize, |j, v| sum[slots[j] as usize % 3] += v / scale);
-                    for (_, block) in stored.row(node) {
-                        (0..3).for_each(|k| sum[k] -= block[c][k].to_f64_exact());
+        row.clear();
+        row.resize(columns.len(), [[0.0; 3]; 3]);
+        for (k, j) in columns.iter().enumerate() {
+            place[*j as usize] = k as u32;
+        }
+        for (c, i) in map.of_node(node).iter().enumerate() {
+            if *i != NONE {
+                self.for_each(*i as usize, |j, value| {
+                    let slot = slots[j] as usize;
+                    let at = place[slot / 3] as usize;
+                    if columns.get(at) == Some(&(slot as u32 / 3)) {
+                        row[at][c][slot % 3] += value;
+                    } else {
+                        outside.fetch_min(*i as usize, Ordering::Relaxed);
                     }
-                }
+                });
             }
-            for (c, i) in map.of_node(node).iter().enumerate() {
-                if *i == NONE {
-                    (0..3).for_each(|k| defect[k][c] = 0.0);
-                }
+        }
+        let own = &mut row[place[node] as usize];
+        let largest = own[0][0].max(own[1][1]).max(own[2][2]);
+        for (c, i) in map.of_node(node).iter().enumerate() {
+            if *i == NONE {
+                own[c][c] = largest;
             }
-            defect
-        };
-        (0..map.nodes()).into_par_iter().map(of_row).collect()
+        }
     }
+}
+
+/// Rounds the blocks of a row, divided by `scale`; gives what that takes from their sum.
+#[inline(always)]
+fn rounded<R: Real>(row: &[Matrix3<f64>], scale: f64, target: &mut [Matrix3<R>]) -> Matrix3<f64> {
+    let mut defect = [[0.0; 3]; 3];
+    for (target, block) in target.iter_mut().zip(row) {
+        for (r, c) in (0..9).map(|k| (k / 3, k % 3)) {
+            let value = block[r][c] / scale;
+            target[r][c] = R::of(value);
+            defect[r][c] += value - target[r][c].to_f64_exact();
+        }
+    }
+    defect
 }
 
 /// Inverse diagonal blocks; `unknown(row)` names the unknown of a scalar row in errors.

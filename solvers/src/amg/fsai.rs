@@ -1,6 +1,7 @@
 //! FSAI as a smoother.
 
-use super::sweeps::SweepMatrix;
+use super::matrix::NodeMatrix;
+use super::sweeps::Sweeps;
 use crate::SetupError;
 use crate::fsai::{Fsai, FsaiInverse};
 use crate::multigrid::{Correction, Hand, Smooth};
@@ -20,7 +21,7 @@ const EPSILON: f64 = 1e-3;
 ///
 /// # Errors
 /// As [`Fsai`], rows of the level.
-pub(super) fn inverse<S: Real, R: Real>(a: &SweepMatrix<S>) -> Result<FsaiInverse<R>, SetupError> {
+pub(super) fn inverse<S: Real, R: Real>(a: &NodeMatrix<S>) -> Result<FsaiInverse<R>, SetupError> {
     // without the zeros inside blocks
     let a = a.to_csr(|v| v != 0.0);
     let m = Fsai::adaptive(STEPS, 1, EPSILON).build(&a)?;
@@ -29,13 +30,13 @@ pub(super) fn inverse<S: Real, R: Real>(a: &SweepMatrix<S>) -> Result<FsaiInvers
 
 /// `x ← x + ωGᵀG (b − A x)`, so many times.
 pub(super) struct FsaiSmoother<R> {
-    a: SweepMatrix<R>,
+    a: Sweeps<R>,
     fsai: FsaiInverse<R>,
     steps: usize,
 }
 
 impl<R: Real> FsaiSmoother<R> {
-    pub(super) fn new(a: SweepMatrix<R>, fsai: FsaiInverse<R>, steps: usize) -> Self {
+    pub(super) fn new(a: Sweeps<R>, fsai: FsaiInverse<R>, steps: usize) -> Self {
         Self { a, fsai, steps }
     }
 

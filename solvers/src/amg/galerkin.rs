@@ -1,7 +1,7 @@
 //! The coarse matrix.
 
+use super::matrix::NodeMatrix;
 use super::prolongation::Prolongation;
-use super::sweeps::SweepMatrix;
 use super::transfer::TransferPattern;
 use fracas_operators::Real;
 use fracas_operators::simd::{Kernel, Lanes, Level};
@@ -30,7 +30,7 @@ struct Marks {
 
 impl Patterns {
     /// Symbolic products.
-    pub(super) fn new<R: Real>(a: &SweepMatrix<R>, transfer: &TransferPattern) -> Self {
+    pub(super) fn new<R: Real>(a: &NodeMatrix<R>, transfer: &TransferPattern) -> Self {
         let TransferPattern { p, transposed } = transfer;
         let aggregates = transposed.rows();
         let marks = || Marks {
@@ -78,7 +78,7 @@ impl Patterns {
 /// `A P` in full, half of `Pᵀ(A P)`: A is symmetric. Tasks sum over their own rows of the fine level; their sums are
 /// added in a fixed order.
 pub(super) fn product<S: Real, R: Real, const K: usize>(
-    a: &SweepMatrix<S>,
+    a: &NodeMatrix<S>,
     defect: &[Matrix3<f64>],
     p: Prolongation<'_, R, K>,
     patterns: &Patterns,
@@ -158,7 +158,7 @@ impl<const K: usize> Partial<K> {
 }
 
 struct Accumulate<'a, S, R, const K: usize> {
-    a: &'a SweepMatrix<S>,
+    a: &'a NodeMatrix<S>,
     defect: &'a [Matrix3<f64>],
     p: Prolongation<'a, R, K>,
     patterns: &'a Patterns,

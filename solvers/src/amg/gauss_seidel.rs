@@ -1,18 +1,18 @@
 //! Gauss–Seidel as a smoother: forward sweeps before the coarse correction, backward ones after it.
 
-use super::sweeps::SweepMatrix;
+use super::sweeps::{Forward, Sweeps};
 use crate::multigrid::{Correction, Hand, Smooth};
 use fracas_operators::{LinearOperator, Real};
 
-/// Sweeps by nodes over a matrix of 3×3 blocks.
+/// Sweeps by nodes.
 pub(super) struct GaussSeidel<R> {
-    a: SweepMatrix<R>,
+    a: Sweeps<R>,
     sweeps: usize,
 }
 
 impl<R: Real> GaussSeidel<R> {
     /// So many sweeps, at least one, on either side.
-    pub(super) fn new(a: SweepMatrix<R>, sweeps: usize) -> Self {
+    pub(super) fn new(a: Sweeps<R>, sweeps: usize) -> Self {
         Self { a, sweeps }
     }
 }
@@ -27,20 +27,20 @@ impl<R: Real> Smooth<R> for GaussSeidel<R> {
     }
 
     fn before<'v>(&self, Hand { b, x, own, .. }: &'v mut Hand<'_, R>) -> &'v mut [R] {
-        // (D + L) x = b, so b − A x = −U x: two half products
-        self.a.forward_from_zero(b, x);
-        (1..self.sweeps).for_each(|_| self.a.forward(b, x));
-        match self.sweeps {
-            1 => self.a.residual_after_forward(x, own),
-            _ => self.a.residual(b, x, own),
+        for sweep in 0..self.sweeps {
+            let settings = Forward {
+                from_zero: sweep == 0,
+                residual: sweep + 1 == self.sweeps,
+            };
+            self.a.forward(b, x, own, settings);
         }
         own
     }
 
     fn after(&self, correction: &Correction<'_, R>, hand: &mut Hand<'_, R>, residual: bool) {
-        let Hand { b, x, .. } = hand;
+        let Hand { b, x, own, .. } = hand;
         correction.add_to(x);
-        (0..self.sweeps).for_each(|_| self.a.backward(b, x));
+        (0..self.sweeps).for_each(|_| self.a.backward(b, x, own));
         if residual {
             self.a.apply_add(-R::one(), x, b, &mut []);
         }
@@ -51,12 +51,7 @@ impl<R: Real> Smooth<R> for GaussSeidel<R> {
     }
 
     fn flops(&self) -> u64 {
-        let (n, product, sweep) = (self.own_len() as u64, self.a.flops(), self.a.sweep_flops());
-        match self.sweeps as u64 {
-            // the first forward sweep and its residual read each half of the matrix once
-            1 => 2 * sweep,
-            sweeps => sweep / 2 + (2 * sweeps - 1) * sweep + product + n,
-        }
+        2 * self.sweeps as u64 * self.a.sweep_flops()
     }
 
     fn bytes(&self) -> usize {

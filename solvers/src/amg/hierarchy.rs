@@ -5,7 +5,8 @@ use super::coarse::{Coarsener, Frame, Known, NotPositive};
 use super::finest::Finest;
 use super::fsai::{self, FsaiSmoother};
 use super::gauss_seidel::GaussSeidel;
-use super::sweeps::SweepMatrix;
+use super::matrix::NodeMatrix;
+use super::sweeps::Sweeps;
 use crate::SetupError;
 use crate::fsai::FsaiInverse;
 use crate::multigrid::{
@@ -73,7 +74,7 @@ impl<'a> Representatives<'a> {
     fn fsai<S: Real, R: Real>(
         &self,
         settings: &Amg,
-        a: &SweepMatrix<S>,
+        a: &NodeMatrix<S>,
     ) -> Result<Option<FsaiInverse<R>>, SetupError> {
         if settings.smoother != Smoother::Fsai {
             return Ok(None);
@@ -92,7 +93,7 @@ impl<'a> Representatives<'a> {
 /// What smooths the level of a matrix with this λ_max(D⁻¹A); `fsai` where that does.
 fn smoother<R: Real>(
     settings: &Amg,
-    a: SweepMatrix<R>,
+    a: Sweeps<R>,
     lambda_max: f64,
     fsai: Option<FsaiInverse<R>>,
 ) -> Box<dyn Smooth<R>> {
@@ -105,7 +106,7 @@ fn smoother<R: Real>(
 }
 
 /// A polynomial of degree `steps` in the D⁻¹A of a level.
-fn chebyshev<R: Real>(a: SweepMatrix<R>, lambda_max: f64, steps: usize) -> BlockChebyshev<R> {
+fn chebyshev<R: Real>(a: Sweeps<R>, lambda_max: f64, steps: usize) -> BlockChebyshev<R> {
     let inverses = (0..a.rows()).map(|i| upper(a.inverse(i)));
     let jacobi = BlockJacobi::of_inverses(inverses.collect());
     let bytes = a.bytes();
@@ -143,7 +144,7 @@ impl<C, const K: usize> Steps<'_, C, K> {
         &mut self,
         settings: &Amg,
         depth: usize,
-        a: &SweepMatrix<S>,
+        a: &NodeMatrix<S>,
     ) -> Option<(&C, f64)>
     where
         C: Coarsener<N, K>,
@@ -157,7 +158,7 @@ impl<C, const K: usize> Steps<'_, C, K> {
         &mut self,
         settings: &Amg,
         depth: usize,
-        a: &SweepMatrix<S>,
+        a: &NodeMatrix<S>,
     ) -> Option<&C>
     where
         C: Coarsener<N, K>,
@@ -210,7 +211,8 @@ pub(super) fn build<R: Real, C: Coarsener<N, K>, const N: usize, const K: usize>
     let values = values.map_err(|e| names.indefinite::<N>(e, step.frame(), 1))?;
     drop(defect);
     let fsai = names.fsai(settings, &first)?;
-    let smooth = smoother(settings, first, lambda_max, fsai);
+    let smooth = smoother(settings, Sweeps::new(&first), lambda_max, fsai);
+    drop(first);
     levels.push(Level::new(smooth, Box::new(values.transfer), Vec::new()));
     let next = N / 3;
     names.descend(step.frame(), [1, next]);
@@ -219,7 +221,7 @@ pub(super) fn build<R: Real, C: Coarsener<N, K>, const N: usize, const K: usize>
         let values = step.values::<f64, R>(&matrix, &[], lambda_max);
         let values = values.map_err(|e| names.indefinite::<N>(e, step.frame(), next))?;
         let fsai = names.fsai(settings, &matrix)?;
-        let smooth = smoother(settings, matrix.cast(), lambda_max, fsai);
+        let smooth = smoother(settings, Sweeps::new(&matrix), lambda_max, fsai);
         levels.push(Level::new(smooth, Box::new(values.transfer), Vec::new()));
         names.descend(step.frame(), [next, next]);
         matrix = values.matrix;
@@ -231,7 +233,7 @@ pub(super) fn build<R: Real, C: Coarsener<N, K>, const N: usize, const K: usize>
 /// The solver below the levels.
 fn bottom<S: Real, R: Real>(
     settings: &Amg,
-    last: &SweepMatrix<S>,
+    last: &NodeMatrix<S>,
     names: &Representatives<'_>,
 ) -> Result<Bottom<R>, SetupError> {
     let n = 3 * last.rows();

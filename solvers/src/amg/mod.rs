@@ -14,7 +14,8 @@
 //! | `P = (I − ω D⁻¹A) P_0` | `prolongation` |
 //! | `A_c = PᵀA P` | `galerkin`, `coarse` |
 //! | what outlives a change of values | `plan`, `smoothed`, `classical` |
-//! | Gauss–Seidel in coloured chunks, products | `sweeps`, `sums`, `schedule` |
+//! | what a level is made from | `matrix` |
+//! | Gauss–Seidel in coloured chunks, products, by half of the matrix | `sweeps`, `sums`, `schedule` |
 //! | Gauss–Seidel and FSAI as smoothers, and where FSAI is called for | `gauss_seidel`, `fsai`, `chains` |
 //! | coarse nodes that are fine ones | `classical` |
 //!
@@ -29,6 +30,7 @@ mod fsai;
 mod galerkin;
 mod gauss_seidel;
 mod hierarchy;
+mod matrix;
 mod node_map;
 mod plan;
 mod prolongation;

@@ -5,10 +5,10 @@ use super::classical::Classical;
 use super::coarse::{Coarsener, Known};
 use super::finest::{Finest, Sum};
 use super::hierarchy::{Names, Steps, build};
+use super::matrix::NodeMatrix;
 use super::node_map::{NONE, NodeMap};
 use super::rigid_body::{constants, rigid_body_modes};
 use super::smoothed::SmoothedAggregation;
-use super::sweeps::SweepMatrix;
 use super::{Amg, Coarsening};
 use crate::multigrid::{About, Hierarchy, MultigridInverse, Precision, SomeHierarchy};
 use crate::{DofCoordinate, SetupError};
@@ -221,7 +221,7 @@ fn unknown(map: &NodeMap, row: usize) -> usize {
 }
 
 /// What the coarse spaces hold, and what smooths the levels below this matrix; only aggregates heed where nodes are.
-fn about<R: Real>(settings: &Amg, finest: &SweepMatrix<R>, map: &NodeMap) -> About {
+fn about<R: Real>(settings: &Amg, finest: &NodeMatrix<R>, map: &NodeMap) -> About {
     let positions = match settings.coarsening {
         Coarsening::SmoothedAggregation => map.positions().unwrap_or_default(),
         Coarsening::Classical => &[],

@@ -2,9 +2,9 @@
 
 use super::aggregation::Aggregates;
 use super::extension::Extension;
+use super::matrix::NodeMatrix;
 use super::node_map::NONE;
 use super::reach::Reach;
-use super::sweeps::SweepMatrix;
 use fracas_operators::Real;
 use fracas_operators::simd::{Kernel, Lanes, Level};
 use fracas_operators::small::{add_product, cast};
@@ -38,7 +38,7 @@ impl<R, const K: usize> Prolongation<'_, R, K> {
 
 /// The pattern of `A P_0`, without aggregates that a row reaches at far nodes alone.
 pub(super) fn pattern<R: Real>(
-    a: &SweepMatrix<R>,
+    a: &NodeMatrix<R>,
     group: usize,
     aggregates: &Aggregates,
     reach: &Reach<'_>,
@@ -70,7 +70,7 @@ pub(super) fn pattern<R: Real>(
 /// # Source
 /// Vaněk, Mandel, Brezina, Computing 56 (1996).
 pub(super) fn smoothed<S: Real, R: Real, const K: usize>(
-    a: &SweepMatrix<S>,
+    a: &NodeMatrix<S>,
     group: usize,
     aggregates: &Aggregates,
     tentative: &[[[f64; K]; 3]],
@@ -117,7 +117,7 @@ pub(super) fn tentative<R: Real, const K: usize>(
 }
 
 struct Smooth<'a, S, R, const K: usize> {
-    a: &'a SweepMatrix<S>,
+    a: &'a NodeMatrix<S>,
     group: usize,
     aggregates: &'a Aggregates,
     tentative: &'a [[[f64; K]; 3]],

@@ -1,7 +1,7 @@
 //! Which neighbours of a node are far: those along the long sides of flat cells.
 
 use super::aggregation::Aggregates;
-use super::sweeps::SweepMatrix;
+use super::matrix::NodeMatrix;
 use fracas_operators::Real;
 use fracas_operators::sparse::Pattern;
 use rayon::prelude::*;
@@ -29,7 +29,7 @@ impl<'a> Reach<'a> {
     /// # Cost
     /// A pass over the pattern.
     pub(super) fn new<R: Real>(
-        a: &SweepMatrix<R>,
+        a: &NodeMatrix<R>,
         bonds: Option<&Pattern>,
         positions: &'a [[f64; 3]],
         group: usize,
@@ -58,7 +58,7 @@ impl<'a> Reach<'a> {
     }
 
     /// True when a block row of `a` couples this node to a far one.
-    pub(super) fn has_far<R: Real>(&self, a: &SweepMatrix<R>, node: usize) -> bool {
+    pub(super) fn has_far<R: Real>(&self, a: &NodeMatrix<R>, node: usize) -> bool {
         let mut columns = a.columns_of(node).iter();
         columns.any(|j| self.is_far(node, *j as usize))
     }
@@ -66,7 +66,7 @@ impl<'a> Reach<'a> {
     /// True when an entry couples far nodes of different aggregates.
     pub(super) fn parts<R: Real>(
         &self,
-        a: &SweepMatrix<R>,
+        a: &NodeMatrix<R>,
         aggregates: &Aggregates,
         group: usize,
     ) -> bool {

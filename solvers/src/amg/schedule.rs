@@ -2,7 +2,8 @@
 
 use super::node_map::NONE;
 
-/// Block rows per chunk. A chunk is swept by one thread in ascending order; chunks of one colour share no entry.
+/// Block rows per chunk. A chunk is swept by one thread in ascending order; chunks of one colour share neither an entry nor a
+/// neighbour.
 const CHUNK: usize = 512;
 
 /// Chunks of consecutive rows grouped by colour, fixed by the pattern alone: a sweep visits colour after colour, so it
@@ -17,7 +18,7 @@ pub(super) struct Schedule {
 }
 
 impl Schedule {
-    /// Greedy colouring of the chunk graph.
+    /// Greedy colouring of the chunk graph: chunks two steps apart differ.
     pub(super) fn new(offsets: &[usize], columns: &[u32]) -> Self {
         let rows = offsets.len() - 1;
         let chunks = rows.div_ceil(CHUNK);
@@ -25,7 +26,9 @@ impl Schedule {
         let mut colour: Vec<u32> = Vec::with_capacity(chunks);
         let mut groups: Vec<Vec<u32>> = Vec::new();
         for chunk in 0..chunks {
-            let earlier = neighbours[chunk].iter().filter(|c| (**c as usize) < chunk);
+            let near = neighbours[chunk].iter();
+            let near = near.flat_map(|c| neighbours[*c as usize].iter().chain([c]));
+            let earlier = near.filter(|c| (**c as usize) < chunk);
             let taken: Vec<u32> = earlier.map(|c| colour[*c as usize]).collect();
             let free = (0..).find(|c| !taken.contains(c)).unwrap_or(0);
             if free as usize == groups.len() {
@@ -87,7 +90,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn chunks_of_one_colour_share_no_entry_and_every_row_is_visited_once() {
+    fn chunks_of_one_colour_share_no_neighbour_and_every_row_is_visited_once() {
         // a ring of rows with long couplings
         let n = 5000;
         let (mut offsets, mut columns) = (vec![0], Vec::new());

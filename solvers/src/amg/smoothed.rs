@@ -4,9 +4,9 @@ use super::Amg;
 use super::aggregation::{Aggregates, Strong, aggregate};
 use super::coarse::{Coarsener, Frame, Known, NotPositive, Planned, STAGNATED, Values};
 use super::extension::Extension;
+use super::matrix::NodeMatrix;
 use super::prolongation;
 use super::reach::Reach;
-use super::sweeps::SweepMatrix;
 use super::tentative::Tentative;
 use fracas_operators::Real;
 use fracas_operators::small::Matrix3;
@@ -45,7 +45,7 @@ impl<const K: usize> Coarsener<K, K> for SmoothedAggregation<K> {
     fn plan<S: Real>(
         settings: &Amg,
         depth: usize,
-        a: &SweepMatrix<S>,
+        a: &NodeMatrix<S>,
         known: &Known<K>,
         group: usize,
     ) -> Option<Planned<Self, K>> {
@@ -108,7 +108,7 @@ impl<const K: usize> Coarsener<K, K> for SmoothedAggregation<K> {
 
     fn values<S: Real, R: Real>(
         &self,
-        a: &SweepMatrix<S>,
+        a: &NodeMatrix<S>,
         defect: &[Matrix3<f64>],
         lambda_max: f64,
     ) -> Result<Values<R>, NotPositive> {

@@ -60,8 +60,12 @@ impl<R: Real> Bottom<R> {
         }
     }
 
-    /// `A_c⁻¹` over all unknowns, in the scalar of the levels where the inverse is stored.
+    /// `A_c⁻¹` over all unknowns, in the scalar of the levels where the inverse is stored or its factors have the digits.
     pub fn definite(direct: Direct) -> Self {
+        let direct = match size_of::<R>() < size_of::<f64>() {
+            true => direct.rounded(),
+            false => direct,
+        };
         let n = direct.size();
         let summary = direct.summary();
         match direct.factors() {
@@ -77,7 +81,7 @@ impl<R: Real> Bottom<R> {
                     null: None,
                 }
             }
-            Factors::Sparse(_) => {
+            Factors::Sparse(_) | Factors::Single { .. } => {
                 let free = (0..n as u32).collect();
                 Self::new(Box::new(direct), vec![summary], free, n)
             }

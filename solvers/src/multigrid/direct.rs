@@ -40,6 +40,11 @@ pub(super) enum Factors {
     Dense(Vec<f64>),
     /// Cholesky factors.
     Sparse(Box<dyn Factorization>),
+    /// The same in f32.
+    Single {
+        inverse: Box<dyn Preconditioner<f64>>,
+        entries: usize,
+    },
 }
 
 impl Direct {
@@ -114,6 +119,17 @@ impl Direct {
         Ok(direct)
     }
 
+    /// With factors in f32, where these are sparse and have the digits.
+    pub(super) fn rounded(mut self) -> Self {
+        if let Factors::Sparse(factors) = &self.factors
+            && let Some(inverse) = factors.in_single()
+        {
+            let entries = factors.factor_entries();
+            self.factors = Factors::Single { inverse, entries };
+        }
+        self
+    }
+
     pub(super) fn factors(&self) -> &Factors {
         &self.factors
     }
@@ -135,14 +151,15 @@ impl Direct {
 
     /// Size, stored entries, bytes.
     pub fn summary(&self) -> LevelSummary {
-        let nnz = match &self.factors {
-            Factors::Dense(inverse) => inverse.len(),
-            Factors::Sparse(factors) => factors.factor_entries(),
+        let (nnz, size) = match &self.factors {
+            Factors::Dense(inverse) => (inverse.len(), size_of::<f64>()),
+            Factors::Sparse(factors) => (factors.factor_entries(), size_of::<f64>()),
+            Factors::Single { entries, .. } => (*entries, size_of::<f32>()),
         };
         LevelSummary {
             n: self.scale.len(),
             nnz,
-            bytes: size_of::<f64>() * nnz,
+            bytes: size * nnz,
         }
     }
 }
@@ -211,6 +228,7 @@ impl Preconditioner<f64> for Direct {
                 }
             }
             Factors::Sparse(factors) => factors.solve(scaled, z, work),
+            Factors::Single { inverse, .. } => inverse.solve(scaled, z, work),
         }
         z.iter_mut().zip(&self.scale).for_each(|(z, s)| *z *= s);
     }
@@ -220,6 +238,7 @@ impl Preconditioner<f64> for Direct {
             + match &self.factors {
                 Factors::Dense(_) => 0,
                 Factors::Sparse(factors) => factors.work_len(),
+                Factors::Single { inverse, .. } => inverse.work_len(),
             }
     }
 
@@ -232,6 +251,7 @@ impl Preconditioner<f64> for Direct {
             + match &self.factors {
                 Factors::Dense(inverse) => 2 * inverse.len() as u64,
                 Factors::Sparse(factors) => factors.flops(),
+                Factors::Single { inverse, .. } => inverse.flops(),
             }
     }
 }

@@ -4,8 +4,8 @@ use super::{Start, nodes};
 use crate::amg::Amg;
 use crate::amg::aggregation::Aggregates;
 use crate::amg::coarse::{Coarsener, Frame, Known, NotPositive, Planned, STAGNATED, Values};
+use crate::amg::matrix::NodeMatrix;
 use crate::amg::node_map::NONE;
-use crate::amg::sweeps::SweepMatrix;
 use fracas_operators::Real;
 use fracas_operators::small::{Matrix3, cast, norm_squared};
 
@@ -22,7 +22,7 @@ impl<const K: usize> Coarsener<3, K> for Classical<K> {
     fn plan<S: Real>(
         _settings: &Amg,
         _depth: usize,
-        a: &SweepMatrix<S>,
+        a: &NodeMatrix<S>,
         known: &Known<K>,
         _group: usize,
     ) -> Option<Planned<Self, K>> {
@@ -69,7 +69,7 @@ impl<const K: usize> Coarsener<3, K> for Classical<K> {
 
     fn values<S: Real, R: Real>(
         &self,
-        a: &SweepMatrix<S>,
+        a: &NodeMatrix<S>,
         defect: &[Matrix3<f64>],
         _lambda_max: f64,
     ) -> Result<Values<R>, NotPositive> {

@@ -1,6 +1,6 @@
 //! A symmetric matrix by nodes.
 
-use crate::amg::sweeps::SweepMatrix;
+use crate::amg::matrix::NodeMatrix;
 use fracas_operators::Real;
 use fracas_operators::small::{Matrix3, cast};
 use fracas_operators::sparse::SparseRows;
@@ -9,7 +9,7 @@ use fracas_operators::sparse::SparseRows;
 pub(super) type NodeBlocks = SparseRows<Matrix3<f64>>;
 
 /// The matrix of a level, in f64.
-pub(super) fn of_level<R: Real>(a: &SweepMatrix<R>) -> NodeBlocks {
+pub(super) fn of_level<R: Real>(a: &NodeMatrix<R>) -> NodeBlocks {
     SparseRows::collect(
         a.rows(),
         || (),

@@ -2,6 +2,7 @@
 #![allow(unsafe_code, reason = "scratch memory as faer asks for it")]
 
 mod general;
+mod single;
 mod symmetric;
 
 use super::pattern::Pattern;

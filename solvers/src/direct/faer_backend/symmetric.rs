@@ -1,5 +1,6 @@
 //! LLᵀ and LDLᵀ.
 
+use super::single::SingleFactors;
 use super::{Scratch, out_of_memory, symbolic_failure, work_entries};
 use crate::SetupError;
 use crate::direct::nested_dissection::nested_dissection;
@@ -264,6 +265,14 @@ impl Factorization for SymmetricFactors {
 
     fn factor_entries(&self) -> usize {
         self.values.len()
+    }
+
+    fn in_single(&self) -> Option<Box<dyn Preconditioner<f64>>> {
+        if self.kind != Kind::Spd {
+            return None;
+        }
+        let single = SingleFactors::new(&self.structure, &self.values, &self.pivots())?;
+        Some(Box::new(single))
     }
 
     fn log2_abs_determinant(&self) -> Option<f64> {
