@@ -124,7 +124,7 @@ pub enum Failure {
         faces: Vec<usize>,
     },
     /// A block has lost what held it.
-    #[error("with {open} faces open nothing{} holds the body of {elements} elements around ({:.6}, {:.6}, {:.6}) m: {free} rigid motions are free, so that there {} no equilibrium ({reason})", but_slipping(*slipping), center[0], center[1], center[2], if *slipping > 0 { "may be" } else { "is" })]
+    #[error("with {open} faces open nothing{} holds the body of {elements} elements around ({:.6}, {:.6}, {:.6}) m: {}{free} rigid motions are free, so that there {} no equilibrium ({reason})", but_slipping(*slipping), center[0], center[1], center[2], if *slipping > 0 { "without them " } else { "" }, if *slipping > 0 { "may be" } else { "is" })]
     Loose {
         /// Open faces.
         open: usize,
@@ -170,11 +170,12 @@ fn first(faces: &[usize]) -> String {
 }
 
 impl Failure {
-    /// A failure with open faces may mean that a body is held by nothing: then that is the reason.
-    pub(super) fn explained(self, body: &Body, states: &[ContactState]) -> Self {
+    /// A failure with open faces may mean that a body is held by nothing: then that is the reason. That slipping faces alone hold
+    /// one is a guess, made where the equations are `firm`.
+    pub(super) fn explained(self, body: &Body, states: &[ContactState], firm: bool) -> Self {
         let [_, new_slip, slip, open] = count(states);
         // what open faces let go, then what nothing but slipping faces hold
-        for slipping in [0, new_slip + slip] {
+        for slipping in [0, new_slip + slip].into_iter().take(1 + usize::from(firm)) {
             let holds = |f: &usize| match states[*f] {
                 ContactState::Stick => true,
                 ContactState::Open => false,

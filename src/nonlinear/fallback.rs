@@ -33,7 +33,8 @@ impl Fallbacks {
     ) -> Result<GeometricInverse, MatrixFreeError> {
         let built = GeometricInverse::new(&geometric, &problem.stick_system(), c)?;
         self.double = !built.properties().single;
-        self.instead = None;
+        self.instead =
+            (self.instead).filter(|racp| matches!(racp.inner, InnerChoice::Geometric(_)));
         if let Some(lost) = built.lost() {
             self.note(lost.to_string());
         }
@@ -47,21 +48,27 @@ impl Fallbacks {
         self.events.push(Event::Precision { reason });
     }
 
-    /// What is set up in place of `settings`, which cannot be for this reason, where the scene leaves the choice: AMG, then a
-    /// factorization. It is told.
+    /// What is set up in place of `settings`, which cannot be for this reason, where the scene leaves the choice: in turn geometric
+    /// multigrid where the mesh has a grid, AMG and a factorization, until what was tried `first` would be next. It is told.
+    ///
+    /// A factorization that has `served` before gives way to nothing: other states let a body go, and no inner solver holds it.
     ///
     /// # Errors
     /// The failure, where nothing takes their place.
     pub(super) fn instead(
         &mut self,
         problem: &ContactProblem<'_>,
-        settings: Racp,
+        (first, settings, served): (Racp, Racp, bool),
         failure: LinearFailure,
     ) -> Result<Racp, LinearFailure> {
-        let solver = &problem.body().solver;
+        let body = problem.body();
+        let solver = &body.solver;
         let is_free = solver.racp.is_none() && solver.inner == RunInner::Auto;
         let stopped = matches!(failure, LinearFailure::MatrixFree(MatrixFreeError::Stopped));
-        let Some((next, now)) = otherwise(settings).filter(|_| is_free && !stopped) else {
+        let is_over = stopped || served && matches!(first.inner, InnerChoice::Exact { .. });
+        let next = otherwise(settings, body.mesh.grid.is_some())
+            .filter(|(next, _)| is_free && !is_over && next.inner.name() != first.inner.name());
+        let Some((next, now)) = next else {
             return Err(failure);
         };
         self.inner += 1;
@@ -82,8 +89,10 @@ impl Fallbacks {
 }
 
 /// What takes the place of these settings, and its name.
-fn otherwise(settings: Racp) -> Option<(Racp, &'static str)> {
+fn otherwise(settings: Racp, is_grid: bool) -> Option<(Racp, &'static str)> {
     let inner = match settings.inner {
+        InnerChoice::Exact { .. } if is_grid => InnerChoice::Geometric(Geometric::default()),
+        InnerChoice::Exact { .. } => InnerChoice::Amg(Amg::default()),
         InnerChoice::Geometric(_) => InnerChoice::Amg(Amg::default()),
         InnerChoice::Amg(_) => InnerChoice::default(),
         _ => return None,
@@ -109,13 +118,23 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_set_up_gives_way_to_amg_then_to_a_factorization_and_says_so() {
+    fn what_cannot_be_set_up_gives_way_to_all_others_once_and_says_so() {
         let body = body("auto");
         let problem = ContactProblem::new(&body).unwrap();
+        for (first, others) in [
+            (Racp::geometric(), ["amg", "exact"]),
+            (Racp::default(), ["geometric", "amg"]),
+        ] {
+            gives_way(&problem, first, others);
+        }
+    }
+
+    fn gives_way(problem: &ContactProblem<'_>, first: Racp, others: [&str; 2]) {
         let mut fallbacks = Fallbacks::default();
-        let mut settings = Racp::geometric();
-        for (k, name) in ["amg", "exact"].into_iter().enumerate() {
-            settings = fallbacks.instead(&problem, settings, failure()).unwrap();
+        let mut settings = first;
+        for (k, name) in others.into_iter().enumerate() {
+            let tried = (first, settings, false);
+            settings = fallbacks.instead(problem, tried, failure()).unwrap();
             assert_eq!(settings.inner.name(), name);
             assert_eq!((fallbacks.inner, fallbacks.events.len()), (k + 1, k + 1));
             let Some(Event::Inner { reason, now }) = fallbacks.events.last() else {
@@ -124,21 +143,22 @@ mod tests {
             assert_eq!((reason, *now), (&failure().to_string(), name));
             assert_eq!(fallbacks.effective(settings), settings);
         }
-        let last = fallbacks.instead(&problem, settings, failure());
+        let last = fallbacks.instead(problem, (first, settings, false), failure());
         assert_eq!(last.unwrap_err().to_string(), failure().to_string());
     }
 
     #[test]
-    fn what_was_asked_for_by_name_and_a_stop_give_way_to_nothing() {
-        let settings = Racp::geometric();
-        for (inner, failure) in [
-            ("geometric", failure()),
-            ("auto", MatrixFreeError::Stopped.into()),
+    fn what_was_asked_for_by_name_a_factorization_that_served_and_a_stop_give_way_to_nothing() {
+        for (inner, settings, failure) in [
+            ("geometric", Racp::geometric(), failure()),
+            ("auto", Racp::geometric(), MatrixFreeError::Stopped.into()),
+            ("auto", Racp::default(), failure()),
         ] {
             let body = body(inner);
             let problem = ContactProblem::new(&body).unwrap();
             let mut fallbacks = Fallbacks::default();
-            assert!(fallbacks.instead(&problem, settings, failure).is_err());
+            let tried = (settings, settings, true);
+            assert!(fallbacks.instead(&problem, tried, failure).is_err());
             assert_eq!((fallbacks.inner, fallbacks.events.len()), (0, 0));
         }
     }

@@ -255,15 +255,14 @@ impl Linear {
         c: impl Fn(&StickC) -> Vec<Block>,
         observer: &mut dyn Observer,
     ) -> Result<Ready, LinearFailure> {
-        let mut settings = self.settings;
+        let (mut settings, served) = (self.settings, self.stick.is_some());
         let (c, inverse, stage) = loop {
             match self.attempt(problem, settings, &c) {
                 Ok(built) => break built,
                 Err(failure) => {
-                    settings = self
-                        .resources
-                        .fallbacks
-                        .instead(problem, settings, failure)?
+                    let tried = (self.settings, settings, served);
+                    let fallbacks = &mut self.resources.fallbacks;
+                    settings = fallbacks.instead(problem, tried, failure)?
                 }
             }
         };

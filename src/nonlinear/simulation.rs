@@ -215,7 +215,9 @@ impl<'a> Simulation<'a> {
                     // one that no halving has avoided
                     let stops = solver.unstable == Unstable::Stop && cuts_are_many;
                     let patch = log.unstable.take().filter(|_| stops && is_shortest(target));
-                    let reason = reason.explained(self.problem.body(), &log.states);
+                    // where f64 has no digits to set up the stuck body, failing says nothing of what slipping faces hold
+                    let is_firm = self.inner_fallbacks() == 0;
+                    let reason = reason.explained(self.problem.body(), &log.states, is_firm);
                     let reason = match (reason, patch) {
                         // what open faces let go is free whatever slips
                         (loose @ Failure::Loose { slipping: 0, .. }, _) => loose,

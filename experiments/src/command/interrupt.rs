@@ -3,7 +3,7 @@
 use fracas::run::Stop;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
-use std::io;
+use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// A signal that stops a run.
@@ -36,7 +36,24 @@ static ASKED: AtomicBool = AtomicBool::new(false);
 static WHICH: AtomicUsize = AtomicUsize::new(0);
 
 /// From now on the first signal is only noted, and the second has its default action.
-pub(super) fn listen() -> io::Result<()> {
+///
+/// To be called when the input has been read: until then there is no state to write, and a signal that is only noted would not end
+/// a process that waits for a pipe.
+pub(super) fn listen() {
+    warn(register());
+}
+
+/// Says that signals are not handled.
+pub(super) fn warn(handled: io::Result<()>) {
+    if let Err(error) = handled {
+        let _ = writeln!(
+            io::stderr(),
+            "warning: signals keep their default ({error})"
+        );
+    }
+}
+
+fn register() -> io::Result<()> {
     for signal in [SIGINT, SIGTERM] {
         // in this order: a signal looks whether there was one before, then leaves its mark
         flag::register_conditional_default(signal, &ASKED)?;

@@ -89,16 +89,7 @@ const BAD_INPUT: u8 = 2;
 
 /// Runs a command on a pool of its own and returns the exit status.
 pub fn main(arguments: &Arguments) -> ExitCode {
-    let listening = match arguments.command {
-        Command::Run(_) | Command::Study(_) | Command::Compare(_) => interrupt::listen(),
-        _ => Ok(()),
-    };
-    if let Err(error) = listening.and_then(|()| exit_on_refusal(BAD_INPUT.into())) {
-        let _ = writeln!(
-            io::stderr(),
-            "warning: signals keep their default ({error})"
-        );
-    }
+    interrupt::warn(exit_on_refusal(BAD_INPUT.into()));
     let threads = arguments.threads.map_or(0, usize::from);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let (status, sentence) = match pool {

@@ -48,6 +48,7 @@ impl Run {
         };
         let mut progress = Progress::new();
         let mut folder = settings.open(&self.scene, scene, &mut progress)?;
+        interrupt::listen();
         let path = folder.path().to_path_buf();
         let scene = folder.scene().clone();
         let mut run = folder.begin(&mut progress)?;

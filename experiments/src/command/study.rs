@@ -51,6 +51,7 @@ impl Study {
 impl Place {
     /// Solves what is left of a study; rows that fail are rows, and no status.
     pub(super) fn run(&self, study: &File, out: &mut dyn Write) -> anyhow::Result<Status> {
+        interrupt::listen();
         let engine = Engine {
             study,
             out: &self.out,

@@ -281,4 +281,8 @@ fn rounding_is_not_blamed_on_supports() {
     let ran = fracas(&["run", path, "--out", out.to_str().unwrap()]);
     assert_eq!(ran.status, 3, "{}", ran.stderr);
     assert!(ran.stderr.contains("every body is held"), "{}", ran.stderr);
+    let gave_way = "the inner solver is geometric instead";
+    assert!(ran.stderr.contains(gave_way), "{}", ran.stderr);
+    let blamed = ran.stderr.contains("rigid motions are free");
+    assert!(!blamed, "{}", ran.stderr);
 }

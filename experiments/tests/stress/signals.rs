@@ -24,6 +24,50 @@ fn a_run_that_factorizes_survives_every_signal() {
     survives("signals in factorizations", 3, 2, count(2e-5, 3));
 }
 
+/// A pipe that nobody writes into, in the place of a scene and of a checkpoint: there is no state to write, so nothing to wait for.
+#[test]
+fn a_run_that_waits_for_its_input_ends_at_the_first_signal() {
+    let folder = scratch("waiting");
+    let (scene, out) = (folder.join("scene.toml"), folder.join("out"));
+    fs::write(&scene, SCENE).unwrap();
+    let pipe = folder.join("pipe.toml");
+    let made = Command::new("mkfifo").arg(&pipe).status().unwrap();
+    assert!(made.success());
+    let name = |path: &Path| path.display().to_string();
+    let of_scene = vec!["run".into(), name(&pipe), "--out".into(), name(&out)];
+    let mut of_checkpoint = vec!["run".into(), name(&scene), "--out".into(), name(&out)];
+    of_checkpoint.extend(["--restart".into(), name(&pipe)]);
+    let of_study = vec!["study".into(), name(&pipe), "--out".into(), name(&out)];
+    for arguments in [of_scene, of_checkpoint, of_study] {
+        for (signal, number) in [("TERM", 15), ("INT", 2)] {
+            let mut child = Command::new(env!("CARGO_BIN_EXE_fracas"))
+                .args(&arguments)
+                .stdout(Stdio::null())
+                .stderr(Stdio::null())
+                .spawn()
+                .unwrap();
+            std::thread::sleep(Duration::from_millis(300));
+            send(&child, signal);
+            let clock = Instant::now();
+            let ended = loop {
+                match child.try_wait().unwrap() {
+                    None if clock.elapsed() < Duration::from_secs(20) => {
+                        std::thread::sleep(Duration::from_millis(10));
+                    }
+                    ended => break ended,
+                }
+            };
+            if ended.is_none() {
+                child.kill().unwrap();
+                child.wait().unwrap();
+            }
+            let by = ended.and_then(|status| status.signal());
+            assert_eq!(by, Some(number), "{arguments:?} by {signal}: {ended:?}");
+        }
+    }
+    fs::remove_dir_all(&folder).unwrap();
+}
+
 /// The block with its cells divided into this many along each axis.
 fn survives(kind: &'static str, refined: usize, steps: usize, cases: u64) {
     let folder = scratch(&kind.replace(' ', "-"));

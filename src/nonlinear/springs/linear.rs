@@ -25,6 +25,8 @@ pub(in crate::nonlinear) struct SpringLinear {
     blocks: Option<SaddleBlocks>,
     assembled: Assembled,
     kept: Kept,
+    /// The settings have been set up before.
+    served: bool,
     /// Ritz value nearest to zero of the last system, with its preconditioner.
     smallest_ritz: Option<f64>,
 }
@@ -37,6 +39,7 @@ impl SpringLinear {
             blocks: None,
             assembled: Assembled::default(),
             kept: Kept::default(),
+            served: false,
             smallest_ritz: None,
         }
     }
@@ -148,10 +151,15 @@ impl SpringLinear {
             match self.inverse(problem, settings, &of.c, stiffness, resources) {
                 Ok(inverse) => break inverse,
                 Err(failure) => {
-                    settings = resources.fallbacks.instead(problem, settings, failure)?
+                    let tried = (self.settings, settings, self.served);
+                    settings = resources.fallbacks.instead(problem, tried, failure)?
                 }
             }
         };
+        if !std::mem::replace(&mut self.served, true) {
+            // what cannot be set up at first is not tried again
+            self.settings = settings;
+        }
         Ok(Ready { of, inverse })
     }
 

@@ -64,7 +64,7 @@ pub fn read_folder(folder: &Path) -> Result<Imported, FolderError> {
         findings: Vec::new(),
     };
     let manifest = reader.manifest()?;
-    sizes::check(folder)?;
+    sizes::check(&|file| reader.present(file))?;
     let a = reader.required("A.mtx")?;
     let b1 = reader.required("B1.mtx")?;
     let (a_shape, b1_shape) = (shape_of(&a), shape_of(&b1));

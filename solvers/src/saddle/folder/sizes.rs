@@ -4,19 +4,24 @@ use super::FolderError;
 use super::import::{expect, square};
 use fracas_operators::Shape;
 use fracas_operators::matrix_market::{Announced, read_sizes};
-use std::path::Path;
+use std::path::PathBuf;
 
 /// Unknowns from which on entries are counted: a header of a few bytes may then ask for memory that matters.
 const MANY: usize = 1 << 20;
 
-/// Compares the sizes in the headers of all blocks; files that are absent or have no header are left to their reader.
+/// Compares the sizes in the headers of all blocks; files that are absent or have no header are left to their reader. `present` says
+/// where a file is, and that what stands under its name is one: a pipe would be waited for.
 ///
 /// # Errors
-/// [`FolderError::Sizes`], [`FolderError::NotSquare`], [`FolderError::CoordinateShape`], and [`FolderError::Hollow`] for more
+/// Those of `present`, [`FolderError::Sizes`], [`FolderError::NotSquare`], [`FolderError::CoordinateShape`], and [`FolderError::Hollow`] for more
 /// than 2²⁰ unknowns most of which no entry mentions.
-pub(super) fn check(folder: &Path) -> Result<(), FolderError> {
-    let header = |file: &'static str| read_sizes(&folder.join(file)).ok();
-    let (Some(a), Some(b1)) = (header("A.mtx"), header("B1.mtx")) else {
+pub(super) fn check(
+    present: &dyn Fn(&str) -> Result<Option<PathBuf>, FolderError>,
+) -> Result<(), FolderError> {
+    let header = |file: &'static str| -> Result<_, FolderError> {
+        Ok(present(file)?.and_then(|path| read_sizes(&path).ok()))
+    };
+    let (Some(a), Some(b1)) = (header("A.mtx")?, header("B1.mtx")?) else {
         return Ok(());
     };
     let (n_u, n_t) = (a.shape.rows, b1.shape.cols);
@@ -32,18 +37,19 @@ pub(super) fn check(folder: &Path) -> Result<(), FolderError> {
         ("B2.mtx", Shape::new(n_t, n_u)),
         ("H.mtx", Shape::square(n_t)),
     ] {
-        if let Some(found) = header(file) {
+        if let Some(found) = header(file)? {
             expect(file, found.shape, shape, from_b1)?;
         }
     }
     // more than one column is what the reader of a vector says
-    let vector = |file, rows, by| match header(file).filter(|h| h.shape.cols == 1) {
+    let vector = |file, rows, by| match header(file)?.filter(|h| h.shape.cols == 1) {
         Some(found) => expect(file, found.shape, Shape::new(rows, 1), by),
         None => Ok(()),
     };
     vector("rhs_u.mtx", n_u, from_a)?;
     vector("rhs_t.mtx", n_t, from_b1)?;
-    if let (Some(t), Some(q1), Some(q2)) = (header("T.mtx"), header("Q1.mtx"), header("Q2.mtx")) {
+    if let (Some(t), Some(q1), Some(q2)) = (header("T.mtx")?, header("Q1.mtx")?, header("Q2.mtx")?)
+    {
         let n_p = t.shape.rows;
         let from_t = ("T.mtx", t.shape);
         square("T.mtx", t.shape)?;
@@ -54,7 +60,7 @@ pub(super) fn check(folder: &Path) -> Result<(), FolderError> {
         vector("rhs_p.mtx", n_p, from_t)?;
         hollow("T.mtx", "Q1.mtx", n_p, [t, q1])?;
     }
-    if let Some(Announced { shape, .. }) = header("coords.mtx")
+    if let Some(Announced { shape, .. }) = header("coords.mtx")?
         && shape != Shape::new(n_u, 4)
         && !(shape.cols == 3 && 3 * shape.rows == n_u)
     {

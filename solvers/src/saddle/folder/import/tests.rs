@@ -26,15 +26,17 @@ enum Defect {
     Folder,
     LinkToAFolder,
     Socket,
+    Pipe,
 }
 
-const DEFECTS: [Defect; 6] = [
+const DEFECTS: [Defect; 7] = [
     Defect::BrokenLink,
     Defect::LinkToItself,
     Defect::LinkThroughAFile,
     Defect::Folder,
     Defect::LinkToAFolder,
     Defect::Socket,
+    Defect::Pipe,
 ];
 
 /// Puts a defect in the place of a file, or where none is.
@@ -50,6 +52,11 @@ fn spoil(folder: &Path, file: &str, defect: Defect) {
         Defect::Folder => std::fs::create_dir(&path).unwrap(),
         Defect::LinkToAFolder => symlink(".", &path).unwrap(),
         Defect::Socket => drop(UnixListener::bind(&path).unwrap()),
+        // nobody writes into it: who opens it waits
+        Defect::Pipe => {
+            let made = std::process::Command::new("mkfifo").arg(&path).status();
+            assert!(made.unwrap().success());
+        }
     }
 }
 
@@ -90,7 +97,7 @@ fn whatever_cannot_be_opened_is_named_and_never_absent() {
             read += 1;
         }
     }
-    assert_eq!(read, 127 * 6);
+    assert_eq!(read, 127 * 7);
 }
 
 #[test]
