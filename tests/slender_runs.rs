@@ -11,12 +11,12 @@ use fracas_solvers::Silent;
 /// Bars that are tried.
 const BARS: u64 = 24;
 
-/// A bar without Poisson's effect along any axis, cut across at its middle, fixed at one end and pressed at the other; its length.
+/// 1:3e3 to 1:1e4: cells of 1:1e3 and more, from 1:1.4e4 on f64 has no digits for the Newton iteration either. A bar without Poisson's effect along any axis, cut across at its middle, fixed at one end and pressed at the other; its length.
 fn bar(seed: u64) -> (String, f64) {
     let r = &mut Random::new(seed);
     let axes = ["x", "y", "z"];
     let along = r.whole(0, 2) as usize;
-    let length = r.scale(3e3, 3e4);
+    let length = r.scale(3e3, 1e4);
     let cells = 2 * r.whole(3, 5);
     let mut toml = format!("title = 'seed {seed}'\n[mesh]\n");
     for (d, axis) in axes.iter().enumerate() {
