@@ -13,6 +13,7 @@ pub mod e13_checkerboard_traction;
 pub mod e14_cycle;
 pub mod e15_nonlinear;
 pub mod e16_settings;
+pub mod fault;
 pub mod list;
 pub mod plot;
 pub mod report;

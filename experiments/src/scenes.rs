@@ -1,6 +1,6 @@
 //! Scenes by file or by name.
 
-use fracas::scene::{Scene, gallery, named};
+use fracas::scene::{GalleryScene, Scene, gallery, named};
 use std::path::Path;
 
 /// Behind the name of a scene of the gallery: its version of a few hundred to a few thousand unknowns.
@@ -32,14 +32,20 @@ pub(crate) fn load(name: &str) -> anyhow::Result<Scene> {
         Some(plain) => (plain, true),
         None => (name, false),
     };
-    let found = named(plain).ok_or_else(|| UnknownScene {
-        name: name.into(),
-        nearest: nearest(plain),
-    })?;
+    let found = of_gallery(plain)?;
     Ok(match is_small {
         true => found.small_scene()?,
         false => found.scene()?,
     })
+}
+
+/// A scene of the gallery.
+pub(crate) fn of_gallery(name: &str) -> anyhow::Result<&'static GalleryScene> {
+    let unknown = || UnknownScene {
+        name: name.into(),
+        nearest: nearest(name),
+    };
+    Ok(named(name).ok_or_else(unknown)?)
 }
 
 fn nearest(name: &str) -> Option<&'static str> {

@@ -6,6 +6,8 @@
 mod block_sliding;
 mod crack_network;
 mod depletion;
+mod displaced_fault;
+mod fault_friction;
 mod inclined_crack;
 mod line_crack;
 mod nucleation;
@@ -16,6 +18,11 @@ mod rock;
 pub use block_sliding::{BlockSliding, SlidingState};
 pub use crack_network::{CrackNetwork, NetworkCrack, StraightCrack};
 pub use depletion::Depletion;
+pub use displaced_fault::{
+    DisplacedFault, FarStress, FaultLine, FaultPath, FaultPressure, FaultState, FaultStrength,
+    displaced_blocks,
+};
+pub use fault_friction::{FaultFriction, NoState, Sliding, Strength};
 pub use inclined_crack::InclinedCrack;
 pub use line_crack::LineCrack;
 pub use nucleation::{LinearWeakening, nucleation_half_length};

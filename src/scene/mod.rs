@@ -9,6 +9,7 @@ mod geometry;
 mod group_names;
 mod history;
 mod hold;
+mod inventory;
 mod located;
 mod mesh_sections;
 mod one_or_many;
@@ -28,6 +29,7 @@ pub use error::{Place, Problem, SceneError};
 pub use gallery::{GalleryScene, gallery, named};
 pub use group_names::GroupNames;
 pub use history::{History, TimeTable};
+pub use inventory::{Inventory, Push, Stock};
 pub use mesh_sections::{
     AxisName, AxisSection, DiscSection, DistortSection, FractureSection, InclineSection,
     MapSection, MeshSection, RotateSection,

@@ -47,7 +47,11 @@ impl Solver {
                     inner: self.names.inner.clone().unwrap_or_default(),
                 });
             }
-            return Ok((choice, None));
+            let reason = (choice != asked).then(|| {
+                let inner = self.names.inner.as_deref().unwrap_or("this method");
+                format!("{choice} in place of {asked}, because M⁻¹ with {inner} is linear to the digits of f32 only, or not at all")
+            });
+            return Ok((choice, reason));
         }
         let symmetric = equations.has_short_recurrences();
         let fitted = memory::krylov_that_fits(equations.operator(), preconditioner, symmetric)?;

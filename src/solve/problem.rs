@@ -6,6 +6,7 @@ use crate::memory::{self, Work};
 use crate::scene::{Body, Scene};
 use crate::undetermined::undetermined;
 use fracas_operators::Layout;
+use fracas_operators::matrix_market::read_sizes;
 use fracas_solvers::Observer;
 use fracas_solvers::saddle::folder::read_folder;
 use fracas_solvers::saddle::{P, SaddleBlocks, T, U};
@@ -167,6 +168,21 @@ impl Loaded {
 }
 
 impl Problem {
+    /// About how many displacements it has, those that are held among them, where heads of files and sizes of grids tell.
+    pub(super) fn displacements(&self) -> Option<u128> {
+        match self {
+            Self::Body(stuck) => match &stuck.mesh {
+                Mesh::Scene(scene) => Some(3 * scene.nodes()).filter(|n| *n > 0),
+                Mesh::Made(body) => Some(body.constraints.free_len() as u128),
+            },
+            Self::Blocks(blocks) => Some(blocks.n_u() as u128),
+            Self::Folder(folder) => {
+                let announced = read_sizes(&folder.join("A.mtx"));
+                announced.ok().map(|announced| announced.shape.rows as u128)
+            }
+        }
+    }
+
     /// Reads or assembles the matrices; remarks go to the observer as well.
     ///
     /// # Errors

@@ -2,6 +2,7 @@
 
 use super::InnerRule;
 use crate::multigrid::Geometric;
+use crate::scene::FACTORIZED;
 use fracas_solvers::SetupError;
 use fracas_solvers::amg::Amg;
 use fracas_solvers::saddle::{InnerChoice, Racp, SaddleMethod};
@@ -63,7 +64,7 @@ fn is_geometric(inner: InnerChoice) -> bool {
 }
 
 impl Route {
-    /// The method with the inner solver that the rule leaves it.
+    /// The method with the inner solver that the rule leaves it, for about so many displacements, where they are known.
     ///
     /// # Errors
     /// [`NotGeometric`] where its own is geometric multigrid and cannot be.
@@ -71,6 +72,7 @@ impl Route {
         method: &SaddleMethod,
         rule: InnerRule,
         kind: SystemKind,
+        displacements: Option<u128>,
     ) -> Result<Self, NotGeometric> {
         let chosen = Self {
             method: *method,
@@ -81,7 +83,8 @@ impl Route {
             return Ok(chosen);
         };
         if rule == InnerRule::Auto {
-            return Ok(Self::automatic(method, kind));
+            let few = displacements.filter(|n| *n <= FACTORIZED as u128);
+            return Ok(Self::automatic(method, kind, few));
         }
         if is_geometric(own) {
             require_grid(method, kind)?;
@@ -99,8 +102,9 @@ impl Route {
         })
     }
 
-    /// Geometric where everything it needs is there, else amg; then amg, then a factorization.
-    fn automatic(method: &SaddleMethod, kind: SystemKind) -> Self {
+    /// A factorization of few displacements; else geometric where everything it needs is there, else amg. What comes behind
+    /// takes its place.
+    fn automatic(method: &SaddleMethod, kind: SystemKind, few: Option<u128>) -> Self {
         let because = match (kind, racp(method)) {
             (_, None) => format!("{} is made from assembled blocks", method.name()),
             (SystemKind::Matrices, _) => "a system folder has no grid".to_owned(),
@@ -111,7 +115,7 @@ impl Route {
             }
             (SystemKind::Grid, Some(_)) => String::new(),
         };
-        let (reason, inners) = match because.as_str() {
+        let (reason, mut inners) = match because.as_str() {
             "" => (
                 "geometric, because the mesh of the scene is a grid".to_owned(),
                 vec![geometric(), amg(), InnerChoice::default()],
@@ -120,6 +124,13 @@ impl Route {
                 format!("amg, because {because}"),
                 vec![amg(), InnerChoice::default()],
             ),
+        };
+        let reason = match few {
+            Some(n) => {
+                inners.rotate_right(1);
+                format!("exact, because about {n} displacements are no more than {FACTORIZED}")
+            }
+            None => reason,
         };
         let mut methods = inners.into_iter().filter_map(|inner| with(method, inner));
         Self {
@@ -178,18 +189,22 @@ mod tests {
         let mcp: SaddleMethod = "mcp".parse().unwrap();
         let (grid, matrices) = (SystemKind::Grid, SystemKind::Matrices);
         let (fixed, or_else, auto) = (InnerRule::Fixed, InnerRule::OrElse, InnerRule::Auto);
-        for (method, rule, kind, expected) in [
-            (&racp, fixed, grid, &["exact"][..]),
-            (&racp, or_else, grid, &["exact", "geometric", "amg"]),
-            (&racp, or_else, SystemKind::Mesh, &["exact", "amg"]),
-            (&racp, or_else, matrices, &["exact"]),
-            (&racp, auto, grid, &["geometric", "amg", "exact"]),
-            (&racp, auto, matrices, &["amg", "exact"]),
-            (&mcp, or_else, grid, &["exact", "amg"]),
-            (&mcp, auto, grid, &["amg", "exact"]),
-            (&"direct".parse().unwrap(), auto, grid, &[]),
+        let (few, many) = (Some(5_000), Some(5_001));
+        for (method, rule, kind, displacements, expected) in [
+            (&racp, fixed, grid, many, &["exact"][..]),
+            (&racp, or_else, grid, many, &["exact", "geometric", "amg"]),
+            (&racp, or_else, SystemKind::Mesh, many, &["exact", "amg"]),
+            (&racp, or_else, matrices, many, &["exact"]),
+            (&racp, auto, grid, many, &["geometric", "amg", "exact"]),
+            (&racp, auto, grid, few, &["exact", "geometric", "amg"]),
+            (&racp, auto, matrices, many, &["amg", "exact"]),
+            (&racp, auto, matrices, None, &["amg", "exact"]),
+            (&racp, auto, matrices, few, &["exact", "amg"]),
+            (&mcp, or_else, grid, many, &["exact", "amg"]),
+            (&mcp, auto, grid, many, &["amg", "exact"]),
+            (&"direct".parse().unwrap(), auto, grid, many, &[]),
         ] {
-            let route = Route::new(method, rule, kind).unwrap();
+            let route = Route::new(method, rule, kind, displacements).unwrap();
             assert_eq!(inners(&route), expected, "{method}, {rule:?}, {kind:?}");
             assert_eq!(route.reason.is_some(), rule == auto && !expected.is_empty());
         }
@@ -203,8 +218,8 @@ mod tests {
             SystemKind::Matrices,
             SystemKind::Entries("spectrum"),
         ] {
-            assert!(Route::new(&method, InnerRule::Fixed, kind).is_err());
+            assert!(Route::new(&method, InnerRule::Fixed, kind, None).is_err());
         }
-        assert!(Route::new(&method, InnerRule::Fixed, SystemKind::Grid).is_ok());
+        assert!(Route::new(&method, InnerRule::Fixed, SystemKind::Grid, None).is_ok());
     }
 }

@@ -55,7 +55,8 @@ pub enum InnerRule {
     /// For a body, which is held, what [`Auto`](Self::Auto) takes, where it cannot be set up.
     #[default]
     OrElse,
-    /// What fits the system, in turn: geometric multigrid on a grid, algebraic multigrid, a factorization.
+    /// What fits the system: a factorization of up to 5,000 displacements; beyond, in turn, geometric multigrid on a grid,
+    /// algebraic multigrid, a factorization.
     Auto,
 }
 
@@ -113,7 +114,7 @@ impl Solve {
         super::set_up::set_up(self, problem, observer)
     }
 
-    /// Which method solves this problem, and what takes its place; nothing is read or meshed.
+    /// Which method solves this problem, and what takes its place; nothing is read but sizes, and nothing is meshed.
     ///
     /// # Errors
     /// Settings that are out of range or fit neither each other nor the problem.
@@ -132,7 +133,12 @@ impl Solve {
             Problem::Body(_) => SystemKind::Mesh,
             Problem::Folder(_) | Problem::Blocks(_) => SystemKind::Matrices,
         };
-        Ok(Route::new(&self.method, self.inner, kind)?)
+        Ok(Route::new(
+            &self.method,
+            self.inner,
+            kind,
+            problem.displacements(),
+        )?)
     }
 }
 

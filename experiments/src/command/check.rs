@@ -38,7 +38,7 @@ impl Check {
                 let body = scene.build()?;
                 writeln!(out, "scene       {}", scene.title())?;
                 let audit = body.audit();
-                write!(out, "{audit}")?;
+                write!(out, "{audit}{}", body.inventory())?;
                 for remark in friction_remarks(&body) {
                     writeln!(out, "warning     {remark}")?;
                 }

@@ -16,8 +16,8 @@ pub(super) struct Method {
     augmentation: Option<AugmentationChoice>,
     /// Solver of the displacement block, in methods that have one: exact, amg, amg:gauss_seidel, amg:fsai, amg:chebyshev,
     /// fsai, fsai:static, jacobi, ssor; for `solve` of a scene on a grid also geometric, which assembles no A (behind it :v, :w
-    /// or :k for another cycle, :f64 for f64 inside); auto takes geometric for such a scene, and amg for a mesh from a file or
-    /// a system folder.
+    /// or :k for another cycle, :f64 for f64 inside); auto takes exact up to 5,000 displacements, beyond geometric for such a
+    /// scene, and amg for a mesh from a file or a system folder [default: auto; spectrum: exact].
     #[arg(long, value_name = "M")]
     inner: Option<Inner>,
 }
@@ -38,16 +38,25 @@ impl Method {
         asker: &'static str,
         default: SaddleMethod,
     ) -> anyhow::Result<SaddleMethod> {
-        let (method, rule) = self.of(default)?;
-        Ok(Route::new(&method, rule, SystemKind::Entries(asker))?.method)
+        let (method, rule) = self.of(default, self.inner)?;
+        Ok(Route::new(&method, rule, SystemKind::Entries(asker), None)?.method)
     }
 
-    /// The method that is named, or this one, and what may take the place of its inner solver.
-    pub(super) fn of(
+    /// The same with the inner solver that fits where none is named, and what may take its place.
+    pub(super) fn fitted(
         &self,
         default: SaddleMethod,
     ) -> Result<(SaddleMethod, InnerRule), NoSuchPart> {
-        let (inner, rule) = Inner::choose(self.inner);
+        self.of(default, self.inner.or(Some(Inner::Auto)))
+    }
+
+    /// The method that is named, or this one, and what may take the place of its inner solver.
+    fn of(
+        &self,
+        default: SaddleMethod,
+        inner: Option<Inner>,
+    ) -> Result<(SaddleMethod, InnerRule), NoSuchPart> {
+        let (inner, rule) = Inner::choose(inner);
         let method = self.method.unwrap_or(default);
         Ok((method.with_parts(self.augmentation, inner)?, rule))
     }

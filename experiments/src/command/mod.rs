@@ -8,19 +8,24 @@ mod check;
 mod compare;
 mod explain;
 mod export;
+mod fault;
 mod interrupt;
 mod list;
+mod manual;
 mod method;
 mod modes;
+mod origin;
 mod output;
 mod page;
 mod progress;
 mod report;
 mod reproduce;
+mod residuals;
 mod run;
 mod scene;
 mod schema;
 mod schema_page;
+mod show;
 mod solve;
 mod source;
 mod spectrum;
@@ -35,7 +40,7 @@ use std::process::ExitCode;
 
 /// Saddle-point solvers for frictional contact on fractures in three-dimensional rock.
 #[derive(Debug, Parser)]
-#[command(name = "fracas", version, max_term_width = 110)]
+#[command(name = "fracas", version, long_version = origin::long_version(), max_term_width = 110)]
 pub struct Arguments {
     /// Threads; results do not depend on it [default: all cores].
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MAX_THREADS))]
@@ -62,10 +67,18 @@ enum Command {
     Study(study::Study),
     /// The same from the command line: scenes, meshes and methods, against each other.
     Compare(compare::Compare),
+    /// Semi-analytic slip of a displaced fault, without a mesh.
+    Fault(fault::Fault),
     /// Experiments and scenes, a line each: id, question, expected answer.
     List,
+    /// Prints a scene of the gallery, as a beginning of one's own.
+    Scene(show::Show),
     /// JSON Schema of the scene file.
     Schema(schema::Schema),
+    /// Completions of a shell, on standard output.
+    Completions(manual::Completions),
+    /// Manual pages, a file per command.
+    Manual(manual::Manual),
 }
 
 /// How a command ended, as its exit status.
@@ -130,7 +143,11 @@ impl Command {
             Self::Solve(command) => command.run(out),
             Self::Check(command) => command.run(out),
             Self::Export(command) => command.run(out),
+            Self::Fault(command) => command.run(out),
+            Self::Scene(command) => command.run(out),
             Self::Schema(command) => command.run(out),
+            Self::Completions(command) => command.run(out),
+            Self::Manual(command) => command.run(out),
             Self::Study(command) => command.run(out),
             Self::Compare(command) => command.run(out),
             Self::List => list::run(out),

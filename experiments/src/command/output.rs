@@ -42,6 +42,11 @@ fn cannot_write(path: &Path) -> String {
     format!("cannot write {}", path.display())
 }
 
+/// True where a file is standard output.
+pub(super) fn is_standard(file: &Option<PathBuf>) -> bool {
+    file.as_ref().is_some_and(|path| path.as_os_str() == "-")
+}
+
 /// Writes `value` as indented JSON to a file, or to `out` for the path `-`.
 pub(super) fn json(path: &Path, value: &impl Serialize, out: &mut dyn Write) -> anyhow::Result<()> {
     let mut text = serde_json::to_string_pretty(value)?;

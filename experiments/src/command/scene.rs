@@ -12,6 +12,13 @@ pub(super) struct Overrides {
     set: Vec<String>,
 }
 
+impl Overrides {
+    /// As they were given.
+    pub(super) fn texts(&self) -> &[String] {
+        &self.set
+    }
+}
+
 /// Reads a scene: whatever ends in `.toml` or exists is a file, the rest are names.
 pub(super) fn load(name: &str, overrides: &Overrides) -> anyhow::Result<Scene> {
     Ok(scenes::load(name)?.with_overrides(&overrides.set)?)

@@ -2,6 +2,7 @@
 
 use super::method::Method;
 use super::progress::Progress;
+use super::residuals::Residuals;
 use super::source::Source;
 use super::{Status, output, report};
 use clap::{Args, ValueEnum};
@@ -42,9 +43,12 @@ pub(super) struct Solve {
     /// Says why it took what it took: eigenvalues seen, where the outliers live, C against H, time, one sentence of advice.
     #[arg(long)]
     explain: bool,
-    /// Report as JSON; `-` writes it to standard output.
+    /// Report as JSON; `-` writes it to standard output, in place of the lines.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Residuals of the iteration, `iteration,residual`: relative to b, as its recurrence estimates them.
+    #[arg(long, value_name = "FILE.csv")]
+    history: Option<PathBuf>,
     /// The solution (u, t, p) as a Matrix Market vector.
     #[arg(long, value_name = "FILE.mtx")]
     solution: Option<PathBuf>,
@@ -104,7 +108,7 @@ fn tolerance(text: &str) -> Result<f64, String> {
 
 impl Solve {
     fn settings(&self) -> anyhow::Result<Settings> {
-        let (method, inner) = self.method.of(SaddleMethod::default())?;
+        let (method, inner) = self.method.fitted(SaddleMethod::default())?;
         Ok(Settings {
             method,
             inner,
@@ -123,16 +127,23 @@ impl Solve {
         let settings = self.settings()?;
         // what is wrong with them is said before any file is tried
         settings.route(&problem)?;
-        output::try_files(self.json.iter().chain(&self.solution))?;
+        let files = self.json.iter().chain(&self.solution);
+        output::try_files(files.chain(&self.history))?;
         let mut progress = Progress::new();
-        let solved = settings.solve(&problem, &mut progress)?;
+        let mut residuals = Residuals::around(&mut progress);
+        let solved = settings.solve(&problem, &mut residuals)?;
+        if let Some(path) = &self.history {
+            output::text(path, &residuals.to_csv())?;
+        }
         drop(progress);
         if let Some(path) = &self.solution {
             write_vector(path, &solved.x)?;
         }
-        match &self.json {
-            Some(path) => output::json(path, &solved, out)?,
-            None => report::print(&solved, out)?,
+        if let Some(path) = &self.json {
+            output::json(path, &self.source.origin().of(&solved), out)?;
+        }
+        if !output::is_standard(&self.json) {
+            report::print(&solved, out)?;
         }
         Ok(match solved.has_converged() {
             true => Status::Done,

@@ -1,5 +1,6 @@
 //! Where a system comes from: a scene, a scene of the gallery by name, or a system folder.
 
+use super::origin::Origin;
 use super::progress::Progress;
 use super::scene::{self, Overrides};
 use clap::Args;
@@ -54,6 +55,16 @@ impl Source {
             (None, Some(folder)) => Ok(Problem::Folder(folder.clone())),
             (None, None) => anyhow::bail!("give a scene, or --system DIR"),
         }
+    }
+
+    /// What a report says of where its system came from.
+    pub(super) fn origin(&self) -> Origin<'_> {
+        let overrides = &self.assembly.overrides;
+        Origin::new(
+            self.place.scene.as_deref(),
+            self.place.system.as_deref(),
+            overrides,
+        )
     }
 
     /// Reads or assembles the system; remarks go to the progress stream.

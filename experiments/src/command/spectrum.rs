@@ -24,7 +24,7 @@ pub(super) struct Spectrum {
     dense_limit: usize,
     #[command(flatten)]
     modes: Modes,
-    /// Report as JSON; `-` writes it to standard output.
+    /// Report as JSON; `-` writes it to standard output, in place of the lines.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     /// Figure of the eigenvalues; its numbers go into a CSV file beside it.
@@ -66,9 +66,11 @@ impl Spectrum {
             output::text(path, &figure.to_svg()?)?;
             output::text(&path.with_extension("csv"), &figure.to_csv())?;
         }
-        match &self.json {
-            Some(path) => output::json(path, &report, out)?,
-            None => print(&report, out)?,
+        if let Some(path) = &self.json {
+            output::json(path, &self.source.origin().of(&report), out)?;
+        }
+        if !output::is_standard(&self.json) {
+            print(&report, out)?;
         }
         self.modes.write(&system, &report)?;
         Ok(if report.contained == Some(false) {

@@ -232,7 +232,8 @@ impl Row<'_> {
         if spectral {
             let blocks = &prepared(&mut shared.prepared, self.case, true)?.blocks;
             let kind = SystemKind::Entries("a spectrum");
-            let method: SaddleMethod = Route::new(&settings.method, settings.inner, kind)?.method;
+            let method: SaddleMethod =
+                Route::new(&settings.method, settings.inner, kind, None)?.method;
             let request = SpectrumRequest {
                 conditions: false,
                 dense_limit: (setting.dense).unwrap_or(SpectrumRequest::default().dense_limit),

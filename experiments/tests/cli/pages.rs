@@ -6,11 +6,12 @@ use std::path::{Path, PathBuf};
 
 const BEGIN: &str = "<!-- keys: begin -->\n";
 const END: &str = "<!-- keys: end -->";
-const PAGES: [&str; 6] = [
+const PAGES: [&str; 7] = [
     "README.md",
     "docs/scenes.md",
     "docs/runs.md",
     "docs/methods.md",
+    "docs/faults.md",
     "docs/performance.md",
     "docs/library.md",
 ];

@@ -126,6 +126,17 @@ impl Level {
         Self::supported().next().unwrap_or(Self(Set::Portable))
     }
 
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self.0 {
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx512 => "avx512",
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx2 => "avx2 fma",
+            Set::Portable => "portable",
+        }
+    }
+
     /// [`Lanes::WIDTH`] of its registers.
     pub fn width<R: Real>(self) -> usize {
         struct Width<'a>(&'a mut usize);

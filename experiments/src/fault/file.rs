@@ -1,0 +1,462 @@
+//! A fault file: rock, fault, reservoir, stress, friction, pressure.
+
+use anyhow::{Context, ensure};
+use fracas::analytic::{
+    Depletion, DisplacedFault, FarStress, FaultLine, FaultPressure, FaultStrength, LinearWeakening,
+    Rock, displaced_blocks,
+};
+use fracas::scene::read_toml;
+use fracas::units::{
+    Angle, BiotCoefficient, Distance, Kind, Length, Measure, Poisson, Ratio, Stiffness, Strength,
+    Stress, StressGradient,
+};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// A straight fault between depleting blocks, in plane strain; heights are counted from its middle, upwards.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct FaultFile {
+    /// Heading.
+    pub title: String,
+    rock: RockSection,
+    fault: FaultSection,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    reservoir: Option<ReservoirSection>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    block: Vec<BlockSection>,
+    stress: StressSection,
+    friction: FrictionSection,
+    /// How the pressure changes.
+    pub pressure: PressureSection,
+    /// What is uncertain.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sampling: Option<SamplingSection>,
+}
+
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+struct RockSection {
+    young: Measure<Stiffness>,
+    poisson: Measure<Poisson>,
+    biot: Measure<BiotCoefficient>,
+}
+
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+struct FaultSection {
+    dip: Measure<Angle>,
+    from: Measure<Length>,
+    to: Measure<Length>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    elements: Option<usize>,
+}
+
+/// Elements of a fault that does not weaken, and the fewest of one that does.
+const ELEMENTS: usize = 400;
+
+/// Elements within the half-length at which slip runs away.
+const RESOLVED: f64 = 10.0;
+
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+struct ReservoirSection {
+    thickness: Measure<Length>,
+    throw: Measure<Length>,
+    #[serde(default = "width")]
+    width: Measure<Length>,
+}
+
+/// Wide enough to have no end: 20 km.
+fn width() -> Measure<Length> {
+    measure("20 km")
+}
+
+/// A quantity that stands in this file.
+fn measure<K: Kind>(text: &str) -> Measure<K> {
+    match text.parse() {
+        Ok(value) => value,
+        Err(_) => unreachable!("{text} is a quantity"),
+    }
+}
+
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+struct BlockSection {
+    corners: Vec<[Measure<Length>; 2]>,
+}
+
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+struct StressSection {
+    depth: Measure<Length>,
+    vertical: Measure<StressGradient>,
+    horizontal_ratio: Measure<Ratio>,
+    pore_pressure: Measure<StressGradient>,
+}
+
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+struct FrictionSection {
+    #[serde(rename = "static")]
+    at_rest: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    dynamic: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    critical_slip: Option<Measure<Distance>>,
+    #[serde(default = "none")]
+    cohesion: Measure<Strength>,
+}
+
+fn none<K: Kind>() -> Measure<K> {
+    measure("0")
+}
+
+/// `[pressure]`
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct PressureSection {
+    change: Measure<Stress>,
+    /// Equal steps of the curve.
+    #[serde(default = "steps")]
+    pub steps: usize,
+    #[serde(default)]
+    in_fault: InFault,
+}
+
+fn steps() -> usize {
+    60
+}
+
+/// Where the pressure of a block acts in the fault.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+enum InFault {
+    #[default]
+    Either,
+    Mean,
+    Both,
+    Nowhere,
+}
+
+/// `[sampling]`: independent, uniform between two values.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct SamplingSection {
+    /// How many.
+    pub samples: usize,
+    /// Of the random numbers.
+    #[serde(default)]
+    pub seed: u64,
+    /// Elements of the fault, for a sample.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub elements: Option<usize>,
+    #[serde(rename = "static", default, skip_serializing_if = "Option::is_none")]
+    at_rest: Option<[f64; 2]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    dynamic: Option<[f64; 2]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    critical_slip: Option<[Measure<Distance>; 2]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    horizontal_ratio: Option<[Measure<Ratio>; 2]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    biot: Option<[Measure<BiotCoefficient>; 2]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    young: Option<[Measure<Stiffness>; 2]>,
+}
+
+/// Most elements of a fault: the cost of a state grows with their third power.
+const MOST_ELEMENTS: usize = 5_000;
+
+impl FaultFile {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// What is wrong with it, and where.
+    pub fn load(path: &Path) -> anyhow::Result<Self> {
+        let name = path.display().to_string();
+        let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {name}"))?;
+        Self::from_toml(&text, &name)
+    }
+
+    /// Reads a text; `name` is for messages.
+    ///
+    /// # Errors
+    /// What is wrong with it, and where.
+    pub fn from_toml(text: &str, name: &str) -> anyhow::Result<Self> {
+        let file: Self = read_toml(text, name)?;
+        file.check().with_context(|| name.to_owned())?;
+        Ok(file)
+    }
+
+    fn check(&self) -> anyhow::Result<()> {
+        let dip = self.fault.dip.si();
+        ensure!(
+            dip > 0.0 && dip < std::f64::consts::PI,
+            "fault.dip = {}: the dip lies between 0 and 180 deg, both excluded",
+            self.fault.dip
+        );
+        ensure!(
+            self.fault.from.si() < self.fault.to.si(),
+            "fault.from = {} is not below fault.to = {}",
+            self.fault.from,
+            self.fault.to
+        );
+        let depth = self.stress.depth.si();
+        ensure!(
+            depth > self.fault.to.si(),
+            "stress.depth = {}: the fault reaches {} above it, out of the ground",
+            self.stress.depth,
+            self.fault.to
+        );
+        for (key, elements) in [
+            ("fault.elements", self.fault.elements),
+            (
+                "sampling.elements",
+                self.sampling.as_ref().and_then(|s| s.elements),
+            ),
+        ] {
+            let Some(elements) = elements else { continue };
+            ensure!(
+                (2..=MOST_ELEMENTS).contains(&elements),
+                "{key} = {elements}: take from 2 to {MOST_ELEMENTS}"
+            );
+        }
+        ensure!(
+            self.pressure.steps > 0,
+            "pressure.steps = 0: take one or more"
+        );
+        ensure!(
+            self.pressure.change.si() != 0.0,
+            "pressure.change = 0: nothing happens"
+        );
+        let p = &self.stress;
+        ensure!(
+            p.pore_pressure.si() >= 0.0 && p.vertical.si() > 0.0,
+            "[stress]: vertical and pore_pressure grow with depth, so that vertical is positive and pore_pressure not negative"
+        );
+        self.blocks()?;
+        let f = &self.friction;
+        let weakest = f.dynamic.unwrap_or(f.at_rest);
+        ensure!(
+            f.at_rest.is_finite() && (0.0..=f.at_rest).contains(&weakest),
+            "[friction]: static = {} and dynamic = {weakest}: coefficients are at least 0, and the dynamic one is not above the static one",
+            f.at_rest
+        );
+        ensure!(
+            f.dynamic.is_none() == f.critical_slip.is_none(),
+            "[friction]: dynamic and critical_slip go together; give both, or neither for friction that does not weaken"
+        );
+        if f.critical_slip.as_ref().is_some_and(|d| d.si() == 0.0) {
+            anyhow::bail!(
+                "friction.critical_slip = 0: friction would fall at once; give a length above 0"
+            );
+        }
+        match &self.sampling {
+            Some(sampling) => sampling.check(f),
+            None => Ok(()),
+        }
+    }
+
+    /// Polygons of the blocks, counter-clockwise [m].
+    fn blocks(&self) -> anyhow::Result<Vec<Vec<[f64; 2]>>> {
+        let dip = self.fault.dip.si();
+        match (&self.reservoir, self.block.as_slice()) {
+            (Some(r), []) => {
+                let [thickness, throw, width] = [&r.thickness, &r.throw, &r.width].map(Measure::si);
+                ensure!(
+                    thickness > 0.0 && width > 0.0,
+                    "[reservoir]: thickness and width are positive"
+                );
+                Ok(displaced_blocks(dip, thickness, throw, width))
+            }
+            (None, []) => anyhow::bail!("no [reservoir] and no [[block]]: give one of them"),
+            (Some(_), _) => anyhow::bail!("[reservoir] and [[block]] exclude each other"),
+            (None, blocks) => blocks.iter().enumerate().map(corners).collect(),
+        }
+    }
+
+    /// Δp at the end [Pa].
+    pub fn change(&self) -> f64 {
+        self.pressure.change.si()
+    }
+
+    /// What is asked, without uncertainty; elements that resolve the half-length at which slip runs away, unless the file has them.
+    ///
+    /// # Errors
+    /// None once the file was read.
+    pub(super) fn given(&self) -> anyhow::Result<Given> {
+        let mut given = self.written();
+        if self.fault.elements.is_none() {
+            let half = nucleation(&self.build(&given)?, given.strength);
+            let length = (self.fault.to.si() - self.fault.from.si()) / self.fault.dip.si().sin();
+            let wanted = (RESOLVED * length / half).ceil() as usize;
+            given.elements = wanted.clamp(ELEMENTS, MOST_ELEMENTS);
+        }
+        Ok(given)
+    }
+
+    fn written(&self) -> Given {
+        let f = &self.friction;
+        Given {
+            young: self.rock.young.si(),
+            biot: self.rock.biot.si(),
+            horizontal_ratio: self.stress.horizontal_ratio.si(),
+            strength: FaultStrength {
+                cohesion: f.cohesion.si(),
+                static_friction: f.at_rest,
+                dynamic_friction: f.dynamic.unwrap_or(f.at_rest),
+                critical_slip: f.critical_slip.as_ref().map_or(0.0, Measure::si),
+            },
+            elements: self.fault.elements.unwrap_or(ELEMENTS),
+        }
+    }
+
+    /// The fault under these.
+    ///
+    /// # Errors
+    /// None once the file was read.
+    pub(super) fn build(&self, given: &Given) -> anyhow::Result<DisplacedFault> {
+        let rock = Rock {
+            young: given.young,
+            poisson: self.rock.poisson.si(),
+        };
+        let line = FaultLine {
+            dip: self.fault.dip.si(),
+            heights: [self.fault.from.si(), self.fault.to.si()],
+            elements: given.elements,
+        };
+        let s = &self.stress;
+        // σ_v = −γ (depth − z), tension positive
+        let (depth, weight, fluid) = (s.depth.si(), s.vertical.si(), s.pore_pressure.si());
+        let vertical = [-weight * depth, weight];
+        let far = FarStress {
+            vertical,
+            horizontal: vertical.map(|v| v * given.horizontal_ratio),
+            pressure: [fluid * depth, -fluid],
+        };
+        let depletion = Depletion {
+            poisson: rock.poisson,
+            biot: given.biot,
+            pressure_change: self.change(),
+        };
+        let acting = match self.pressure.in_fault {
+            InFault::Either => FaultPressure::Either,
+            InFault::Mean => FaultPressure::Mean,
+            InFault::Both => FaultPressure::Both,
+            InFault::Nowhere => FaultPressure::Nowhere,
+        };
+        let blocks = self.blocks()?;
+        Ok(DisplacedFault::new(
+            rock,
+            line,
+            far,
+            (&blocks, depletion),
+            acting,
+        ))
+    }
+}
+
+/// Half-length at which slip runs away where the fault is pressed most before production [m]; infinite without weakening.
+pub(super) fn nucleation(fault: &DisplacedFault, strength: FaultStrength) -> f64 {
+    if strength.critical_slip == 0.0 {
+        return f64::INFINITY;
+    }
+    let pressed = fault.tractions(0.0).fold(0.0f64, |m, t| m.max(-t[0]));
+    let weakening = LinearWeakening {
+        static_friction: strength.static_friction,
+        dynamic_friction: strength.dynamic_friction,
+        critical_slip: strength.critical_slip,
+        normal_traction: -pressed,
+    };
+    weakening.nucleation_half_length(fault.rock)
+}
+
+/// A polygon, turned counter-clockwise.
+fn corners((k, block): (usize, &BlockSection)) -> anyhow::Result<Vec<[f64; 2]>> {
+    let mut points: Vec<[f64; 2]> = (block.corners.iter())
+        .map(|c| [c[0].si(), c[1].si()])
+        .collect();
+    let next = |i: usize| points[(i + 1) % points.len()];
+    let area: f64 = (points.iter().enumerate())
+        .map(|(i, a)| 0.5 * (a[0] * next(i)[1] - a[1] * next(i)[0]))
+        .sum();
+    ensure!(
+        points.len() > 2 && area != 0.0,
+        "block {}: a block is a polygon of three or more corners [x, z] with an area",
+        k + 1
+    );
+    if area < 0.0 {
+        points.reverse();
+    }
+    Ok(points)
+}
+
+/// Values of one sample.
+#[derive(Clone, Debug)]
+pub(super) struct Given {
+    pub(super) young: f64,
+    pub(super) biot: f64,
+    pub(super) horizontal_ratio: f64,
+    pub(super) strength: FaultStrength,
+    pub(super) elements: usize,
+}
+
+impl SamplingSection {
+    fn check(&self, friction: &FrictionSection) -> anyhow::Result<()> {
+        ensure!(self.samples > 0, "sampling.samples = 0: take one or more");
+        let pairs = [
+            ("static", self.at_rest),
+            ("dynamic", self.dynamic),
+            ("critical_slip", si(&self.critical_slip)),
+            ("horizontal_ratio", si(&self.horizontal_ratio)),
+            ("biot", si(&self.biot)),
+            ("young", si(&self.young)),
+        ];
+        for (key, pair) in pairs {
+            if let Some([low, high]) = pair {
+                ensure!(
+                    low.is_finite() && low >= 0.0 && low <= high,
+                    "sampling.{key} = [{low}, {high}]: the first value is at least 0 and not above the second"
+                );
+            }
+        }
+        ensure!(
+            friction.dynamic.is_some() || (self.dynamic.is_none() && self.critical_slip.is_none()),
+            "[sampling] varies how friction weakens, and [friction] has no dynamic and critical_slip"
+        );
+        ensure!(
+            si(&self.critical_slip).is_none_or(|[low, _]| low > 0.0),
+            "sampling.critical_slip begins at 0: friction would fall at once; begin above 0"
+        );
+        Ok(())
+    }
+
+    /// The given values with those that are uncertain drawn; `draw` is uniform in [0, 1). Dynamic friction is never above static.
+    pub(super) fn drawn(&self, given: &Given, mut draw: impl FnMut() -> f64) -> Given {
+        // every key takes its number, so that one more uncertain value leaves the others as they are
+        let mut between = |pair: Option<[f64; 2]>, value: f64| {
+            let share = draw();
+            pair.map_or(value, |[low, high]| low + share * (high - low))
+        };
+        let s = given.strength;
+        let static_friction = between(self.at_rest, s.static_friction);
+        let dynamic_friction = between(self.dynamic, s.dynamic_friction).min(static_friction);
+        Given {
+            strength: FaultStrength {
+                static_friction,
+                dynamic_friction,
+                critical_slip: between(si(&self.critical_slip), s.critical_slip),
+                ..s
+            },
+            horizontal_ratio: between(si(&self.horizontal_ratio), given.horizontal_ratio),
+            biot: between(si(&self.biot), given.biot),
+            young: between(si(&self.young), given.young),
+            elements: self.elements.unwrap_or(given.elements),
+        }
+    }
+}
+
+fn si<K: Kind>(pair: &Option<[Measure<K>; 2]>) -> Option<[f64; 2]> {
+    pair.as_ref().map(|[low, high]| [low.si(), high.si()])
+}

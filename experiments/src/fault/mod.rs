@@ -1,0 +1,11 @@
+//! Slip of a displaced fault without a mesh: a file in, curves over the change of pressure out.
+
+mod curve;
+mod file;
+mod page;
+mod sampling;
+
+pub use curve::{Curve, Point, curve};
+pub use file::FaultFile;
+pub use page::findings;
+pub use sampling::{Sample, Sampled, sample};

@@ -1,0 +1,229 @@
+//! What a body is made of, what holds it and what loads it, with totals to hold against a sketch.
+
+use super::Body;
+use crate::mesh::face_geometry;
+use std::fmt;
+
+/// A material and how much of it there is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stock {
+    /// Its name.
+    pub name: String,
+    /// Elements.
+    pub elements: usize,
+    /// Volume [m³].
+    pub volume: f64,
+    /// Young's modulus [Pa].
+    pub young: f64,
+    /// Poisson's ratio [-].
+    pub poisson: f64,
+    /// Body force, gravity included [N].
+    pub weight: [f64; 3],
+}
+
+/// A traction on a part of the surface at the factor 1 of its history.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Push {
+    /// Faces of elements.
+    pub faces: usize,
+    /// Area [m²].
+    pub area: f64,
+    /// Force per area [Pa].
+    pub traction: [f64; 3],
+    /// Sum of the force [N].
+    pub force: [f64; 3],
+}
+
+/// Materials, holds and loads.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Inventory {
+    /// In the order of the scene.
+    pub materials: Vec<Stock>,
+    /// Displacements that are prescribed along x, y, z.
+    pub held: [usize; 3],
+    /// Those of them that are not 0, and the largest one [m].
+    pub moved: [(usize, f64); 3],
+    /// Loads on the surface.
+    pub pushes: Vec<Push>,
+    /// Pressure of the fluid in fractures that have one: name, pressure [Pa], pressure times area [N].
+    pub pressures: Vec<(String, f64, f64)>,
+}
+
+impl Body {
+    /// Volumes, areas, counts and total loads.
+    ///
+    /// # Cost
+    /// O(elements).
+    pub fn inventory(&self) -> Inventory {
+        let mut materials: Vec<Stock> = (self.material_names.iter().zip(&self.materials))
+            .map(|(name, elastic)| Stock {
+                name: name.clone(),
+                elements: 0,
+                volume: 0.0,
+                young: elastic.young,
+                poisson: elastic.poisson,
+                weight: [0.0; 3],
+            })
+            .collect();
+        for (e, region) in self.mesh.regions.iter().enumerate() {
+            let stock = &mut materials[usize::from(*region)];
+            stock.elements += 1;
+            stock.volume += self.mesh.element_volume(e);
+        }
+        for (stock, force) in materials.iter_mut().zip(&self.body_force) {
+            stock.weight = force.map(|f| f * stock.volume);
+        }
+        let (mut held, mut moved) = ([0; 3], [(0, 0.0f64); 3]);
+        for (dof, value) in self.constraints.prescribed() {
+            let i = *dof as usize % 3;
+            held[i] += 1;
+            if *value != 0.0 {
+                moved[i].0 += 1;
+                if value.abs() > moved[i].1.abs() {
+                    moved[i].1 = *value;
+                }
+            }
+        }
+        Inventory {
+            materials,
+            held,
+            moved,
+            pushes: self.pushes(),
+            pressures: self.fluid(),
+        }
+    }
+
+    fn pushes(&self) -> Vec<Push> {
+        let area =
+            |nodes: &[u32; 4]| face_geometry(&nodes.map(|a| self.mesh.nodes[a as usize])).area;
+        (self.tractions.iter())
+            .map(|load| {
+                let area: f64 = load.faces.iter().map(area).sum();
+                Push {
+                    faces: load.faces.len(),
+                    area,
+                    traction: load.value,
+                    force: load.value.map(|t| t * area),
+                }
+            })
+            .collect()
+    }
+
+    fn fluid(&self) -> Vec<(String, f64, f64)> {
+        let area = |fracture: usize| -> f64 {
+            let own = |f: &&crate::mesh::FractureFace| usize::from(f.fracture) == fracture;
+            (self.fractures.faces.iter().filter(own))
+                .map(|f| f.area)
+                .sum()
+        };
+        (self.fractures.names.iter().zip(&self.pressures).enumerate())
+            .filter(|(_, (_, (pressure, _)))| *pressure != 0.0)
+            .map(|(i, (name, (pressure, _)))| (name.clone(), *pressure, pressure * area(i)))
+            .collect()
+    }
+}
+
+impl fmt::Display for Inventory {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let triple = |v: [f64; 3]| format!("({:.4e}, {:.4e}, {:.4e})", v[0], v[1], v[2]);
+        for m in &self.materials {
+            write!(
+                f,
+                "material    \"{}\": {} elements, {:.6} m^3, E = {:.4e} Pa, nu = {}",
+                m.name, m.elements, m.volume, m.young, m.poisson
+            )?;
+            match m.weight {
+                [0.0, 0.0, 0.0] => writeln!(f)?,
+                weight => writeln!(f, ", body force {} N", triple(weight))?,
+            }
+        }
+        let [x, y, z] = self.held;
+        writeln!(
+            f,
+            "held        {x} displacements along x, {y} along y, {z} along z"
+        )?;
+        for (axis, (count, largest)) in ["x", "y", "z"].iter().zip(self.moved) {
+            if count > 0 {
+                writeln!(
+                    f,
+                    "moved       {count} of them along {axis}, by up to {largest:.6e} m"
+                )?;
+            }
+        }
+        for push in &self.pushes {
+            writeln!(
+                f,
+                "load        {} faces, {:.6} m^2, traction {} Pa, force {} N",
+                push.faces,
+                push.area,
+                triple(push.traction),
+                triple(push.force)
+            )?;
+        }
+        for (name, pressure, force) in &self.pressures {
+            writeln!(
+                f,
+                "pressure    \"{name}\": {pressure:.4e} Pa, {force:.4e} N on either side"
+            )?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::scene::named;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn volumes_and_forces_are_those_of_the_box() {
+        for scene in ["patch", "cycle", "layered", "stretched"] {
+            let body = named(scene)
+                .unwrap()
+                .small_scene()
+                .unwrap()
+                .build()
+                .unwrap();
+            let found = body.inventory();
+            let corner = |pick: fn(f64, f64) -> f64, start: f64| {
+                [0, 1, 2].map(|i| body.mesh.nodes.iter().map(|x| x[i]).fold(start, pick))
+            };
+            let (low, high) = (
+                corner(f64::min, f64::INFINITY),
+                corner(f64::max, f64::NEG_INFINITY),
+            );
+            let size: f64 = (0..3).map(|i| high[i] - low[i]).product();
+            let volume: f64 = found.materials.iter().map(|m| m.volume).sum();
+            assert_relative_eq!(volume, size, max_relative = 1e-10);
+            let held: usize = found.held.iter().sum();
+            assert_eq!(held, body.constraints.prescribed().len(), "{scene}");
+            // the sum over the faces is that of the nodal forces
+            let mut total = [0.0; 3];
+            for push in &found.pushes {
+                (0..3).for_each(|i| total[i] += push.force[i]);
+            }
+            for stock in &found.materials {
+                (0..3).for_each(|i| total[i] += stock.weight[i]);
+            }
+            let mut nodal = [0.0; 3];
+            for history in 0..body.histories.len() {
+                let forces = body.forces_of(history).unwrap();
+                forces
+                    .iter()
+                    .enumerate()
+                    .for_each(|(dof, f)| nodal[dof % 3] += f);
+            }
+            let scale = found
+                .pushes
+                .iter()
+                .flat_map(|p| p.force)
+                .fold(1.0, |a: f64, b| a.max(b.abs()));
+            for i in 0..3 {
+                assert!(
+                    (total[i] - nodal[i]).abs() < 1e-9 * scale,
+                    "{scene}: {total:?} {nodal:?}"
+                );
+            }
+        }
+    }
+}
