@@ -7,6 +7,7 @@
 //! | `set_up` | everything before a right-hand side |
 //! | `iteration` | the iteration that fits into memory, in stages |
 //! | `precision` | f64 where f32 fails |
+//! | `spectrum` | the same problem's eigenvalues |
 //! | `solved` | outcome, residuals, errors, counts, times |
 //!
 //! ```
@@ -39,6 +40,7 @@ mod set_up;
 mod settings;
 mod solved;
 mod solver;
+mod spectrum;
 mod stages;
 
 pub use error::SolveError;
@@ -48,3 +50,4 @@ pub use route::{NotGeometric, Route, SystemKind};
 pub use settings::{InnerRule, RightHandSide, Solve};
 pub use solved::{End, Solved};
 pub use solver::Solver;
+pub use spectrum::{spectrum, spectrum_method};

@@ -1,6 +1,6 @@
 //! What is solved, and how it becomes matrices.
 
-use super::{Finding, SolveError};
+use super::{Finding, SolveError, SystemKind};
 use crate::contact::JumpStabilization;
 use crate::memory::{self, Work};
 use crate::scene::{Body, Scene};
@@ -180,6 +180,15 @@ impl Problem {
                 let announced = read_sizes(&folder.join("A.mtx"));
                 announced.ok().map(|announced| announced.shape.rows as u128)
             }
+        }
+    }
+
+    /// What decides on the inner solver.
+    pub fn kind(&self) -> SystemKind {
+        match self {
+            Self::Body(body) if body.is_grid() => SystemKind::Grid,
+            Self::Body(_) => SystemKind::Mesh,
+            Self::Folder(_) | Self::Blocks(_) => SystemKind::Matrices,
         }
     }
 

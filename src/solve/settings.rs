@@ -129,9 +129,7 @@ impl Solve {
         }
         let kind = match problem {
             Problem::Body(_) if self.explain => SystemKind::Entries("an explanation"),
-            Problem::Body(body) if body.is_grid() => SystemKind::Grid,
-            Problem::Body(_) => SystemKind::Mesh,
-            Problem::Folder(_) | Problem::Blocks(_) => SystemKind::Matrices,
+            _ => problem.kind(),
         };
         Ok(Route::new(
             &self.method,

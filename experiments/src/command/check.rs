@@ -7,6 +7,7 @@ use fracas::memory;
 use fracas::nonlinear::friction_remarks;
 use fracas::undetermined;
 use fracas_solvers::saddle::folder::read_folder;
+use fracas_solvers::spectrum::{Certificate, certificate};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -43,12 +44,40 @@ impl Check {
                     writeln!(out, "warning     {remark}")?;
                 }
                 undetermined::judge(name, &body, &audit.kernel)?;
+                let unknowns = 3 * body.mesh.nodes.len();
+                if unknowns <= CERTIFIED && memory::room_for(name, &scene, memory::BLOCKS).is_ok() {
+                    let blocks = body.saddle_blocks(Some(body.jump_stabilization()))?;
+                    write_certificate(certificate(&blocks)?, out)?;
+                } else {
+                    writeln!(
+                        out,
+                        "inf-sup     not computed above {CERTIFIED} displacements"
+                    )?;
+                }
             }
             (None, Some(folder)) => folder_audit(folder, out)?,
             (None, None) => anyhow::bail!("give a scene, or --system DIR"),
         }
         Ok(Status::Done)
     }
+}
+
+/// Displacements up to which A is assembled for the certificate.
+const CERTIFIED: usize = 300_000;
+
+fn write_certificate(found: Option<Certificate>, out: &mut dyn Write) -> anyhow::Result<()> {
+    match found {
+        Some(Certificate { beta_squared, .. }) if beta_squared > 0.0 => writeln!(
+            out,
+            "inf-sup     β² ≥ {beta_squared:.3e} in the scale of Bᵀ diag(A)⁻¹B (local certificate)"
+        )?,
+        Some(_) => writeln!(
+            out,
+            "inf-sup     no positive bound: some tractions are seen neither by the displacements nor by H"
+        )?,
+        None => writeln!(out, "inf-sup     not stated for this system")?,
+    }
+    Ok(())
 }
 
 fn folder_audit(folder: &Path, out: &mut dyn Write) -> anyhow::Result<()> {
@@ -78,5 +107,6 @@ fn folder_audit(folder: &Path, out: &mut dyn Write) -> anyhow::Result<()> {
     for finding in &imported.findings {
         writeln!(out, "finding     {finding}")?;
     }
+    write_certificate(certificate(b)?, out)?;
     Ok(())
 }

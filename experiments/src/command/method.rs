@@ -2,7 +2,7 @@
 
 use crate::study::Inner;
 use clap::Args;
-use fracas::solve::{InnerRule, Route, SystemKind};
+use fracas::solve::InnerRule;
 use fracas_solvers::saddle::{AugmentationChoice, NoSuchPart, SaddleMethod};
 
 /// A method with the parts that the command line chooses.
@@ -15,9 +15,10 @@ pub(super) struct Method {
     #[arg(long, value_name = "C")]
     augmentation: Option<AugmentationChoice>,
     /// Solver of the displacement block, in methods that have one: exact, amg, amg:gauss_seidel, amg:fsai, amg:chebyshev,
-    /// fsai, fsai:static, jacobi, ssor; for `solve` of a scene on a grid also geometric, which assembles no A (behind it :v, :w
-    /// or :k for another cycle, :f64 for f64 inside); auto takes exact up to 5,000 displacements, beyond geometric for such a
-    /// scene, and amg for a mesh from a file or a system folder [default: auto; spectrum: exact].
+    /// fsai, fsai:static, jacobi, ssor; for a scene on a grid also geometric, which assembles no A (behind it :v, :w
+    /// or :k for another cycle; :f64 behind either for f64 inside, where `spectrum` works anyway); auto takes exact up to 5,000
+    /// displacements, beyond geometric for such a scene, and amg for a mesh from a file or a system folder [default: auto;
+    /// spectrum: exact].
     #[arg(long, value_name = "M")]
     inner: Option<Inner>,
 }
@@ -26,32 +27,29 @@ pub(super) struct Method {
 fn help() -> String {
     let names: Vec<&str> = SaddleMethod::all().iter().map(SaddleMethod::name).collect();
     format!(
-        "What preconditions the whole system: {}; also racp:RELAXATION (of H; 0: as published, with C = local_h), mcp:FACTOR (of the published γ; 0 takes A itself), direct:faer, direct:umfpack [default: racp; spectrum: racp:0]",
+        "What preconditions the whole system: {}; also racp:published (H not relaxed, C = local_h), racp:RELAXATION (of H), mcp:FACTOR (of the published γ; 0 takes A itself), direct:faer, direct:umfpack [default: racp]",
         names.join(", ")
     )
 }
 
 impl Method {
-    /// The settings with the parts that are named, from assembled blocks whatever the system is; `default` where no method is.
-    pub(super) fn chosen(
-        &self,
-        asker: &'static str,
-        default: SaddleMethod,
-    ) -> anyhow::Result<SaddleMethod> {
-        let (method, rule) = self.of(default, self.inner)?;
-        Ok(Route::new(&method, rule, SystemKind::Entries(asker), None)?.method)
-    }
-
-    /// The same with the inner solver that fits where none is named, and what may take its place.
+    /// The method that is named, or this one, with the inner solver that fits where none is named, and what may take its place.
     pub(super) fn fitted(
         &self,
         default: SaddleMethod,
     ) -> Result<(SaddleMethod, InnerRule), NoSuchPart> {
-        self.of(default, self.inner.or(Some(Inner::Auto)))
+        self.with(default, self.inner.or(Some(Inner::Auto)))
     }
 
-    /// The method that is named, or this one, and what may take the place of its inner solver.
-    fn of(
+    /// The same with the inner solver of the method where none is named.
+    pub(super) fn of(
+        &self,
+        default: SaddleMethod,
+    ) -> Result<(SaddleMethod, InnerRule), NoSuchPart> {
+        self.with(default, self.inner)
+    }
+
+    fn with(
         &self,
         default: SaddleMethod,
         inner: Option<Inner>,

@@ -7,9 +7,11 @@ use super::source::Source;
 use super::{Status, output};
 use crate::plot;
 use clap::Args;
+use fracas::solve::{spectrum, spectrum_method};
 use fracas_solvers::Observer;
-use fracas_solvers::saddle::{InnerChoice, Racp, SaddleMethod};
-use fracas_solvers::spectrum::{SpectrumReport, SpectrumRequest, Theorem, analyse_method};
+use fracas_solvers::saddle::SaddleMethod;
+use fracas_solvers::spectrum::{Certificate, Part, SpectrumReport, SpectrumRequest, certificate};
+use serde::Serialize;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -42,8 +44,9 @@ fn svg(text: &str) -> Result<PathBuf, String> {
 
 impl Spectrum {
     pub(super) fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
-        let published = SaddleMethod::Racp(Racp::published(InnerChoice::default()));
-        let method = self.method.chosen("spectrum", published)?;
+        let problem = self.source.problem()?;
+        let (method, rule) = self.method.of(SaddleMethod::default())?;
+        let method = spectrum_method(&problem, &method, rule, "spectrum")?;
         output::try_files(self.json.iter().chain(&self.plot))?;
         let mut progress = Progress::new();
         let system = self.source.load(&mut progress)?;
@@ -56,7 +59,8 @@ impl Spectrum {
             modes: self.modes.modes.clone(),
             ..SpectrumRequest::default()
         };
-        let report = analyse_method(&system.blocks, &method, &request, &mut progress)?;
+        let report = spectrum(&problem, &system, &method, &request, &mut progress)?;
+        let certificate = certificate(&system.blocks)?;
         for note in &report.notes {
             progress.say(&format_args!("note: {note}"));
         }
@@ -66,11 +70,15 @@ impl Spectrum {
             output::text(path, &figure.to_svg()?)?;
             output::text(&path.with_extension("csv"), &figure.to_csv())?;
         }
+        let whole = WithCertificate {
+            report: &report,
+            inf_sup: certificate,
+        };
         if let Some(path) = &self.json {
-            output::json(path, &self.source.origin().of(&report), out)?;
+            output::json(path, &self.source.origin().of(&whole), out)?;
         }
         if !output::is_standard(&self.json) {
-            print(&report, out)?;
+            print(&report, certificate, out)?;
         }
         self.modes.write(&system, &report)?;
         Ok(if report.contained == Some(false) {
@@ -90,19 +98,60 @@ fn list_or_none(items: &[String]) -> String {
     }
 }
 
-fn print(report: &SpectrumReport, out: &mut dyn Write) -> anyhow::Result<()> {
+/// δ, Δ and η.
+fn quality(report: &SpectrumReport) -> String {
+    let number = |v: Option<f64>| v.map_or_else(|| "–".to_owned(), |v| format!("{v:.6e}"));
+    format!(
+        "[{}, {}], ≤ {}",
+        number(report.delta),
+        number(report.Delta),
+        number(report.eta)
+    )
+}
+
+/// The report with what is proved of the inf-sup constant.
+#[derive(Serialize)]
+struct WithCertificate<'a> {
+    #[serde(flatten)]
+    report: &'a SpectrumReport,
+    inf_sup: Option<Certificate>,
+}
+
+/// A statement in words.
+fn in_words(part: &Part) -> String {
+    match part {
+        Part::Interval { low, high } => format!("real [{low:.6e}, {high:.6e}]"),
+        Part::Box { im_max: 0.0, .. } => "none complex".to_owned(),
+        Part::Box {
+            re_low,
+            re_high,
+            im_max,
+        } => format!("complex [{re_low:.6e}, {re_high:.6e}] ± {im_max:.6e} i"),
+        Part::Disc { low, high } => format!("in the disc over [{low:.6e}, {high:.6e}]"),
+        Part::OutsideDisc { low, high } => {
+            format!("outside of the disc over [{low:.6e}, {high:.6e}]")
+        }
+        Part::HalfPlane { low } => format!("right of {low:.6e}"),
+        Part::AnyOf { parts } if parts.len() <= 2 => {
+            let each: Vec<String> = parts.iter().map(in_words).collect();
+            each.join(" or ")
+        }
+        Part::AnyOf { parts } => format!("in one of {} circles (JSON)", parts.len()),
+    }
+}
+
+fn print(
+    report: &SpectrumReport,
+    certificate: Option<Certificate>,
+    out: &mut dyn Write,
+) -> anyhow::Result<()> {
     let number = |v: Option<f64>| v.map_or_else(|| "–".to_owned(), |v| format!("{v:.6e}"));
     let range =
         |low: Option<f64>, high: Option<f64>| format!("[{}, {}]", number(low), number(high));
-    let b = &report.bounds;
-    let theorem = match b.theorem {
-        Theorem::None => "none applies".to_owned(),
-        _ => format!(
-            "real {}, complex {} ± {} i",
-            range(b.real_low, b.real_high),
-            range(b.re_low, b.re_high),
-            number(b.im_max)
-        ),
+    let parts: Vec<String> = report.region.parts().iter().map(in_words).collect();
+    let theorem = match parts.is_empty() {
+        true => "none applies".to_owned(),
+        false => parts.join(", "),
     };
     let hypotheses: Vec<String> = (report.hypotheses.iter())
         .map(|h| {
@@ -148,6 +197,14 @@ fn print(report: &SpectrumReport, out: &mut dyn Write) -> anyhow::Result<()> {
             (
                 "at 1, at ½",
                 format!("{}, {}", report.n_at_one, report.n_at_half),
+            ),
+            ("S_u~^-1 S_u, C^-1 H", quality(report)),
+            (
+                "inf-sup",
+                certificate.map_or_else(
+                    || "not stated".to_owned(),
+                    |c| format!("β² ≥ {:.6e} (local certificate)", c.beta_squared),
+                ),
             ),
             ("hypotheses", list_or_none(&hypotheses)),
             ("bounds", theorem),

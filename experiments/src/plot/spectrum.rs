@@ -3,8 +3,9 @@
 use super::figure::{Figure, Mark, Region, Series};
 use super::{Axis, Scale};
 use crate::report::format_real;
-use fracas_solvers::spectrum::bounds::is_non_real;
-use fracas_solvers::spectrum::{SpectrumReport, Theorem};
+use fracas_solvers::spectrum::region::is_non_real;
+use fracas_solvers::spectrum::report::Method;
+use fracas_solvers::spectrum::{Part, SpectrumReport};
 use serde::{Deserialize, Serialize};
 
 /// Eigenvalues below this fraction of the largest are zero up to rounding.
@@ -104,8 +105,56 @@ impl Figure {
     }
 }
 
+/// A band that starts at zero ends this far below the smallest eigenvalue on a logarithmic axis. Unit: 1.
+const BELOW: f64 = 0.3;
+
+/// The boundary of discs that share their ends' axis, from left to right above it and back below.
+fn union(discs: &[(f64, f64)]) -> Vec<[f64; 2]> {
+    const STEPS: usize = 400;
+    let left = discs.iter().fold(f64::INFINITY, |m, d| m.min(d.0));
+    let right = discs.iter().fold(f64::NEG_INFINITY, |m, d| m.max(d.1));
+    let height = |x: f64| {
+        let of = |d: &(f64, f64)| ((x - d.0) * (d.1 - x)).max(0.0).sqrt();
+        discs.iter().map(of).fold(0.0, f64::max)
+    };
+    // closer points at both ends, where a circle is steep
+    let place = |k: usize| {
+        let angle = std::f64::consts::PI * k as f64 / STEPS as f64;
+        0.5 * (left + right) - 0.5 * (right - left) * angle.cos()
+    };
+    let upper: Vec<[f64; 2]> = (0..=STEPS).map(|k| [place(k), height(place(k))]).collect();
+    let lower = upper.iter().rev().map(|[x, y]| [*x, -y]);
+    upper.iter().copied().chain(lower).collect()
+}
+
 /// Bounds further than this many extents of the spectrum from it are cut at the edge of the figure.
 const WINDOW: f64 = 0.6;
+
+/// What holds non-real eigenvalues; discs have their centre on the real axis, and these ends on it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Circle {
+    /// A disc.
+    Disc(f64, f64),
+    /// All that lies outside of one.
+    Outside(f64, f64),
+    /// All that lies right of a number.
+    Right(f64),
+    /// One of these.
+    AnyOf(Vec<Circle>),
+}
+
+impl Circle {
+    fn of(part: &Part) -> Option<Self> {
+        Some(match part {
+            Part::Interval { .. } | Part::Box { .. } => return None,
+            Part::Disc { low, high } => Self::Disc(*low, *high),
+            Part::OutsideDisc { low, high } => Self::Outside(*low, *high),
+            Part::HalfPlane { low } => Self::Right(*low),
+            Part::AnyOf { parts } => Self::AnyOf(parts.iter().filter_map(Self::of).collect()),
+        })
+    }
+}
 
 /// What a figure shows of a spectrum.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -126,15 +175,18 @@ pub struct Spectrum {
     pub real: Option<(f64, f64)>,
     /// Proved for the others: Re λ, |Im λ|.
     pub complex: Option<((f64, f64), f64)>,
-    /// They lie in |λ − ½| ≤ ½.
-    pub disc: bool,
+    /// What else is proved of them.
+    pub circles: Vec<Circle>,
+    /// These are not all of them.
+    #[serde(default)]
+    pub is_partial: bool,
     /// Corners of the field of values.
     pub field: Option<Vec<[f64; 2]>>,
 }
 
 impl From<&SpectrumReport> for Spectrum {
     fn from(report: &SpectrumReport) -> Self {
-        let region = report.bounds.region();
+        let region = &report.region;
         let corners = |field: &fracas_solvers::spectrum::FieldOfValues| {
             let points = field.re.iter().zip(&field.im);
             points.map(|(re, im)| [*re, *im]).collect()
@@ -149,7 +201,8 @@ impl From<&SpectrumReport> for Spectrum {
             im: report.eigenvalues.im.clone(),
             real: real.or(region.real),
             complex: region.re.zip(region.im_max),
-            disc: report.bounds.theorem == Theorem::WithoutH,
+            circles: region.parts().iter().filter_map(Circle::of).collect(),
+            is_partial: report.method == Method::Iterative,
             field: report.field_of_values.as_ref().map(corners),
         }
     }
@@ -159,6 +212,16 @@ impl Spectrum {
     /// (Re λ, Im λ).
     pub fn points(&self) -> impl Iterator<Item = [f64; 2]> {
         self.re.iter().zip(&self.im).map(|(re, im)| [*re, *im])
+    }
+
+    fn which(&self) -> String {
+        match self.is_partial {
+            false => "Eigenvalues of the preconditioned matrix.".to_owned(),
+            true => format!(
+                "The {} outer eigenvalues found of the preconditioned matrix.",
+                self.re.len()
+            ),
+        }
     }
 
     fn is_real(&self) -> bool {
@@ -225,14 +288,21 @@ impl Spectrum {
                 true => Axis::log("λ"),
                 false => Axis::linear("λ"),
             };
-            let caption = "Sorted eigenvalues of the preconditioned matrix.";
+            let caption = format!("Sorted: {}", self.which());
             let sets = [("eigenvalues".into(), self.re.clone())];
-            let mut figure = Figure::sorted(id, &title, caption, axis, &sets);
+            let mut figure = Figure::sorted(id, &title, &caption, axis, &sets);
             figure.x = figure.x.range(-0.02, 1.02);
             if let Some((low, high)) = self.real {
+                // a band from zero reaches the lower end of a logarithmic axis
+                let mut band = [low, high];
+                if figure.y.scale == Scale::Log {
+                    band[0] = low.max(BELOW * least);
+                    let top = most.max(high) / BELOW.sqrt();
+                    figure.y = figure.y.range(band[0].min(least), top);
+                }
                 let region = Region::Rectangle {
                     x: [-0.02, 1.02],
-                    y: [low, high],
+                    y: band,
                 };
                 figure = figure.shade(&name("proved:", (low, high)), region);
             }
@@ -247,8 +317,7 @@ impl Spectrum {
             ("complex eigenvalues", points(false)),
             ("real eigenvalues", points(true)),
         ];
-        let caption = "Eigenvalues of the preconditioned matrix.";
-        let mut figure = Figure::complex_plane(id, &title, caption, &sets);
+        let mut figure = Figure::complex_plane(id, &title, &self.which(), &sets);
         self.window(&mut figure);
         if let Some(((low, high), im)) = self.complex {
             let re = name("proved, complex: Re λ in", (low, high));
@@ -258,12 +327,8 @@ impl Spectrum {
             };
             figure = figure.shade(&format!("{re}, |Im λ| ≤ {}", format_real(im)), region);
         }
-        if self.disc {
-            let region = Region::Disc {
-                center: [0.5, 0.0],
-                radius: 0.5,
-            };
-            figure = figure.shade("disc |λ − ½| ≤ ½", region);
+        for part in &self.circles {
+            figure = figure.circles(part);
         }
         if let Some(corners) = &self.field {
             figure = figure.shade("field of values", Region::Polygon(corners.clone()));
@@ -293,5 +358,65 @@ impl Spectrum {
         let margin = 0.05 * (right - left);
         figure.x = figure.x.clone().range(left - margin, right + margin);
         figure.y = figure.y.clone().range(-top - margin, top + margin);
+    }
+}
+
+impl Figure {
+    /// Discs with their centre on the real axis, or all that they cover together; of what lies outside of one, the circle.
+    fn circles(mut self, circle: &Circle) -> Self {
+        let one = |low: f64, high: f64| Region::Disc {
+            center: [0.5 * (low + high), 0.0],
+            radius: 0.5 * (high - low),
+        };
+        let ends = |low: f64, high: f64| format!("[{}, {}]", format_real(low), format_real(high));
+        match circle {
+            Circle::Disc(low, high) => {
+                let label = format!("disc over {}", ends(*low, *high));
+                self.shade(&label, one(*low, *high))
+            }
+            Circle::Outside(low, high) => {
+                let (center, radius) = (0.5 * (low + high), 0.5 * (high - low));
+                let points = (0..=180).map(|k| {
+                    let angle = f64::from(k) * std::f64::consts::TAU / 180.0;
+                    [center + radius * angle.cos(), radius * angle.sin()]
+                });
+                let label = format!("outside of the disc over {}", ends(*low, *high));
+                self.series
+                    .push(Series::new(&label, Mark::Dashed, points.collect()));
+                self
+            }
+            Circle::Right(low) => {
+                let label = format!("right of {}", format_real(*low));
+                let [_, right] = self.x.range.unwrap_or([*low, *low]);
+                let [bottom, top] = self.y.range.unwrap_or([0.0, 0.0]);
+                let region = Region::Rectangle {
+                    x: [*low, right],
+                    y: [bottom, top],
+                };
+                self.shade(&label, region)
+            }
+            Circle::AnyOf(parts) => {
+                let discs: Vec<(f64, f64)> = (parts.iter())
+                    .filter_map(|circle| match circle {
+                        Circle::Disc(low, high) => Some((*low, *high)),
+                        _ => None,
+                    })
+                    .collect();
+                for hole in parts.iter().filter(|p| !matches!(p, Circle::Disc(..))) {
+                    self = self.circles(hole);
+                }
+                match &discs[..] {
+                    [] => self,
+                    [(low, high)] => self.shade(
+                        &format!("or disc over {}", ends(*low, *high)),
+                        one(*low, *high),
+                    ),
+                    _ => {
+                        let (label, outline) = (format!("{} discs", discs.len()), union(&discs));
+                        self.shade(&label, Region::Polygon(outline))
+                    }
+                }
+            }
+        }
     }
 }

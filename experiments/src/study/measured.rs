@@ -44,6 +44,7 @@ impl From<Solved> for Run {
             relaxation: RelaxationSummary {
                 gamma: solved.relaxation,
                 degree: solved.relaxation_degree,
+                ..RelaxationSummary::default()
             },
             krylov: solved.krylov.to_string(),
             ran: format!("{ran} {}", solved.krylov),

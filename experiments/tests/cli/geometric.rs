@@ -296,7 +296,7 @@ fn auto_says_what_it_took_and_why() {
             "amg",
             "C = global needs all of A",
         ),
-        (&["crossing", "--explain"], "amg", "an explanation reads"),
+        (&["crossing", "--explain"], "amg", "--explain reads"),
         (
             &["crossing", "--method", "simple"],
             "amg",
@@ -332,10 +332,7 @@ fn what_cannot_be_is_refused_in_one_sentence() {
             "exact needs all of A; take local, local_h, half_h, fitted_h or face_block",
         ),
         (&["crossing", "--method", "mcp"], "belongs to --method racp"),
-        (
-            &["crossing", "--explain"],
-            "an explanation reads its entries",
-        ),
+        (&["crossing", "--explain"], "--explain reads its entries"),
         (&huge[..], "grid nodes take about"),
     ] {
         let ran = fracas(&[&["solve"], arguments, &["--inner", "geometric"]].concat());
@@ -346,8 +343,10 @@ fn what_cannot_be_is_refused_in_one_sentence() {
             "{arguments:?}: {last}"
         );
     }
-    let spectrum = fracas(&["spectrum", "crossing", "--inner", "geometric"]);
-    assert!(spectrum.status == 2 && spectrum.stderr.contains("spectrum reads its entries"));
+    let folder = crate::run::system_folder("geometric-spectrum");
+    let system = folder.to_str().unwrap();
+    let spectrum = fracas(&["spectrum", "--system", system, "--inner", "geometric"]);
+    assert!(spectrum.status == 2 && spectrum.stderr.contains("needs a scene"));
 }
 
 /// `run cycle` into this folder with these settings.

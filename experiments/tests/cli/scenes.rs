@@ -89,6 +89,12 @@ fn spectrum_reports_its_keys_and_draws() {
         "n_at_one",
         "n_at_half",
         "contained",
+        "delta",
+        "Delta",
+        "eta",
+        "region",
+        "certified",
+        "inf_sup",
     ] {
         assert!(report.get(key).is_some(), "no key {key}");
     }

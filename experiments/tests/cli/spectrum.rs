@@ -65,3 +65,71 @@ fn hypotheses_that_hold_stand_beside_the_verdict() {
         assert!(ran.stdout.contains(part), "{part}: {}", ran.stdout);
     }
 }
+
+/// `spectrum crossing`, small, as JSON.
+fn crossing(arguments: &[&str]) -> serde_json::Value {
+    let small = ["mesh.x.cells=4", "mesh.y.cells=2", "mesh.z.cells=4"];
+    let small = small.iter().flat_map(|set| ["--set", set]);
+    let all: Vec<&str> = ["spectrum", "crossing", "--json", "-"]
+        .into_iter()
+        .chain(small)
+        .chain(arguments.iter().copied())
+        .collect();
+    let ran = fracas(&all);
+    assert_eq!(ran.status, 0, "{arguments:?}: {}", ran.stderr);
+    serde_json::from_str(&ran.stdout).unwrap()
+}
+
+#[test]
+fn a_name_means_one_method_and_multigrid_works_in_f64() {
+    for (arguments, method, augmentation, inner) in [
+        (&[][..], "racp", "fitted_h", "exact"),
+        (
+            &["--method", "racp:published"],
+            "racp:published",
+            "local_h",
+            "exact",
+        ),
+        (
+            &["--method", "racp:0"],
+            "racp:published",
+            "local_h",
+            "exact",
+        ),
+        (&["--inner", "amg"], "racp", "fitted_h", "amg:f64"),
+        (
+            &["--inner", "amg:chebyshev:f64"],
+            "racp",
+            "fitted_h",
+            "amg:chebyshev:f64",
+        ),
+        (
+            &["--inner", "geometric"],
+            "racp",
+            "fitted_h",
+            "geometric:f64",
+        ),
+    ] {
+        let report = crossing(arguments);
+        for (key, expected) in [
+            ("preconditioner", method),
+            ("augmentation", augmentation),
+            ("inner", inner),
+        ] {
+            assert_eq!(report[key], expected, "{arguments:?}");
+        }
+        assert_eq!(report["contained"], true, "{arguments:?}");
+        let low = report["bounds"]["real_low"].as_f64().unwrap();
+        assert!(low > 0.0, "{arguments:?}: {low}");
+        assert_eq!(report["region"][0]["low"], low, "{arguments:?}");
+    }
+}
+
+#[test]
+fn a_partial_spectrum_speaks_of_what_was_found() {
+    let report = crossing(&["--inner", "ssor", "--dense-limit", "10"]);
+    let n = report["eigenvalues"]["re"].as_array().unwrap().len();
+    let verdict = format!("every one of the {n} found lies inside");
+    assert_eq!(report["verdict"], verdict);
+    assert_eq!(report["method"], "iterative");
+}

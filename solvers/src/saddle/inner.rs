@@ -5,7 +5,7 @@ use super::{AugmentationMatrix, RelaxationSummary, SaddleBlocks, schur};
 use crate::amg::Amg;
 use crate::direct::DirectChoice;
 use crate::fsai::{Fsai, FsaiKind};
-use crate::multigrid::{Geometric, MultigridInverse, Smoother, Summary};
+use crate::multigrid::{Geometric, MultigridInverse, Precision, Smoother, Summary};
 use crate::registry::{NameTaken, Named, Registered, Registry};
 use crate::smoothers::{Jacobi, Ssor};
 use crate::written::{self, Written};
@@ -260,6 +260,7 @@ impl fmt::Display for InnerChoice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Geometric(geometric) => geometric.fmt(f),
+            Self::Amg(amg) if amg.precision == Precision::F64 => write!(f, "{}:f64", self.name()),
             _ => f.write_str(self.name()),
         }
     }
@@ -268,7 +269,7 @@ impl fmt::Display for InnerChoice {
 /// A name that is none of [`InnerChoice`]'s.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "unknown inner solver {found:?}: expected exact, amg, amg:gauss_seidel, amg:fsai, amg:chebyshev, fsai, fsai:static, jacobi, ssor or geometric (behind it :v, :w or :k and :f64: geometric:k:f64){}",
+    "unknown inner solver {found:?}: expected exact, amg, amg:gauss_seidel, amg:fsai, amg:chebyshev (behind each :f64), fsai, fsai:static, jacobi, ssor or geometric (behind it :v, :w or :k and :f64: geometric:k:f64){}",
     SOLVERS.names()
 )]
 pub struct UnknownInner {
@@ -290,6 +291,13 @@ impl FromStr for InnerChoice {
             "amg:gauss_seidel" => Ok(Self::Amg(Amg::with(Smoother::GaussSeidel))),
             "amg:fsai" => Ok(Self::Amg(Amg::with(Smoother::Fsai))),
             "amg:chebyshev" => Ok(Self::Amg(Amg::with(Smoother::Chebyshev))),
+            _ if name.starts_with("amg") && name.ends_with(":f64") => {
+                let single = name.strip_suffix(":f64").map(str::parse::<Self>);
+                let double = single.and_then(Result::ok).and_then(Self::in_double);
+                double.ok_or_else(|| UnknownInner {
+                    found: name.to_owned(),
+                })
+            }
             _ => {
                 let geometric = Geometric::of_name(name).map(Self::Geometric);
                 let other = || SOLVERS.find(name).map(Self::Other);
@@ -393,7 +401,22 @@ mod tests {
         for name in NAMES {
             assert_eq!(name.parse::<InnerChoice>().unwrap().to_string(), name);
         }
-        for wrong in ["amg:", "amg:sor", "AMG", ""] {
+        for name in ["amg:f64", "amg:gauss_seidel:f64", "amg:chebyshev:f64"] {
+            let double = name.parse::<InnerChoice>().unwrap();
+            assert_eq!(
+                (double.to_string(), double.in_double()),
+                (name.to_owned(), None)
+            );
+        }
+        for wrong in [
+            "amg:",
+            "amg:sor",
+            "AMG",
+            "",
+            "amg:f32",
+            "amg:f64:f64",
+            ":f64",
+        ] {
             let message = wrong.parse::<InnerChoice>().unwrap_err().to_string();
             assert!(NAMES.iter().all(|name| message.contains(name)), "{message}");
         }

@@ -53,7 +53,7 @@ pub trait SaddleSettings {
     }
 }
 
-/// Which preconditioner of `𝒜 = [A B1; B2 −H]`. Written as `"racp"`, `"racp:0"` (without relaxation of H), `"mcp"`, `"mcp:0"`
+/// Which preconditioner of `𝒜 = [A B1; B2 −H]`. Written as `"racp"`, `"racp:published"` (also `"racp:0"`: C = local_h, H not relaxed), `"mcp"`, `"mcp:0"`
 /// (factor of γ), `"direct:faer"` or `{ mcp = { inner = "amg" } }`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(remote = "Self", rename_all = "snake_case")]
@@ -281,7 +281,7 @@ pub struct UnknownSaddleMethod {
 fn names() -> String {
     let plain: Vec<&str> = SaddleMethod::all().iter().map(SaddleMethod::name).collect();
     format!(
-        "{}, racp:RELAXATION (0 to 1; 0: as published), mcp:FACTOR or direct:BACKEND{}",
+        "{}, racp:published, racp:RELAXATION (0 to 1; 0: as published), mcp:FACTOR or direct:BACKEND{}",
         plain.join(", "),
         METHODS.names()
     )
@@ -290,6 +290,9 @@ fn names() -> String {
 impl fmt::Display for SaddleMethod {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Racp(Racp { relaxation, .. }) if *relaxation == 0.0 => {
+                f.write_str("racp:published")
+            }
             Self::Racp(Racp { relaxation, .. }) if *relaxation != RELAXATION => {
                 write!(f, "racp:{relaxation}")
             }
@@ -317,6 +320,7 @@ impl FromStr for SaddleMethod {
         let found = own.or_else(|| METHODS.find(name).map(Self::Other));
         match (found.ok_or_else(unknown)?, detail) {
             (method, None) => Ok(method),
+            (Self::Racp(racp), Some("published")) => Ok(Self::Racp(Racp::published(racp.inner))),
             (Self::Racp(racp), Some(detail)) => match detail.parse::<f64>() {
                 Ok(0.0) => Ok(Self::Racp(Racp::published(racp.inner))),
                 Ok(relaxation) if (0.0..=1.0).contains(&relaxation) => {
@@ -391,7 +395,7 @@ impl JsonSchema for SaddleMethod {
         json_schema!({
             "description": "A method: \"racp\", \"mcp:0\", \"direct:faer\" or { racp = { inner = \"amg\" } }.",
             "anyOf": [
-                { "type": "string", "pattern": format!("^({})$|^mcp:|^direct:", names.join("|")) },
+                { "type": "string", "pattern": format!("^({})$|^racp:|^mcp:|^direct:", names.join("|")) },
                 {
                     "type": "object", "properties": tables, "additionalProperties": false,
                     "minProperties": 1, "maxProperties": 1

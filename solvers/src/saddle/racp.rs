@@ -69,6 +69,16 @@ impl<'a> RacpInverse<'a> {
         Self { relaxation, ..self }
     }
 
+    /// What W makes of a mode of tractions with the eigenvalue h of C⁻¹H; 1 where H is not relaxed.
+    pub fn relaxation_at(&self, h: f64) -> f64 {
+        self.relaxation.as_ref().map_or(1.0, |w| w.at(h))
+    }
+
+    /// W, where H is relaxed.
+    pub(crate) fn w(&self) -> Option<&Relaxation<'a>> {
+        self.relaxation.as_ref()
+    }
+
     /// How H is relaxed.
     pub fn relaxation(&self) -> RelaxationSummary {
         (self.relaxation.as_ref()).map_or_else(RelaxationSummary::default, Relaxation::summary)

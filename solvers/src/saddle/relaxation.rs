@@ -64,6 +64,8 @@ pub struct RelaxationSummary {
     pub gamma: f64,
     /// Degree of W in C⁻¹H; 0 = H is not relaxed.
     pub degree: usize,
+    /// Largest λ_max(C⁻¹H) for which `W C⁻¹H W` is at most γ₀/γ, γ₀ = 4/27; 0 = H is not relaxed.
+    pub reach: f64,
 }
 
 impl<'a> Relaxation<'a> {
@@ -93,11 +95,17 @@ impl<'a> Relaxation<'a> {
         })
     }
 
+    /// What W makes of a mode of tractions with the eigenvalue h of C⁻¹H: `p(σh)`.
+    pub fn at(&self, h: f64) -> f64 {
+        self.polynomial.at(self.sigma * h)
+    }
+
     /// γ and the degree.
     pub fn summary(&self) -> RelaxationSummary {
         RelaxationSummary {
             gamma: self.sigma * RELAXATION,
             degree: self.polynomial.degree(),
+            reach: self.polynomial.end / self.sigma,
         }
     }
 
@@ -126,6 +134,13 @@ impl<'a> Relaxation<'a> {
     pub fn flops(&self, c_inverse: u64) -> u64 {
         self.polynomial.degree() as u64 * (self.h.flops() + c_inverse)
     }
+}
+
+/// The end and the coefficients of the polynomial of a degree from one to four.
+#[cfg(test)]
+pub(crate) fn polynomial_of_degree(degree: usize) -> (f64, &'static [f64]) {
+    let p = &POLYNOMIALS[degree - 1];
+    (p.end, p.coefficients)
 }
 
 #[cfg(test)]

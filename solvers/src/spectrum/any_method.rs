@@ -11,9 +11,9 @@ use crate::{Observer, SetupError};
 use faer::Mat;
 use fracas_operators::Dense;
 
-/// Analyses M⁻¹𝒜 for `method`: [`analyse`] with its C and S̃_u where it is RACP as published; otherwise, and where RACP
-/// relaxes H or eliminates rows of slip and opening, the eigenvalues alone, since no bound is stated. `request` says the
-/// dense limit; its modes need RACP as published without such rows.
+/// Analyses M⁻¹𝒜 for `method`: [`analyse`] with its C, its relaxation of H and its S̃_u where it is RACP; otherwise, and where
+/// RACP eliminates rows of slip and opening, or relaxes H beside an unsymmetric block, the eigenvalues alone, since no bound is stated.
+/// `request` says the dense limit; its modes need RACP without such rows.
 ///
 /// # Errors
 /// Those of the method; [`SetupError::NotApplicable`] for a preconditioner that is no linear map, and for modes of
@@ -26,10 +26,11 @@ pub fn analyse_method(
 ) -> Result<SpectrumReport, SetupError> {
     let eliminated = Elimination::new(blocks).map_or(0, |e| e.rows().len());
     if let (SaddleMethod::Racp(racp), 0) = (method, eliminated)
-        && (racp.relaxation == 0.0 || blocks.h.is_none())
+        && (racp.relaxation == 0.0 || simplified(blocks).1.symmetric)
     {
         let request = SpectrumRequest {
             augmentation: racp.augmentation,
+            relaxation: racp.relaxation,
             inner: racp.inner,
             ..request.clone()
         };
@@ -41,7 +42,7 @@ pub fn analyse_method(
     };
     if !request.modes.is_empty() {
         return Err(no(
-            "eigenvectors are computed for method = \"racp:0\" only, and for systems without rows of slip or opening",
+            "eigenvectors are computed for method = \"racp\" and \"racp:published\" only, and for systems without rows of slip or opening",
         ));
     }
     let mut stages = Stages { observer, done: 0 };
@@ -99,7 +100,7 @@ pub fn analyse_method(
         values
     };
     stages.next("eigenvalues");
-    report.judge(Eigenvalues::sorted(eigenvalues), false);
+    report.judge(Eigenvalues::sorted(eigenvalues));
     Ok(report)
 }
 

@@ -1,5 +1,6 @@
 //! What is proved about the eigenvalues of M⁻¹𝒜, as regions of the complex plane.
 
+use super::region::Region;
 use serde::{Deserialize, Serialize};
 
 /// Which statement holds.
@@ -16,7 +17,8 @@ pub enum Theorem {
     None,
 }
 
-/// Extreme values that the statements need. With `K = Eᵀ(S_u + BC⁻¹Bᵀ)E`, `G = EᵀBF`, `Ĥ = FᵀHF`:
+/// Extreme values that the statements need. With `K = Eᵀ(S_u + BC⁻¹Bᵀ)E`, `G = EᵀBF`, `Ĥ = FᵀHF`; where W = p(C⁻¹H) relaxes H,
+/// `h_hat`, `k_h` and `coupling` are those of the relaxed matrix ([`Form`](super::form)):
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Ingredients {
     /// λ_min(K), λ_max(K).
@@ -29,6 +31,18 @@ pub struct Ingredients {
     pub k_h: (f64, f64),
     /// `‖G(I − Ĥ)‖₂`.
     pub coupling: f64,
+    /// δ and Δ: extreme eigenvalues of S̃_u⁻¹S_u.
+    pub sigma: (f64, f64),
+    /// Extreme eigenvalues of C⁻¹H; the largest is η.
+    pub h: (f64, f64),
+}
+
+impl Ingredients {
+    /// True where S̃_u is S_u up to rounding.
+    pub(super) fn is_exact(&self) -> bool {
+        const ROUNDING: f64 = 1e-9;
+        (self.sigma.0 - 1.0).abs() < ROUNDING && (self.sigma.1 - 1.0).abs() < ROUNDING
+    }
 }
 
 /// Bounds with the extreme values they come from; `None` is undefined.
@@ -121,10 +135,17 @@ impl Bounds {
         }
     }
 
-    /// With exact S_u the whole spectrum is real, in `[λ_min(GᵀG), max(1, λ_max(Ĥ))]` for SPSD H: besides 1 it is
-    /// `1 − W^{1/2}(I − Ĥ)W^{1/2}` with `W = I − GᵀG`, `0 ≤ W ≤ I` because A is SPSD.
-    pub fn exact_s_u(i: &Ingredients) -> (f64, f64) {
-        (i.g.0 * i.g.0, i.h_hat.1.max(1.0))
+    /// The same statement with the ends of a sharper region.
+    #[must_use]
+    pub fn sharpened(self, region: &Region) -> Self {
+        Self {
+            real_low: region.real.map(|r| r.0),
+            real_high: region.real.map(|r| r.1),
+            re_low: region.re.map(|r| r.0),
+            re_high: region.re.map(|r| r.1),
+            im_max: region.im_max,
+            ..self
+        }
     }
 
     /// The region that the bounds describe.
@@ -133,83 +154,7 @@ impl Bounds {
             real: self.real_low.zip(self.real_high),
             re: self.re_low.zip(self.re_high),
             im_max: self.im_max,
-            disc: false,
+            circles: Vec::new(),
         }
-    }
-}
-
-/// A closed set of the complex plane, symmetric about the real axis; absent limits do not limit.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Region {
-    /// Real eigenvalues.
-    pub real: Option<(f64, f64)>,
-    /// Real parts of non-real eigenvalues.
-    pub re: Option<(f64, f64)>,
-    /// |Im λ| of non-real eigenvalues.
-    pub im_max: Option<f64>,
-    /// Non-real eigenvalues lie in |λ − ½| ≤ ½ (H = 0, A SPSD, any SPD S̃_u).
-    pub disc: bool,
-}
-
-/// Where an eigenvalue fails.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Verdict {
-    /// Inside.
-    Inside,
-    /// A real eigenvalue outside its interval.
-    Real,
-    /// The real part of a non-real eigenvalue outside its interval.
-    RealPart,
-    /// An imaginary part too large.
-    ImaginaryPart,
-    /// Outside |λ − ½| ≤ ½.
-    Disc,
-}
-
-/// An imaginary part below this times max(1, |λ|) is rounding: a double real eigenvalue splits by √ε.
-pub const REAL_TOLERANCE: f64 = 1e-7;
-
-/// True for an eigenvalue that counts as non-real.
-pub fn is_non_real(re: f64, im: f64) -> bool {
-    im.abs() > REAL_TOLERANCE * re.hypot(im).max(1.0)
-}
-
-impl Region {
-    /// The same with the disc |λ − ½| ≤ ½ for non-real eigenvalues.
-    ///
-    /// Proof: with |u| = 1, `λ² − kλ + g = 0`, k = u*Ku, g = |Gᵀu|²; for non-real λ, |λ|² = g and 2 Re λ = k ≥ 2g
-    /// because `K = EᵀAE + 2GGᵀ`; so |λ|² ≤ Re λ.
-    pub fn with_disc(self) -> Self {
-        Self { disc: true, ..self }
-    }
-
-    /// Judges one eigenvalue; `tolerance` is relative to max(1, |λ|).
-    pub fn verdict(&self, re: f64, im: f64, tolerance: f64) -> Verdict {
-        let slack = tolerance * re.hypot(im).max(1.0);
-        let within = |interval: Option<(f64, f64)>, value: f64| {
-            interval.is_none_or(|(low, high)| value >= low - slack && value <= high + slack)
-        };
-        if !is_non_real(re, im) {
-            return if within(self.real, re) {
-                Verdict::Inside
-            } else {
-                Verdict::Real
-            };
-        }
-        if !within(self.re, re) {
-            Verdict::RealPart
-        } else if self.im_max.is_some_and(|limit| im.abs() > limit + slack) {
-            Verdict::ImaginaryPart
-        } else if self.disc && (re - 0.5).hypot(im) > 0.5 + slack {
-            Verdict::Disc
-        } else {
-            Verdict::Inside
-        }
-    }
-
-    /// True when the region holds λ up to `tolerance`.
-    pub fn contains(&self, re: f64, im: f64, tolerance: f64) -> bool {
-        self.verdict(re, im, tolerance) == Verdict::Inside
     }
 }

@@ -1,6 +1,6 @@
 //! The whole spectrum when S_u is inverted exactly and B2 = B1ᵀ: an n_t × n_t problem, symmetric where A is SPSD.
 
-use super::bounds::Ingredients;
+use super::form::Form;
 use crate::SetupError;
 use crate::eigen::dense;
 use crate::saddle::{AugmentationMatrix, SaddleBlocks, schur};
@@ -179,54 +179,16 @@ impl Coupling {
         })
     }
 
-    /// Extreme values for the bounds: K = I + GGᵀ and `K_H − I = G(I−Ĥ)Gᵀ`, whose non-zero eigenvalues are those of
-    /// `Σ(I−Ĥ)Σ`.
-    pub(super) fn ingredients(&self) -> Result<Ingredients, SetupError> {
+    /// T in the range of G: Σ = I, `G = diag(σ) Vᵀ`; what lies beside it counts as ones.
+    pub(super) fn form(&self, p: &dyn Fn(f64) -> f64) -> Result<Form, SetupError> {
         let n_t = self.sigma_squared.len();
-        let s = |i: usize| self.sigma_squared[i].max(0.0).sqrt();
-        let (low, high) = if n_t == 0 {
-            (0.0, 0.0)
-        } else {
-            (self.sigma_squared[0], self.sigma_squared[n_t - 1])
-        };
-        // Of n_t ≥ n_u squares, the n_u largest are eigenvalues of GGᵀ.
-        let k_low = if self.n_u > n_t {
-            0.0
-        } else {
-            self.sigma_squared[n_t - self.n_u]
-        };
-        let k = (1.0 + k_low, 1.0 + high);
-        let g = (low.max(0.0).sqrt(), high.max(0.0).sqrt());
-        let Some(h_hat) = &self.h_hat else {
-            return Ok(Ingredients {
-                k,
-                g,
-                h_hat: (0.0, 0.0),
-                k_h: k,
-                coupling: g.1,
-            });
-        };
-        let ends = |m: Mat<f64>| -> Result<(f64, f64), SetupError> {
-            let values = dense::symmetric_eigenvalues(m.as_ref())?;
-            Ok((values[0], values[n_t - 1]))
-        };
-        let rest = |i: usize, j: usize| {
-            if i == j {
-                1.0 - h_hat[(i, j)]
-            } else {
-                -h_hat[(i, j)]
-            }
-        };
-        let inner = ends(Mat::from_fn(n_t, n_t, |i, j| s(i) * rest(i, j) * s(j)))?;
-        // ‖G(I−Ĥ)‖ = ‖Σ(I−Ĥ)‖
-        let product = Mat::from_fn(n_t, n_t, |i, j| s(i) * rest(i, j));
-        Ok(Ingredients {
-            k,
-            g,
-            h_hat: ends(h_hat.clone())?,
-            k_h: (1.0 + inner.0.min(0.0), 1.0 + inner.1.max(0.0)),
-            coupling: dense::singular_values(product.as_ref())?[0],
-        })
+        let rows = n_t.min(self.n_u);
+        // of n_t > n_u squares the smallest are those of no displacement
+        let g = Mat::from_fn(rows, n_t, |i, j| match i + n_t - rows == j {
+            true => self.sigma_squared[j].max(0.0).sqrt(),
+            false => 0.0,
+        });
+        Form::new(None, &g, self.h_hat.as_ref(), p, self.n_u - rows)
     }
 }
 

@@ -1,21 +1,24 @@
 //! One call: C, S_u, conditions, eigenvalues, bounds, verdicts.
 
-use super::bounds::{Bounds, Ingredients, Theorem};
+use super::bounds::Bounds;
 use super::condition::StiffnessEnds;
 use super::coupling::Coupling;
+use super::form::Statements;
 use super::modes::{self, Judge, ModeTarget};
 use super::product::{Preconditioned, energy_scales};
+use super::region::Region;
 use super::report::{Eigenvalues, Method, Parts, SpectrumReport};
 use super::similarity::Similarity;
-use super::{Hypothesis, condition, field_of_values, hypotheses, iterative};
+use super::{Hypothesis, condition, field_of_values, hypotheses, iterative, positivity};
 use crate::direct::DirectSolver;
 use crate::eigen::dense;
 use crate::saddle::{
-    AugmentationChoice, AugmentationMatrix, InnerChoice, RacpInverse, SaddleBlocks,
+    AugmentationChoice, AugmentationMatrix, InnerChoice, Racp, RacpInverse, RelaxationSummary,
+    SaddleBlocks, SaddleMethod,
 };
 use crate::{Observer, SetupError, Step};
 use faer::{Mat, c64};
-use fracas_operators::sparse::SparseMatrix;
+use fracas_operators::sparse::{Csr, SparseMatrix};
 use fracas_operators::{Dense, Preconditioner};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -29,7 +32,10 @@ const SYMMETRY: f64 = 1e-12;
 pub struct SpectrumRequest {
     /// C.
     pub augmentation: AugmentationChoice,
-    /// S̃_u⁻¹.
+    /// γ of the relaxation of H; 0 = as published. Without effect on a dense C.
+    #[serde(deserialize_with = "crate::saddle::relaxation::factor")]
+    pub relaxation: f64,
+    /// S̃_u⁻¹, multigrid in f64.
     #[schemars(with = "crate::saddle::inner::NameOrSettings")]
     pub inner: InnerChoice,
     /// Largest dense eigenvalue problem; above it only outer eigenvalues are found.
@@ -44,6 +50,7 @@ impl Default for SpectrumRequest {
     fn default() -> Self {
         Self {
             augmentation: AugmentationChoice::default(),
+            relaxation: 0.0,
             inner: InnerChoice::default(),
             dense_limit: 5000,
             conditions: true,
@@ -74,6 +81,30 @@ pub fn analyse(
     request: &SpectrumRequest,
     observer: &mut dyn Observer,
 ) -> Result<SpectrumReport, SetupError> {
+    let inner = request.inner.in_double().unwrap_or(request.inner);
+    let request = SpectrumRequest {
+        inner,
+        ..request.clone()
+    };
+    let build =
+        |blocks: &SaddleBlocks, c: &AugmentationMatrix| Ok(inner.prepare(blocks, c)?.inverse);
+    analyse_around(blocks, &request, &build, observer)
+}
+
+/// S̃_u⁻¹ for these blocks and this C.
+pub type BuildInner<'a> = dyn Fn(&SaddleBlocks, &AugmentationMatrix) -> Result<Box<dyn Preconditioner<f64>>, SetupError>
+    + 'a;
+
+/// The same with an S̃_u⁻¹ that blocks alone do not give, such as geometric multigrid; `request.inner` is its name.
+///
+/// # Errors
+/// Those of [`analyse`] and of `build`.
+pub fn analyse_around(
+    blocks: &SaddleBlocks,
+    request: &SpectrumRequest,
+    build: &BuildInner<'_>,
+    observer: &mut dyn Observer,
+) -> Result<SpectrumReport, SetupError> {
     let direct = request.inner.backend().solver()?;
     let mut stages = Stages { observer, done: 0 };
     let augmentation = request.augmentation.compute(blocks, direct.as_ref())?;
@@ -94,13 +125,16 @@ pub fn analyse(
         Hypothesis::not_needed("A ⪰ 0")
     };
     let a_holds = semi_definite.holds == Some(true);
-    let inner = (request.inner.prepare(&blocks, &c))
-        .map_err(|error| for_indefinite(error, &semi_definite))?
-        .inverse;
+    let inner = build(&blocks, &c).map_err(|error| for_indefinite(error, &semi_definite))?;
     hypotheses.push(semi_definite);
     stages.next("inner solver");
+    let method = Racp {
+        augmentation: request.augmentation,
+        relaxation: request.relaxation,
+        inner: request.inner,
+    };
     let parts = Parts {
-        preconditioner: "racp".to_owned(),
+        preconditioner: SaddleMethod::Racp(method).to_string(),
         augmentation: request.augmentation.to_string(),
         inner: request.inner.to_string(),
         c_extremes: c.extremes()?,
@@ -121,14 +155,32 @@ pub fn analyse(
 
     let n = blocks.n_u() + blocks.n_t();
     let exact = matches!(request.inner, InnerChoice::Exact { .. });
-    let racp = RacpInverse::new(blocks.b1.clone(), c.clone(), inner.as_ref());
+    let mut racp = RacpInverse::new(blocks.b1.clone(), c.clone(), inner.as_ref());
+    let is_dense = matches!(c, AugmentationMatrix::Dense { .. });
+    if let Some(h) = blocks.h.as_ref().filter(|_| !is_dense) {
+        racp = racp.relaxed(Box::new(Csr::new(h.clone())), request.relaxation);
+    }
+    let relaxation = racp.relaxation();
+    let p = |h: f64| racp.relaxation_at(h);
     let operator = Preconditioned::new(&blocks, &racp);
     let scales = energy_scales(&blocks, &c.diagonal_entries());
     let judge = Judge {
         operator: &operator,
         scales: &scales,
     };
-    let eigenvalues = if exact && structure.symmetric && blocks.n_t() <= request.dense_limit {
+    let is_relaxed = relaxation.degree > 0;
+    // unrelaxed, the n_t eigenvalues beside 1; relaxed, 2 n_t, of which there are modes only through all of T
+    let reduced = match is_relaxed {
+        false => blocks.n_t(),
+        true if request.modes.is_empty() && blocks.n_u() >= blocks.n_t() => 2 * blocks.n_t(),
+        true => n,
+    };
+    let mut statements = None;
+    let eigenvalues = if exact
+        && structure.symmetric
+        && reduced <= request.dense_limit
+        && reduced < n.max(1)
+    {
         let coupling = if blocks.n_u() <= request.dense_limit {
             Coupling::dense(&blocks, &c, a_holds)?
         } else {
@@ -143,9 +195,17 @@ pub fn analyse(
             inner.as_ref(),
             &judge,
         )?;
-        report.ingredients = Some(coupling.ingredients()?);
-        let ones = vec![c64::new(1.0, 0.0); blocks.n_u()];
-        ones.into_iter().chain(coupling.eigenvalues()?).collect()
+        let form = coupling.form(&p)?;
+        statements = Some(form.statements()?);
+        let (ones, others) = match is_relaxed {
+            false => (blocks.n_u(), coupling.eigenvalues()?),
+            true => (
+                form.ones(),
+                dense::general_eigenvalues(form.matrix().as_ref())?,
+            ),
+        };
+        let ones = vec![c64::new(1.0, 0.0); ones];
+        ones.into_iter().chain(others).collect()
     } else if n <= request.dense_limit {
         dense_eigenvalues(
             &mut report,
@@ -155,6 +215,7 @@ pub fn analyse(
             inner.as_ref(),
             &structure,
             &judge,
+            (&p, &mut statements),
         )?
     } else {
         report.method = Method::Iterative;
@@ -168,8 +229,8 @@ pub fn analyse(
             hypotheses::probed(inner.as_ref())
         });
         if structure.symmetric {
-            let (ingredients, error) = iterative::ingredients(&blocks, &c, inner.as_ref())?;
-            report.ingredients = Some(ingredients);
+            let (found, error) = iterative::statements(&blocks, &c, inner.as_ref(), &racp, exact)?;
+            statements = Some(found);
             report.error_bar = Some(error);
         }
         let (values, residual) = iterative::outer_eigenvalues(&operator, &scales)?;
@@ -180,9 +241,9 @@ pub fn analyse(
         values
     };
     stages.next("eigenvalues");
-    state_bounds(&mut report, &structure, exact);
-    let disc = report.bounds.theorem == Theorem::WithoutH;
-    report.judge(Eigenvalues::sorted(eigenvalues), disc);
+    let is_real = exact && !is_relaxed;
+    state_bounds(&mut report, &structure, statements, relaxation, is_real);
+    report.judge(Eigenvalues::sorted(eigenvalues));
     Ok(report)
 }
 
@@ -367,6 +428,7 @@ fn dense_eigenvalues(
     inner: &dyn Preconditioner<f64>,
     structure: &Structure,
     judge: &Judge<'_>,
+    (p, statements): (&dyn Fn(f64) -> f64, &mut Option<Statements>),
 ) -> Result<Vec<c64>, SetupError> {
     let matrix = match Similarity::new(blocks, c, request.inner, inner) {
         Ok(similarity) => {
@@ -374,13 +436,20 @@ fn dense_eigenvalues(
                 InnerChoice::Exact { .. } => by_cholesky(),
                 _ => Hypothesis::new(S_U, true, "Cholesky factorization of S̃_u⁻¹"),
             });
-            report.ingredients = Some(similarity.ingredients()?);
-            let matrix = similarity.matrix();
-            report.modes = modes::of_similarity(&request.modes, &similarity, &matrix, judge)?;
-            if !structure.symmetric {
+            if structure.symmetric {
+                let form = similarity.form(p)?;
+                let matrix = form.matrix();
+                let back = |v: &[f64]| similarity.back_of(&form, v);
+                report.modes = modes::of_matrix(&request.modes, &matrix, &back, judge)?;
+                *statements = Some(form.statements()?);
+                matrix
+            } else {
+                let matrix = similarity.matrix();
+                let back = |v: &[f64]| similarity.back(v);
+                report.modes = modes::of_matrix(&request.modes, &matrix, &back, judge)?;
                 report.field_of_values = Some(field_of_values::of_matrix(matrix.as_ref())?);
+                matrix
             }
-            matrix
         }
         Err(SetupError::NotApplicable { reason, .. }) if inner.properties().linear => {
             report.notes.push(format!(
@@ -396,22 +465,54 @@ fn dense_eigenvalues(
     dense::general_eigenvalues(matrix.as_ref())
 }
 
-/// Chooses the statement that holds.
-fn state_bounds(report: &mut SpectrumReport, structure: &Structure, exact: bool) {
+/// Intersects the statements that hold.
+fn state_bounds(
+    report: &mut SpectrumReport,
+    structure: &Structure,
+    statements: Option<Statements>,
+    relaxation: RelaxationSummary,
+    is_real: bool,
+) {
     let holds = report.objection().is_none();
-    report.bounds = match &report.ingredients {
-        Some(i) if holds && structure.h_is_zero => Bounds::printed(i),
-        Some(i) if holds => Bounds::with_h(i),
-        other => Bounds::none(other.as_ref()),
+    let ingredients = statements.as_ref().map(|s| s.ingredients);
+    report.ingredients = ingredients;
+    report.delta = ingredients.map(|i| i.sigma.0);
+    report.Delta = ingredients.map(|i| i.sigma.1);
+    report.eta = ingredients.map(|i| i.h.1);
+    let Some(found) = statements.filter(|_| holds) else {
+        report.bounds = Bounds::none(ingredients.as_ref());
+        return;
     };
-    let semi_definite = |i: &Ingredients| i.h_hat.0 >= -1e-12 * i.h_hat.1.abs().max(1.0);
-    if let Some(i) = report
-        .ingredients
-        .as_ref()
-        .filter(|i| exact && holds && semi_definite(i))
-    {
-        report.exact_S_u_interval = Some(Bounds::exact_s_u(i));
+    let i = &found.ingredients;
+    let bounds = match structure.h_is_zero {
+        true => Bounds::printed(i),
+        false => Bounds::with_h(i),
+    };
+    let mut region = bounds.region();
+    if let (Some((low, high)), Some(real)) = (found.real, region.real) {
+        region.real = Some((real.0.max(low), real.1.min(high)));
     }
+    let is_positive = positivity::holds(relaxation, i);
+    if is_positive {
+        region.real = region.real.map(|(low, high)| (low.max(0.0), high));
+        region.re = region.re.map(|(low, high)| (low.max(0.0), high));
+    }
+    if is_positive || !found.right_of_zero {
+        region = region.within(&found.circles);
+    }
+    if let Some(circle) = found.around_one {
+        region = region.within(&[circle]);
+    }
+    if is_real && i.h.0 >= 0.0 {
+        region = Region {
+            im_max: Some(0.0),
+            ..region
+        }
+        .closed();
+        report.exact_S_u_interval = region.real;
+    }
+    report.bounds = bounds.sharpened(&region);
+    report.region = region;
 }
 
 #[cfg(test)]

@@ -2,7 +2,6 @@
 
 use super::coupling::Coupling;
 use super::product::Preconditioned;
-use super::similarity::Similarity;
 use crate::SetupError;
 use crate::eigen::dense;
 use crate::saddle::{AugmentationMatrix, SaddleBlocks, T, U};
@@ -151,11 +150,11 @@ pub(super) fn of_coupling(
     Ok(modes)
 }
 
-/// Modes of the dense T.
-pub(super) fn of_similarity(
+/// Modes of the dense T, given the way back to the original unknowns.
+pub(super) fn of_matrix(
     targets: &[ModeTarget],
-    similarity: &Similarity,
     matrix: &Mat<f64>,
+    back: &dyn Fn(&[f64]) -> (Vec<f64>, Vec<f64>),
     judge: &Judge<'_>,
 ) -> Result<Vec<Mode>, SetupError> {
     if targets.is_empty() {
@@ -168,8 +167,8 @@ pub(super) fn of_similarity(
     Ok(chosen
         .map(|j| {
             let part = |f: fn(&c64) -> f64| -> Vec<f64> { vectors.col(j).iter().map(f).collect() };
-            let re = similarity.back(&part(|v| v.re));
-            let im = (values[j].im != 0.0).then(|| similarity.back(&part(|v| v.im)));
+            let re = back(&part(|v| v.re));
+            let im = (values[j].im != 0.0).then(|| back(&part(|v| v.im)));
             judge.mode(values[j], re, im)
         })
         .collect())

@@ -1,16 +1,21 @@
 //! What `analyse` says, as the JSON that other tools read.
 
-use super::bounds::{Bounds, Ingredients, Theorem, Verdict, is_non_real};
+use super::bounds::{Bounds, Ingredients, Theorem};
+use super::region::{Region, Verdict, is_non_real};
 use super::{FieldOfValues, Hypothesis, Mode};
 use crate::saddle::SaddleBlocks;
 use faer::c64;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 /// An eigenvalue counts as 1 (or ½) when it is this close.
 pub const AT_TOLERANCE: f64 = 1e-9;
 
-/// Tolerance of the verdicts, relative to max(1, |λ|): rounding of the eigenvalue solver.
-pub const CONTAINED_TOLERANCE: f64 = 1e-8;
+/// Tolerance of the verdicts, relative to max(1, |λ|): the eigenvalue solver finds a double eigenvalue without two eigenvectors, as 1
+/// is one with exact S_u, to √ε.
+pub const CONTAINED_TOLERANCE: f64 = 1e-7;
+
+/// The same for a triple eigenvalue with one eigenvector: ∛ε, and room for the size of the matrix.
+pub const AT_CHAIN: f64 = 5e-5;
 
 /// Eigenvalues as two lists.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -112,8 +117,19 @@ pub struct SpectrumReport {
     pub n_at_one: usize,
     /// Eigenvalues with |λ − ½| ≤ 1e-9.
     pub n_at_half: usize,
-    /// What is proved.
+    /// δ = λ_min(S̃_u⁻¹S_u).
+    pub delta: Option<f64>,
+    /// Δ = λ_max(S̃_u⁻¹S_u).
+    pub Delta: Option<f64>,
+    /// η = λ_max(C⁻¹H).
+    pub eta: Option<f64>,
+    /// What is proved, in numbers: the ends of `region`.
     pub bounds: Bounds,
+    /// What is proved, statement by statement.
+    #[serde(serialize_with = "by_parts")]
+    pub region: Region,
+    /// False: eigenvalues and ends are had in f64 and judged with a tolerance, not enclosed by directed rounding.
+    pub certified: bool,
     /// All eigenvalues lie inside; null when nothing is proved.
     pub contained: Option<bool>,
     /// What the bounds rest on; empty where none is stated.
@@ -122,7 +138,7 @@ pub struct SpectrumReport {
     pub verdict: String,
     /// How.
     pub method: Method,
-    /// Eigenvalues outside the bounds or the disc |λ − ½| ≤ ½.
+    /// Eigenvalues outside the region.
     pub outside: Vec<Outside>,
     /// Theorem 2 as printed; null where its extreme values are not defined.
     pub printed: Option<Printed>,
@@ -181,7 +197,12 @@ impl SpectrumReport {
             n_complex: 0,
             n_at_one: 0,
             n_at_half: 0,
+            delta: None,
+            Delta: None,
+            eta: None,
             bounds: Bounds::none(None),
+            region: Region::default(),
+            certified: false,
             contained: None,
             hypotheses: Vec::new(),
             verdict: String::new(),
@@ -207,7 +228,7 @@ impl SpectrumReport {
     }
 
     /// Fills in the statistics and verdicts of the eigenvalues.
-    pub(super) fn judge(&mut self, eigenvalues: Eigenvalues, disc: bool) {
+    pub(super) fn judge(&mut self, eigenvalues: Eigenvalues) {
         let extreme = |values: &mut dyn Iterator<Item = f64>, larger: bool| {
             values.reduce(|a, b| if larger { a.max(b) } else { a.min(b) })
         };
@@ -235,14 +256,17 @@ impl SpectrumReport {
         self.n_at_one = near(1.0);
         self.n_at_half = near(0.5);
         let proved = self.bounds.theorem != Theorem::None;
-        let region = if disc {
-            self.bounds.region().with_disc()
-        } else {
-            self.bounds.region()
-        };
-        self.outside = outside(&eigenvalues, &region);
+        // exact S_u: 1 is an eigenvalue with chains of up to three vectors, found to the cube root of rounding
+        let is_exact = self.ingredients.is_some_and(|i| i.is_exact());
+        self.outside = outside(&eigenvalues, &self.region);
+        self.outside
+            .retain(|o| !is_exact || (o.re - 1.0).hypot(o.im) > AT_CHAIN);
         self.contained = proved.then_some(self.outside.is_empty());
         self.verdict = match (self.contained, self.objection()) {
+            (Some(true), _) if self.method == Method::Iterative => format!(
+                "every one of the {} found lies inside",
+                eigenvalues.re.len()
+            ),
             (Some(true), _) => "every eigenvalue lies inside".to_owned(),
             (Some(false), _) => format!("{} eigenvalues lie OUTSIDE", self.outside.len()),
             (None, Some(objection)) => objection,
@@ -258,6 +282,10 @@ impl SpectrumReport {
         });
         self.eigenvalues = eigenvalues;
     }
+}
+
+fn by_parts<S: Serializer>(region: &Region, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(region.parts())
 }
 
 fn outside(eigenvalues: &Eigenvalues, region: &super::Region) -> Vec<Outside> {

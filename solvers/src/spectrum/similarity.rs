@@ -1,6 +1,6 @@
 //! The matrix T that is similar to M⁻¹𝒜, dense.
 
-use super::bounds::Ingredients;
+use super::form::Form;
 use crate::SetupError;
 use crate::eigen::dense;
 use crate::saddle::{AugmentationMatrix, InnerChoice, SaddleBlocks, schur};
@@ -17,6 +17,8 @@ pub(super) struct Similarity {
     g: Mat<f64>,
     h_hat: Mat<f64>,
     r: Mat<f64>,
+    /// S̃_u = S_u.
+    is_exact: bool,
 }
 
 impl Similarity {
@@ -66,6 +68,7 @@ impl Similarity {
             g,
             h_hat,
             r,
+            is_exact: matches!(choice, InnerChoice::Exact { .. }),
         })
     }
 
@@ -82,49 +85,19 @@ impl Similarity {
         })
     }
 
-    /// Extreme values for the bounds.
-    pub(super) fn ingredients(&self) -> Result<Ingredients, SetupError> {
-        let ends = |mut m: Mat<f64>| -> Result<(f64, f64), SetupError> {
-            dense::symmetrize(&mut m);
-            let values = dense::symmetric_eigenvalues(m.as_ref())?;
-            Ok((
-                values.first().copied().unwrap_or(0.0),
-                values.last().copied().unwrap_or(0.0),
-            ))
-        };
-        let (n_u, n_t) = (self.g.nrows(), self.g.ncols());
-        let singular = dense::singular_values(self.g.as_ref())?;
-        let largest = singular.first().copied().unwrap_or(0.0);
-        let smallest = if n_t > n_u {
-            0.0
-        } else {
-            singular.last().copied().unwrap_or(0.0)
-        };
-        // K = K₀ + GGᵀ
-        let k = &self.k_0 + dense::multiply(self.g.as_ref(), self.g.transpose());
-        let k_ends = ends(k.clone())?;
-        if self.h_hat.norm_max() == 0.0 {
-            return Ok(Ingredients {
-                k: k_ends,
-                g: (smallest, largest),
-                h_hat: (0.0, 0.0),
-                k_h: k_ends,
-                coupling: largest,
-            });
-        }
-        let image = dense::multiply(self.g.as_ref(), self.h_hat.as_ref());
-        let k_h = k - dense::multiply(image.as_ref(), self.g.transpose());
-        let right = &self.g - image;
-        Ok(Ingredients {
-            k: k_ends,
-            g: (smallest, largest),
-            h_hat: ends(self.h_hat.clone())?,
-            k_h: ends(k_h)?,
-            coupling: dense::singular_values(right.as_ref())?
-                .first()
-                .copied()
-                .unwrap_or(0.0),
-        })
+    /// T by its parts where all blocks are symmetric.
+    pub(super) fn form(&self, p: &dyn Fn(f64) -> f64) -> Result<Form, SetupError> {
+        let sigma = (!self.is_exact).then(|| self.k_0.clone());
+        Form::new(sigma, &self.g, Some(&self.h_hat), p, 0)
+    }
+
+    /// A vector of the original unknowns from one of [`Form::matrix`].
+    pub(super) fn back_of(&self, form: &Form, v: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let v_u = Mat::from_fn(self.g.nrows(), 1, |i, _| v[i]);
+        let v_t = form.tractions(v);
+        let v_t = Mat::from_fn(v_t.len(), 1, |i, _| v_t[i]);
+        let entries = |m: Mat<f64>| m.col(0).iter().copied().collect();
+        (entries(&self.e * &v_u), entries(&self.f * &v_t))
     }
 
     /// `Z v = (E v_u, F Gᵀ v_u + F v_t)`: a vector of the original unknowns.

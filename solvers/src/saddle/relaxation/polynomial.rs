@@ -49,6 +49,11 @@ impl Polynomial {
         POLYNOMIALS.iter().find(|p| p.end >= end).unwrap_or(last)
     }
 
+    /// p(x).
+    pub(super) fn at(&self, x: f64) -> f64 {
+        1.0 + x * self.coefficients.iter().rev().fold(0.0, |v, c| c + x * v)
+    }
+
     /// d.
     pub(super) fn degree(&self) -> usize {
         self.coefficients.len()

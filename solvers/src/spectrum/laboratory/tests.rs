@@ -6,7 +6,8 @@ use crate::direct::DirectChoice;
 use crate::saddle::samples::{random, sparse, trusses, two_chains};
 use crate::saddle::schur;
 use crate::smoothers::{Jacobi, Ssor};
-use crate::spectrum::{Theorem, Verdict};
+use crate::spectrum::bounds::Ingredients;
+use crate::spectrum::{Bounds, Theorem, Verdict};
 use fracas_operators::Properties;
 
 fn request(augmentation: AugmentationChoice, inner: &str) -> SpectrumRequest {
@@ -255,6 +256,8 @@ fn when_beta_u_is_below_twice_alpha_t_no_real_eigenvalue_lies_below_alpha_u() {
         h_hat: (0.0, 0.0),
         k_h: (0.5, 0.9),
         coupling: 0.7,
+        sigma: (0.5, 0.9),
+        h: (0.0, 0.0),
     };
     let bounds = Bounds::printed(&ingredients);
     assert_eq!(bounds.real_low, Some(0.5));
@@ -317,8 +320,18 @@ fn when_alpha_u_is_at_least_two_the_spectrum_is_real() {
             let values = dense::general_eigenvalues(similarity.matrix().as_ref()).unwrap();
             let non_real = values
                 .iter()
-                .any(|v| super::super::bounds::is_non_real(v.re, v.im));
-            (similarity.ingredients().unwrap().k.0, non_real)
+                .any(|v| super::super::region::is_non_real(v.re, v.im));
+            (
+                similarity
+                    .form(&|_| 1.0)
+                    .unwrap()
+                    .statements()
+                    .unwrap()
+                    .ingredients
+                    .k
+                    .0,
+                non_real,
+            )
         };
         let (alpha_u, _) = scaled(1.0);
         let (two, non_real) = scaled(2.0 / alpha_u);
@@ -483,14 +496,24 @@ fn iterative_bounds_and_outer_eigenvalues_agree_with_dense_ones() {
             (full.bounds.beta_u, outer.bounds.beta_u),
             (full.bounds.alpha_t, outer.bounds.alpha_t),
             (full.bounds.beta_t, outer.bounds.beta_t),
-            (full.bounds.im_max, outer.bounds.im_max),
-            (full.bounds.real_high, outer.bounds.real_high),
+            (full.delta, outer.delta),
+            (full.Delta, outer.Delta),
+            (full.eta, outer.eta),
         ] {
             let (a, b) = (a.unwrap(), b.unwrap());
             assert!(
                 (a - b).abs() < 1e-6 * a.abs().max(1e-3),
                 "{inner} {h}: {a} {b}"
             );
+        }
+        // what products alone prove is no more than what dense matrices do
+        for (inside, outside) in [
+            (full.bounds.im_max, outer.bounds.im_max),
+            (full.bounds.real_high, outer.bounds.real_high),
+            (outer.bounds.real_low, full.bounds.real_low),
+        ] {
+            let (inside, outside) = (inside.unwrap(), outside.unwrap());
+            assert!(inside < outside + 1e-6, "{inner} {h}: {inside} {outside}");
         }
         assert!((full.re_max.unwrap() - outer.re_max.unwrap()).abs() < 1e-6);
         assert!((full.re_min.unwrap() - outer.re_min.unwrap()).abs() < 1e-6);
