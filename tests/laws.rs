@@ -5,6 +5,8 @@
 #![allow(clippy::unwrap_used)]
 
 mod counting;
+#[allow(dead_code, reason = "other claims need more of it")]
+mod coupled;
 
 use counting::{allocations, threads};
 use fracas::contact::{Coupling, JumpStabilization};
@@ -26,7 +28,8 @@ use fracas_solvers::Silent;
 use fracas_solvers::direct::{DirectChoice, Kind};
 use fracas_solvers::fsai::{Fsai, FsaiInverse};
 use fracas_solvers::saddle::{
-    AugmentationChoice, Racp, SaddleBlocks, SaddleMethod, SaddleOperator, T, U, schur,
+    AugmentationChoice, Form, PressureSchur, Racp, SaddleBlocks, SaddleMethod, SaddleOperator, T,
+    ThreeFields, U, schur,
 };
 use rayon::ThreadPool;
 
@@ -290,6 +293,21 @@ fn preconditioners(pools: &[ThreadPool; 2], name: &str, body: &Body) {
         }
     }
     assert!(list.len() > 12, "{} methods were set up", list.len());
+    for (schur, form, inner) in PressureSchur::ALL
+        .into_iter()
+        .zip(Form::ALL.into_iter().cycle())
+        .zip(["amg", "exact", "fsai", "ssor", "jacobi", "amg:chebyshev"])
+        .map(|((schur, form), inner)| (schur, form, inner))
+    {
+        let coupled = coupled::balanced(coupled::coupled(body, coupled::Flow::default(), 7));
+        let racp = SaddleMethod::Racp(Racp {
+            inner: inner.parse().unwrap(),
+            flow: ThreeFields { schur, form },
+            ..Racp::default()
+        });
+        let of = format!("three fields, {schur}, {form}, direct S_p, {inner} of {name}");
+        list.push((of, racp.ready(&coupled).unwrap().inverse, false));
+    }
     if body.mesh.grid.is_some() {
         let saddle = MatrixFreeSaddle::in_traction_unit(&system, unit).unwrap();
         let parts = RacpParts::new(&Racp::geometric(), &saddle, &system, &mut Silent).unwrap();

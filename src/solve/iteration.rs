@@ -8,7 +8,7 @@ use crate::memory;
 use fracas_operators::Preconditioner;
 use fracas_solvers::Observer;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, System};
-use fracas_solvers::saddle::{Accurate, Cost, Measure, P, SaddleBlocks, SaddleSystem, T, U};
+use fracas_solvers::saddle::{Accurate, Cost, P, SaddleBlocks, SaddleSystem, T, U};
 use fracas_solvers::spectrum::{Explanation, Solved as Explained};
 use std::time::Instant;
 
@@ -87,12 +87,8 @@ impl Solver {
         let mut x = vec![0.0; self.b.len()];
         let own = self.rhs == RightHandSide::System;
         let norms = equations.norms(own);
-        // T of a folder may be no norm of pressures
         let layout = equations.layout();
-        let measure = match layout.length(P) {
-            0 => settings.measure,
-            _ => Measure::Residual,
-        };
+        let measure = settings.measure;
         let mut watch = Watch::new(observer, is_single(self));
         let judged = (measure, &norms);
         let method = krylov.method();
@@ -168,8 +164,8 @@ impl Solver {
         let cost = Cost::new(operator, self.inverse(&double));
         let sharp = norms.entries().filter(|_| refinements > 0);
         let residual = equations.residual(&x, b, sharp);
-        let [t] = layout.split_mut([T], &mut x);
-        t.iter_mut().for_each(|t| *t *= self.unit);
+        let stresses = layout.length(U)..;
+        (x[stresses].iter_mut()).for_each(|t| *t *= self.unit);
         let names = self.names.clone();
         let mut solved = Solved {
             outcome: End::Breakdown,
@@ -178,6 +174,7 @@ impl Solver {
             measure,
             error_u: number(error[U]),
             error_t: number(error[T]),
+            error_p: error.get(P).and_then(number),
             smallest_ritz: (result.as_ref().ok()).and_then(|report| report.smallest_ritz),
             backward_error: residual.backward,
             contact_residual: residual.contact,

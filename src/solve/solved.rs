@@ -37,6 +37,9 @@ pub struct Solved {
     pub error_u: Option<f64>,
     /// Error of t in the norm of C_0 + H, relative to t.
     pub error_t: Option<f64>,
+    /// Error of p in the norm of `Q1ᵀ diag(A)⁻¹ Q1`, relative to p; none without flow.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error_p: Option<f64>,
     /// Ritz value of 𝒜M⁻¹ nearest to zero.
     pub smallest_ritz: Option<f64>,
     /// `‖b − 𝒜x‖_∞ / (‖𝒜‖_∞ ‖x‖_∞ + ‖b‖_∞)`: 1e-16 means that f64 cannot do better.

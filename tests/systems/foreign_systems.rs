@@ -108,6 +108,7 @@ fn gmres_counts_with_exact_schur_complement_agree() {
             augmentation: augmentation.parse().unwrap(),
             relaxation: 0.0,
             inner: inner.parse().unwrap(),
+            ..Racp::default()
         };
         let operator = SaddleOperator::new(blocks);
         let preconditioner = settings.prepare(blocks).unwrap();

@@ -104,6 +104,18 @@ fn folder_audit(folder: &Path, out: &mut dyn Write) -> anyhow::Result<()> {
         entries(&b.b2),
         entries(&b.h)
     )?;
+    if let Some(flow) = &b.flow {
+        let open = (flow.q2.outer_iterator()).filter(|row| row.data().iter().any(|v| *v != 0.0));
+        writeln!(
+            out,
+            "flow        Q1 {}, Q2 {}, T {} entries; the volume of {} of {} faces changes with the displacements",
+            flow.q1.nnz(),
+            flow.q2.nnz(),
+            flow.t.nnz(),
+            open.count(),
+            b.n_p()
+        )?;
+    }
     for finding in &imported.findings {
         writeln!(out, "finding     {finding}")?;
     }

@@ -71,7 +71,7 @@ pub(super) fn rows(facts: &Explanation) -> Vec<(&'static str, String)> {
 
 fn seen(seen: Option<&Seen>) -> String {
     let Some(seen) = seen else {
-        return "not measured: M is no linear map, or the system has flow".into();
+        return "not measured: M is no linear map".into();
     };
     match (seen.modulus_min, seen.modulus_max, seen.kappa) {
         (Some(low), Some(high), Some(kappa)) => format!(

@@ -3,7 +3,7 @@
 use crate::study::Inner;
 use clap::Args;
 use fracas::solve::InnerRule;
-use fracas_solvers::saddle::{AugmentationChoice, NoSuchPart, SaddleMethod};
+use fracas_solvers::saddle::{AugmentationChoice, Form, NoSuchPart, PressureSchur, SaddleMethod};
 
 /// A method with the parts that the command line chooses.
 #[derive(Args, Debug)]
@@ -21,6 +21,13 @@ pub(super) struct Method {
     /// spectrum: exact].
     #[arg(long, value_name = "M")]
     inner: Option<Inner>,
+    /// With flow, S_p of --method racp: fixed_stress, scaled_fixed_stress, patch_fixed_stress, half_order, transmissibility, diagonal, exact
+    /// [default: fixed_stress].
+    #[arg(long, value_name = "S_P")]
+    schur_p: Option<PressureSchur>,
+    /// With flow, the factors that --method racp applies: full, upper (pressures first, mechanics once) or lower [default: full].
+    #[arg(long, value_name = "FORM")]
+    form: Option<Form>,
 }
 
 /// All names.
@@ -56,6 +63,7 @@ impl Method {
     ) -> Result<(SaddleMethod, InnerRule), NoSuchPart> {
         let (inner, rule) = Inner::choose(inner);
         let method = self.method.unwrap_or(default);
-        Ok((method.with_parts(self.augmentation, inner)?, rule))
+        let method = method.with_parts(self.augmentation, inner)?;
+        Ok((method.with_flow(self.schur_p, self.form)?, rule))
     }
 }

@@ -71,7 +71,10 @@ impl Modes {
                 None => {
                     let places = system.blocks.coordinates.as_deref();
                     output::text(&at("u.csv"), &displacements(&mode.u, places)?)?;
-                    output::text(&at("t.csv"), &tractions(&mode.t)?)?;
+                    output::text(&at("t.csv"), &by_unknown(&mode.t)?)?;
+                    if !mode.p.is_empty() {
+                        output::text(&at("p.csv"), &by_unknown(&mode.p)?)?;
+                    }
                 }
             }
         }
@@ -137,8 +140,8 @@ fn displacements(u: &[f64], places: Option<&[DofCoordinate]>) -> Result<String, 
     Ok(text)
 }
 
-/// `unknown,value` per traction.
-fn tractions(t: &[f64]) -> Result<String, std::fmt::Error> {
+/// `unknown,value` per traction or pressure.
+fn by_unknown(t: &[f64]) -> Result<String, std::fmt::Error> {
     let mut text = String::from("unknown,value\n");
     for (i, value) in t.iter().enumerate() {
         writeln!(text, "{i},{value:e}")?;

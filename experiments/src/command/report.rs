@@ -46,6 +46,11 @@ pub(super) fn print(solved: &Solved, out: &mut dyn Write) -> anyhow::Result<()> 
         ("relative residual", small(solved.relative_residual)),
         ("error of u", small(solved.error_u)),
         ("error of t", small(solved.error_t)),
+    ];
+    if solved.n_p > 0 {
+        rows.push(("error of p", small(solved.error_p)));
+    }
+    rows.extend([
         ("backward error", small(solved.backward_error)),
         ("contact residual", small(solved.contact_residual)),
         ("c_app", format!("{:.2}", solved.c_app)),
@@ -55,7 +60,7 @@ pub(super) fn print(solved: &Solved, out: &mut dyn Write) -> anyhow::Result<()> 
         ),
         ("set-up", format!("{:.2} s", solved.setup_s)),
         ("solve", format!("{:.2} s", solved.solve_s)),
-    ];
+    ]);
     if let Some(amg) = &solved.amg {
         rows.push(("multigrid", amg.smoothing.to_string()));
     }

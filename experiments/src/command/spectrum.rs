@@ -50,10 +50,6 @@ impl Spectrum {
         output::try_files(self.json.iter().chain(&self.plot))?;
         let mut progress = Progress::new();
         let system = self.source.load(&mut progress)?;
-        if system.blocks.flow.is_some() {
-            progress
-                .say(&"note: flow blocks are left out; this is the spectrum of the (u, t) part");
-        }
         let request = SpectrumRequest {
             dense_limit: self.dense_limit,
             modes: self.modes.modes.clone(),
@@ -215,8 +211,10 @@ fn print(
         let (re, im) = mode.eigenvalue;
         writeln!(
             out,
-            "mode              λ = {re:.6e} {im:+.6e} i, {:.1} % of the energy in t, residual {:.1e}",
+            "mode              λ = {re:.6e} {im:+.6e} i, {:.1} % of the energy in t{}, residual {:.1e}",
             100.0 * mode.traction_share,
+            mode.pressure_share
+                .map_or_else(String::new, |p| format!(", {:.1} % in p", 100.0 * p)),
             mode.residual
         )?;
     }

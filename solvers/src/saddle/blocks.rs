@@ -18,6 +18,13 @@ pub struct FlowBlocks {
     pub rhs_p: Vec<f64>,
 }
 
+impl FlowBlocks {
+    /// True where displacements change volumes: without an open face Q2 = 0 and S_p = T.
+    pub fn is_coupled(&self) -> bool {
+        self.q2.data().iter().any(|v| *v != 0.0)
+    }
+}
+
 /// `𝒜 = [A B1; B2 −H]` by assembled blocks, all in CSR.
 #[derive(Clone, Debug)]
 pub struct SaddleBlocks {
@@ -63,12 +70,13 @@ impl SaddleBlocks {
         }
     }
 
-    /// Checks that the shapes of A, B1, B2, H fit, that the blocks are stored by rows and hold no NaN.
+    /// Checks that the shapes of A, B1, B2, H and of Q1, Q2, T fit, that the blocks are stored by rows and hold no NaN.
     ///
     /// # Errors
     /// [`SetupError::Shape`] or [`SetupError::NotFinite`] naming the block, row and column.
     pub fn check(&self) -> Result<(), SetupError> {
-        let (n_u, n_t) = (self.n_u(), self.n_t());
+        let (n_u, n_t, n_p) = (self.n_u(), self.n_t(), self.n_p());
+        let flow = self.flow.as_ref();
         let present = [
             ("A", Some(&self.a), Shape::square(n_u), "A is square"),
             (
@@ -88,6 +96,19 @@ impl SaddleBlocks {
                 self.h.as_ref(),
                 Shape::square(n_t),
                 "H has a row for every column of B1",
+            ),
+            ("T", flow.map(|f| &f.t), Shape::square(n_p), "T is square"),
+            (
+                "Q1",
+                flow.map(|f| &f.q1),
+                Shape::new(n_u, n_p),
+                "Q1 has a row for every row of A and a column for every row of T",
+            ),
+            (
+                "Q2",
+                flow.map(|f| &f.q2),
+                Shape::new(n_p, n_u),
+                "Q2 has the shape of Q1ᵀ",
             ),
         ];
         for (block, matrix, expected, reason) in present {

@@ -181,7 +181,7 @@ fn marks(rows: &[usize], n: usize) -> Vec<bool> {
 }
 
 /// The chosen rows, one below the other.
-fn rows_of(matrix: &SparseMatrix<f64>, rows: &[usize]) -> SparseMatrix<f64> {
+pub(super) fn rows_of(matrix: &SparseMatrix<f64>, rows: &[usize]) -> SparseMatrix<f64> {
     let mut chosen = Triplets::new((rows.len(), matrix.cols()));
     for (k, &i) in rows.iter().enumerate() {
         let row = matrix.outer_view(i);

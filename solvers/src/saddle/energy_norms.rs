@@ -23,11 +23,12 @@ const SINGLE: f64 = 1_048_576.0;
 /// `‖e_u‖² = e_uᵀA e_u + (B2 e_u)ᵀ (C_0 + diag H)⁻¹ (B2 e_u)` and `‖e_t‖² = e_tᵀ (C_0 + H) e_t`, `C_0 = diag(B1ᵀ diag(A)⁻¹ B1)`.
 ///
 /// The norm of e_u is the energy norm, and sees the motion of blocks that A leaves free by their jumps; that of e_t is the energy
-/// of what the tractions move. A further field p has that of its own block, `‖e_p‖² = e_pᵀ T e_p`. None depends on units, on the method, or on how stiff the rock is that a prescribed
+/// of what the tractions move, and that of pressures likewise `‖e_p‖² = e_pᵀ diag(Q1ᵀ diag(A)⁻¹ Q1) e_p`: T may be singular or indefinite, and
+/// where it is large its energy does not see that all pressures are wrong by the same. None depends on units, on the method, or on how stiff the rock is that a prescribed
 /// displacement holds.
 ///
 /// # Cost
-/// One product with 𝒜 and one with H (T) per error, two vectors of n.
+/// One product with 𝒜 and one with H per error, two vectors of n.
 pub struct EnergyNorms<'a> {
     operator: &'a dyn LinearOperator<f64>,
     layout: Layout,
@@ -42,8 +43,17 @@ pub struct EnergyNorms<'a> {
     entries: Option<&'a SaddleBlocks>,
     /// Jumps count in the norm of e_u.
     jumps: bool,
-    /// T of further fields.
-    others: Vec<(Field, &'a SparseMatrix<f64>)>,
+    /// Further fields.
+    others: Vec<Weighted>,
+}
+
+/// A field with a norm of weights.
+struct Weighted {
+    field: Field,
+    /// `‖e‖² = Σ w_i e_i²`.
+    weights: Vec<f64>,
+    /// Squares of what residuals are of the size of.
+    sizes: Vec<f64>,
 }
 
 impl<'a> EnergyNorms<'a> {
@@ -79,11 +89,19 @@ impl<'a> EnergyNorms<'a> {
         }
     }
 
-    /// The same for a system with a further field, which is judged by its own symmetric positive semi-definite block.
+    /// The same for a system with a further field, judged by `‖e‖² = Σ w_i e_i²` with these weights; its residuals are of the size of
+    /// `√(w_i + |t_ii|)`, t being its own block.
     #[must_use]
-    pub fn and(mut self, field: Field, block: &'a SparseMatrix<f64>) -> Self {
-        self.layout = self.layout.with(field, block.rows());
-        self.others.push((field, block));
+    pub fn and(mut self, field: Field, weights: Vec<f64>, block: &SparseMatrix<f64>) -> Self {
+        assert_eq!(weights.len(), block.rows(), "weights of {}", field.name);
+        self.layout = self.layout.with(field, weights.len());
+        let entry = |t: Option<&f64>| t.map_or(0.0, |t| t.abs());
+        let sizes = weights.iter().zip(block.diag_iter());
+        self.others.push(Weighted {
+            field,
+            sizes: sizes.map(|(w, t)| w + entry(t)).collect(),
+            weights,
+        });
         self
     }
 
@@ -140,8 +158,7 @@ impl<'a> EnergyNorms<'a> {
     /// A residual with its share of every eigenvector: independent entries, as large as `√diag(A)` and `√diag(C_0 + H)`.
     pub fn random_residual(&self) -> Vec<f64> {
         let of_t = self.diagonal.iter().copied();
-        let entry = |entry: Option<&f64>| entry.map_or(0.0, |entry| entry.abs());
-        let others = (self.others.iter()).flat_map(|(_, block)| block.diag_iter().map(entry));
+        let others = (self.others.iter()).flat_map(|other| other.sizes.iter().copied());
         let size = self.stiffness.entries().chain(of_t).chain(others);
         let random = |(i, a): (usize, f64)| a.sqrt() * signed(i as u64);
         size.enumerate().map(random).collect()
@@ -166,9 +183,10 @@ impl<'a> EnergyNorms<'a> {
     fn norms(&self, v: &[f64], u: f64) -> Fields<f64> {
         let [t] = self.layout.split([T], v);
         let norms = Fields::new([(U, u), (T, self.tractions(t))]);
-        self.others.iter().fold(norms, |norms, (field, block)| {
-            let [p] = self.layout.split([*field], v);
-            norms.with(*field, energy(&CsrView::new(block), p).sqrt())
+        self.others.iter().fold(norms, |norms, other| {
+            let [p] = self.layout.split([other.field], v);
+            let squares = p.iter().zip(&other.weights).map(|(p, w)| w * p * p);
+            norms.with(other.field, squares.sum::<f64>().sqrt())
         })
     }
 
@@ -266,14 +284,36 @@ fn ratio(error: f64, of: f64) -> f64 {
 impl SaddleBlocks {
     /// The diagonal of `C_0 = B1ᵀ diag(A)⁻¹ B1`; 1 for an empty column.
     pub fn contact_compliance(&self) -> Vec<f64> {
-        let mut c = vec![0.0; self.n_t()];
-        for (i, row) in self.b1.outer_iterator().enumerate() {
+        let mut c = self.compliance(&self.b1);
+        c.iter_mut().filter(|c| **c == 0.0).for_each(|c| *c = 1.0);
+        c
+    }
+
+    /// The diagonal of `Q1ᵀ diag(A)⁻¹ Q1`; the mean of the others for a pressure that moves nothing, and 1 where none does. Empty without
+    /// flow.
+    pub fn pressure_compliance(&self) -> Vec<f64> {
+        let Some(flow) = &self.flow else {
+            return Vec::new();
+        };
+        let mut c = self.compliance(&flow.q1);
+        let moving = c.iter().filter(|c| **c > 0.0).count();
+        let mean = match moving {
+            0 => 1.0,
+            _ => c.iter().sum::<f64>() / moving as f64,
+        };
+        c.iter_mut().filter(|c| **c == 0.0).for_each(|c| *c = mean);
+        c
+    }
+
+    /// The diagonal of `Qᵀ diag(A)⁻¹ Q`.
+    fn compliance(&self, q: &SparseMatrix<f64>) -> Vec<f64> {
+        let mut c = vec![0.0; q.cols()];
+        for (i, row) in q.outer_iterator().enumerate() {
             let diagonal = self.a.get(i, i).map_or(0.0, |a| a.abs());
             if diagonal > 0.0 {
                 row.iter().for_each(|(j, b)| c[j] += b * b / diagonal);
             }
         }
-        c.iter_mut().filter(|c| **c == 0.0).for_each(|c| *c = 1.0);
         c
     }
 

@@ -93,7 +93,7 @@ pub struct PartCost {
     pub c_s: f64,
     /// Set-up of S̃_u, in seconds.
     pub inner_s: f64,
-    /// Flops of one application of S̃_u⁻¹.
+    /// Flops of S̃_u⁻¹ in one application of M⁻¹.
     pub inner_flops: u64,
 }
 

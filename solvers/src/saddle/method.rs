@@ -3,7 +3,8 @@
 use super::inner::Ready;
 use super::{
     AugmentationChoice, AugmentedLagrangian, BlockDiagonal, BlockTriangular, Direct,
-    EliminatedInverse, Elimination, InnerChoice, Mcp, RELAXATION, Racp, SaddleBlocks, Simple,
+    EliminatedInverse, Elimination, Form, InnerChoice, Mcp, PressureSchur, RELAXATION, Racp,
+    SaddleBlocks, Simple, ThreeFields,
 };
 use crate::registry::{NameTaken, Named, Registered, Registry};
 use crate::written::{self, Written};
@@ -45,6 +46,11 @@ pub trait SaddleSettings {
     /// True where the method itself sees to rows that determine their own traction ([`Elimination`]).
     fn takes_local_rows(&self) -> bool {
         false
+    }
+
+    /// The third field, where the method preconditions it by parts.
+    fn flow_mut(&mut self) -> Option<&mut ThreeFields> {
+        None
     }
 
     /// The solver of the displacement block, where there is one.
@@ -184,7 +190,7 @@ impl SaddleMethod {
         if blocks.flow.is_some() && !settings.takes_flow() {
             return Err(SetupError::NotApplicable {
                 method: self.name(),
-                reason: "the system has flow blocks (Q1, Q2, T), this method solves for u and t; take method = \"direct\"".into(),
+                reason: "the system has flow blocks (Q1, Q2, T), this method solves for u and t; take method = \"racp\" or \"direct\"".into(),
             });
         }
         if settings.takes_local_rows() {
@@ -235,6 +241,26 @@ impl SaddleMethod {
             let no_inner = self.without("inner solver", |m| m.inner().is_some());
             *self.settings_mut().inner_mut().ok_or(no_inner)? = given;
         }
+        Ok(self)
+    }
+
+    /// The same method with this S_p and this form of the block factorization, where they are given.
+    ///
+    /// # Errors
+    /// [`NoSuchPart`] when the method does not have what is given.
+    pub fn with_flow(
+        mut self,
+        schur: Option<PressureSchur>,
+        form: Option<Form>,
+    ) -> Result<Self, NoSuchPart> {
+        if schur.is_none() && form.is_none() {
+            return Ok(self);
+        }
+        let has_flow = |mut m: Self| m.settings_mut().flow_mut().is_some();
+        let no_flow = self.without("Schur complement of the pressures", has_flow);
+        let flow = self.settings_mut().flow_mut().ok_or(no_flow)?;
+        flow.schur = schur.unwrap_or(flow.schur);
+        flow.form = form.unwrap_or(flow.form);
         Ok(self)
     }
 

@@ -15,6 +15,7 @@ mod fields;
 pub mod folder;
 pub mod inner;
 mod iterated;
+mod leading;
 pub mod mcp;
 pub mod method;
 pub mod monolithic;
@@ -31,6 +32,7 @@ pub(crate) mod scaling;
 pub mod schur;
 pub mod simple;
 mod system;
+pub mod three_fields;
 mod unit;
 
 pub use crate::DofCoordinate;
@@ -60,4 +62,8 @@ pub use racp::{Racp, RacpInverse};
 pub use relaxation::{REACH, RELAXATION, Relaxation, RelaxationSummary};
 pub use simple::{Correction, Simple, SimpleInverse};
 pub use system::{Assembled, ResidualNorms, SaddleSystem};
+pub use three_fields::{
+    Form, NearSchur, PressureFactors, PressureSchur, PressureSystem, ThreeFields,
+    ThreeFieldsInverse,
+};
 pub use unit::unit_of_tractions;

@@ -4,7 +4,8 @@ use super::inner::{PartCost, Ready};
 use super::method::SaddleSettings;
 use super::{
     AugmentationChoice, AugmentationMatrix, ContactRows, EliminatedInverse, Elimination,
-    InnerChoice, RELAXATION, Relaxation, RelaxationSummary, SaddleBlocks, T, U,
+    FlowBlocks, InnerChoice, NearSchur, PressureFactors, PressureSystem, RELAXATION, Relaxation,
+    RelaxationSummary, SaddleBlocks, T, ThreeFields, ThreeFieldsInverse, U,
 };
 use crate::multigrid::Geometric;
 use crate::{Prepare, SetupError};
@@ -149,6 +150,9 @@ pub struct Racp {
     /// S̃_u⁻¹.
     #[schemars(with = "crate::saddle::inner::NameOrSettings")]
     pub inner: InnerChoice,
+    /// The third field, where there is flow.
+    #[serde(skip_serializing_if = "ThreeFields::is_default")]
+    pub flow: ThreeFields,
 }
 
 impl Default for Racp {
@@ -157,6 +161,7 @@ impl Default for Racp {
             augmentation: AugmentationChoice::FittedH,
             relaxation: RELAXATION,
             inner: InnerChoice::default(),
+            flow: ThreeFields::default(),
         }
     }
 }
@@ -168,6 +173,7 @@ impl Racp {
             augmentation: AugmentationChoice::LocalH,
             relaxation: 0.0,
             inner,
+            flow: ThreeFields::default(),
         }
     }
 
@@ -184,20 +190,12 @@ impl Racp {
         matches!(self.inner, InnerChoice::Geometric(_))
     }
 
-    /// With multigrid in f64.
-    #[must_use]
-    pub fn in_double(self) -> Self {
-        let inner = self.inner.in_double().unwrap_or(self.inner);
-        Self { inner, ..self }
-    }
-}
-
-impl SaddleSettings for Racp {
-    fn name(&self) -> &'static str {
-        "racp"
-    }
-
-    fn ready(&self, blocks: &SaddleBlocks) -> Result<Ready, SetupError> {
+    /// The inverse of `[A B1; B2 −H]`, and S_p where flow is given.
+    fn mechanics(
+        &self,
+        blocks: &SaddleBlocks,
+        flow: Option<&FlowBlocks>,
+    ) -> Result<(Ready, Option<PressureSystem>), SetupError> {
         let direct = self.inner.backend().solver()?;
         let racp = |blocks: &SaddleBlocks| {
             let start = Instant::now();
@@ -212,6 +210,13 @@ impl SaddleSettings for Racp {
                 inner_s: start.elapsed().as_secs_f64(),
                 inner_flops: inverse.flops(),
             };
+            let s_p = match flow {
+                Some(flow) => {
+                    let near = |rows| NearSchur::new(rows, (&blocks.a, &blocks.b1), &c);
+                    Some(self.flow.schur.system(flow, near, inverse.as_ref())?)
+                }
+                None => None,
+            };
             // a dense C serves theory: it is left as it is
             let is_dense = matches!(c, AugmentationMatrix::Dense { .. });
             let relaxed = blocks.h.as_ref().filter(|_| !is_dense);
@@ -219,29 +224,51 @@ impl SaddleSettings for Racp {
             if let Some(h) = relaxed {
                 inverse = inverse.relaxed(Box::new(Csr::new(h.clone())), self.relaxation);
             }
-            Ok((inverse, hierarchy, Some(parts)))
+            let ready = Ready {
+                relaxation: inverse.relaxation(),
+                inverse: Box::new(inverse),
+                hierarchy,
+                parts: Some(parts),
+            };
+            Ok((ready, s_p))
         };
-        blocks.check()?;
-        Ok(match Elimination::new(blocks) {
+        match Elimination::new(blocks) {
             Some(elimination) => {
-                let (inner, hierarchy, parts) = racp(elimination.kept())?;
-                Ready {
-                    relaxation: inner.relaxation(),
-                    inverse: Box::new(EliminatedInverse::new(elimination, inner)),
-                    hierarchy,
-                    parts,
-                }
+                let (ready, s_p) = racp(elimination.kept())?;
+                let whole = |inner| EliminatedInverse::new(elimination, inner);
+                Ok((ready.inside(whole), s_p))
             }
-            None => {
-                let (inverse, hierarchy, parts) = racp(blocks)?;
-                Ready {
-                    relaxation: inverse.relaxation(),
-                    inverse: Box::new(inverse),
-                    hierarchy,
-                    parts,
-                }
-            }
-        })
+            None => racp(blocks),
+        }
+    }
+
+    /// With multigrid in f64.
+    #[must_use]
+    pub fn in_double(self) -> Self {
+        let inner = self.inner.in_double().unwrap_or(self.inner);
+        Self { inner, ..self }
+    }
+}
+
+impl SaddleSettings for Racp {
+    fn name(&self) -> &'static str {
+        "racp"
+    }
+
+    fn ready(&self, blocks: &SaddleBlocks) -> Result<Ready, SetupError> {
+        blocks.check()?;
+        let Some(flow) = &blocks.flow else {
+            return Ok(self.mechanics(blocks, None)?.0);
+        };
+        let (mut ready, s_p) = self.mechanics(blocks, Some(flow))?;
+        let Some(s_p) = s_p else { return Ok(ready) };
+        let s_p = PressureFactors::default().factor(&s_p)?;
+        let form = self.flow.form.for_coupling(flow.is_coupled());
+        if let Some(parts) = &mut ready.parts {
+            parts.inner_flops *= form.solves();
+        }
+        let [q1, q2] = [&flow.q1, &flow.q2].map(|q| Csr::new(q.clone()));
+        Ok(ready.inside(|ut| ThreeFieldsInverse::new(ut, q1, q2, s_p, form)))
     }
 
     fn augmentation(&self) -> Option<AugmentationChoice> {
@@ -253,12 +280,20 @@ impl SaddleSettings for Racp {
         true
     }
 
+    fn takes_flow(&self) -> bool {
+        true
+    }
+
     fn takes_local_rows(&self) -> bool {
         true
     }
 
     fn inner_mut(&mut self) -> Option<&mut InnerChoice> {
         Some(&mut self.inner)
+    }
+
+    fn flow_mut(&mut self) -> Option<&mut ThreeFields> {
+        Some(&mut self.flow)
     }
 }
 

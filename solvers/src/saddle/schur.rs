@@ -1,11 +1,12 @@
 //! The primal Schur complement `S_u = A + B C⁻¹ Bᵀ` and its exact inverse.
 
+use super::leading::Leading;
 use super::scaling::ScaledInverse;
-use super::{AugmentationMatrix, SaddleBlocks, T, U};
+use super::{AugmentationMatrix, SaddleBlocks};
 use crate::SetupError;
 use crate::direct::{DirectChoice, DirectSolver, Factorization, Kind};
+use fracas_operators::Preconditioner;
 use fracas_operators::sparse::SparseMatrix;
-use fracas_operators::{Layout, Preconditioner, Properties};
 
 /// `S_u = A + (BF)(BF)ᵀ` with `C⁻¹ = F Fᵀ`: symmetric to the last bit where A is.
 ///
@@ -44,10 +45,7 @@ pub fn exact_inverse(
             .analyze(&matrix, Kind::QuasiDefinite)?
             .factor(&matrix)
             .map_err(about_s_u)?;
-        return Ok(Box::new(QuasiDefinite {
-            layout: Layout::new([(U, blocks.n_u()), (T, blocks.n_t())]),
-            factors,
-        }));
+        return Ok(Box::new(Leading::new(blocks.n_u(), factors)));
     }
     let s_u = primal_schur(&blocks.a, &blocks.b1, c)?;
     let inverse = ScaledInverse::new(&s_u, direct, "S_u").map_err(about_s_u)?;
@@ -116,40 +114,4 @@ fn quasi_definite(blocks: &SaddleBlocks, c: &AugmentationMatrix) -> SparseMatrix
         ..blocks.clone()
     };
     augmented.assembled()
-}
-
-/// S_u⁻¹ through factors of `[A B; Bᵀ −C]`.
-struct QuasiDefinite {
-    layout: Layout,
-    factors: Box<dyn Factorization>,
-}
-
-impl Preconditioner<f64> for QuasiDefinite {
-    fn size(&self) -> usize {
-        self.layout.length(U)
-    }
-
-    fn solve(&self, r: &[f64], z: &mut [f64], work: &mut [f64]) {
-        let n = self.factors.size();
-        let (x, work) = work.split_at_mut(n);
-        let (y, work) = work.split_at_mut(n);
-        let [x_u, x_t] = self.layout.split_mut([U, T], x);
-        x_u.copy_from_slice(r);
-        x_t.fill(0.0);
-        self.factors.solve(x, y, work);
-        let [y_u] = self.layout.split([U], y);
-        z.copy_from_slice(y_u);
-    }
-
-    fn work_len(&self) -> usize {
-        2 * self.factors.size() + self.factors.work_len()
-    }
-
-    fn flops(&self) -> u64 {
-        self.factors.flops()
-    }
-
-    fn properties(&self) -> Properties {
-        self.factors.properties()
-    }
 }

@@ -107,7 +107,7 @@ impl SaddleSystem for Assembled<'_> {
         let strain = self.strain.as_deref().filter(|_| own);
         let norms = EnergyNorms::new(&self.operator, self.blocks.h.as_ref(), c, stiffness);
         let norms = match &self.blocks.flow {
-            Some(flow) => norms.and(P, &flow.t),
+            Some(flow) => norms.and(P, self.blocks.pressure_compliance(), &flow.t),
             None => norms,
         };
         norms

@@ -31,6 +31,9 @@ impl SaddleBlocks {
 
     /// The same system for tractions counted in units of `unit`: `B s`, `H s²`, `rhs_t s`; a solution gives `t = s t'`.
     ///
+    /// Pressures are counted in the same unit, and the rows of their balance times the power of two that brings their largest entry
+    /// nearest to that of A: volumes per time are as far from forces as jumps are.
+    ///
     /// A power of two changes no bit of any mantissa. RACP commutes with it: C scales by s² for every choice but the
     /// 1 of an empty column.
     #[must_use]
@@ -49,6 +52,16 @@ impl SaddleBlocks {
             .iter_mut()
             .for_each(|h| h.map_inplace(|v| v * (unit * unit)));
         self.rhs_t.iter_mut().for_each(|g| *g *= unit);
+        if let Some(flow) = &mut self.flow {
+            let row = unit_of_tractions(
+                largest(&self.a),
+                largest(&flow.q2).max(unit * largest(&flow.t)),
+            );
+            flow.q1.map_inplace(|v| v * unit);
+            flow.q2.map_inplace(|v| v * row);
+            flow.t.map_inplace(|v| v * (unit * row));
+            flow.rhs_p.iter_mut().for_each(|s| *s *= row);
+        }
         self
     }
 }

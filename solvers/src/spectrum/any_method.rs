@@ -1,9 +1,10 @@
 //! The spectrum of M⁻¹𝒜 for any preconditioner of the list.
 
 use super::laboratory::{Stages, simplified, stiffness_condition};
+use super::modes::Judge;
 use super::product::{Preconditioned, energy_scales};
 use super::report::{Eigenvalues, Method, Parts, SpectrumReport};
-use super::{SpectrumRequest, analyse, field_of_values, iterative};
+use super::{SpectrumRequest, analyse, field_of_values, iterative, modes};
 use crate::direct::DirectChoice;
 use crate::eigen::dense;
 use crate::saddle::{Elimination, SaddleBlocks, SaddleMethod};
@@ -12,8 +13,8 @@ use faer::Mat;
 use fracas_operators::Dense;
 
 /// Analyses M⁻¹𝒜 for `method`: [`analyse`] with its C, its relaxation of H and its S̃_u where it is RACP; otherwise, and where
-/// RACP eliminates rows of slip and opening, or relaxes H beside an unsymmetric block, the eigenvalues alone, since no bound is stated.
-/// `request` says the dense limit; its modes need RACP without such rows.
+/// RACP eliminates rows of slip and opening, relaxes H beside an unsymmetric block or meets flow, the eigenvalues alone, since no bound
+/// is stated. `request` says the dense limit; its modes need RACP without such rows, or flow.
 ///
 /// # Errors
 /// Those of the method; [`SetupError::NotApplicable`] for a preconditioner that is no linear map, and for modes of
@@ -25,7 +26,7 @@ pub fn analyse_method(
     observer: &mut dyn Observer,
 ) -> Result<SpectrumReport, SetupError> {
     let eliminated = Elimination::new(blocks).map_or(0, |e| e.rows().len());
-    if let (SaddleMethod::Racp(racp), 0) = (method, eliminated)
+    if let (SaddleMethod::Racp(racp), 0, None) = (method, eliminated, &blocks.flow)
         && (racp.relaxation == 0.0 || simplified(blocks).1.symmetric)
     {
         let request = SpectrumRequest {
@@ -40,7 +41,7 @@ pub fn analyse_method(
         method: "this spectrum",
         reason: reason.to_owned(),
     };
-    if !request.modes.is_empty() {
+    if !request.modes.is_empty() && blocks.flow.is_none() {
         return Err(no(
             "eigenvectors are computed for method = \"racp\" and \"racp:published\" only, and for systems without rows of slip or opening",
         ));
@@ -85,15 +86,22 @@ pub fn analyse_method(
         let product = Dense::of_operator(&operator);
         let d = &scales;
         let matrix = Mat::from_fn(n, n, |i, j| d[i] * product.entry(i, j) / d[j]);
-        if !structure.symmetric {
+        if !structure.symmetric || blocks.flow.is_some() {
             report.field_of_values = Some(field_of_values::of_matrix(matrix.as_ref())?);
         }
+        let judge = Judge {
+            operator: &operator,
+            scales: d,
+            layout: blocks.layout(),
+        };
+        let back = |v: &[f64]| v.iter().zip(d).map(|(v, d)| v / d).collect();
+        report.modes = modes::of_dense(&request.modes, &matrix, back, &judge)?;
         dense::general_eigenvalues(matrix.as_ref())?
     } else {
         report.method = Method::Iterative;
         let (values, residual) = iterative::outer_eigenvalues(&operator, &scales)?;
         report.notes.push(format!(
-            "n_u + n_t = {n} is above the dense limit {}: {} outer Ritz values with residuals below {residual:.1e}",
+            "{n} unknowns are more than the dense limit {}: {} outer Ritz values with residuals below {residual:.1e}",
             request.dense_limit,
             values.len()
         ));

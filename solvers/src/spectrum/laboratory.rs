@@ -109,7 +109,12 @@ pub fn analyse_around(
     let mut stages = Stages { observer, done: 0 };
     let augmentation = request.augmentation.compute(blocks, direct.as_ref())?;
     stages.next("augmentation");
-    let (blocks, structure, mut notes) = simplified(blocks);
+    let (mut blocks, structure, mut notes) = simplified(blocks);
+    if blocks.flow.take().is_some() {
+        notes.push(
+            "the pressure field is left out: this is the spectrum of the (u, t) block".to_owned(),
+        );
+    }
     if !augmentation.empty_columns.is_empty() {
         notes.push(format!(
             "{} columns of B have no entries (first: column {}); C_local and BᵀA⁻¹B count as 1 there",
@@ -167,6 +172,7 @@ pub fn analyse_around(
     let judge = Judge {
         operator: &operator,
         scales: &scales,
+        layout: blocks.layout(),
     };
     let is_relaxed = relaxation.degree > 0;
     // unrelaxed, the n_t eigenvalues beside 1; relaxed, 2 n_t, of which there are modes only through all of T
@@ -292,15 +298,10 @@ impl Stages<'_> {
     }
 }
 
-/// The blocks without flow, without a B2 that equals B1ᵀ and without an H of zeros, and what holds for them.
+/// The blocks without a B2 that equals B1ᵀ and without an H of zeros, and what holds for them.
 pub(super) fn simplified(blocks: &SaddleBlocks) -> (SaddleBlocks, Structure, Vec<String>) {
     let mut blocks = blocks.clone();
     let mut notes = Vec::new();
-    if blocks.flow.take().is_some() {
-        notes.push(
-            "the pressure field is left out: this is the spectrum of the (u, t) block".to_owned(),
-        );
-    }
     let transpose: SparseMatrix<f64> = blocks.b1.transpose_view().to_csr();
     if blocks.b2.as_ref().is_some_and(|b2| agree(b2, &transpose)) {
         blocks.b2 = None;
@@ -436,17 +437,18 @@ fn dense_eigenvalues(
                 InnerChoice::Exact { .. } => by_cholesky(),
                 _ => Hypothesis::new(S_U, true, "Cholesky factorization of S̃_u⁻¹"),
             });
+            let whole = |(u, t): (Vec<f64>, Vec<f64>)| [u, t].concat();
             if structure.symmetric {
                 let form = similarity.form(p)?;
                 let matrix = form.matrix();
-                let back = |v: &[f64]| similarity.back_of(&form, v);
-                report.modes = modes::of_matrix(&request.modes, &matrix, &back, judge)?;
+                let back = |v: &[f64]| whole(similarity.back_of(&form, v));
+                report.modes = modes::of_dense(&request.modes, &matrix, back, judge)?;
                 *statements = Some(form.statements()?);
                 matrix
             } else {
                 let matrix = similarity.matrix();
-                let back = |v: &[f64]| similarity.back(v);
-                report.modes = modes::of_matrix(&request.modes, &matrix, &back, judge)?;
+                let back = |v: &[f64]| whole(similarity.back(v));
+                report.modes = modes::of_dense(&request.modes, &matrix, back, judge)?;
                 report.field_of_values = Some(field_of_values::of_matrix(matrix.as_ref())?);
                 matrix
             }

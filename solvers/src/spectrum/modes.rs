@@ -4,7 +4,7 @@ use super::coupling::Coupling;
 use super::product::Preconditioned;
 use crate::SetupError;
 use crate::eigen::dense;
-use crate::saddle::{AugmentationMatrix, SaddleBlocks, T, U};
+use crate::saddle::{AugmentationMatrix, P, SaddleBlocks, T, U};
 use faer::{Mat, c64};
 use fracas_operators::{Layout, LinearOperator, Preconditioner};
 use schemars::JsonSchema;
@@ -66,7 +66,8 @@ impl FromStr for ModeTarget {
     }
 }
 
-/// An eigenvector `M⁻¹𝒜 (u, t) = λ (u, t)`, scaled to the energy `uᵀ diag(S_u) u + tᵀ diag(C) t = 1`.
+/// An eigenvector `M⁻¹𝒜 (u, t) = λ (u, t)`, scaled to the energy `uᵀ diag(S_u) u + tᵀ diag(C) t = 1`; with flow (u, t, p) and the
+/// energy of p.
 ///
 /// For a non-real λ it is the real part, in the phase that makes the entry of largest energy real and positive.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -77,8 +78,14 @@ pub struct Mode {
     pub u: Vec<f64>,
     /// Tractions.
     pub t: Vec<f64>,
+    /// Pressures, where there is flow.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub p: Vec<f64>,
     /// Share of `tᵀ diag(C) t` in the energy: 1 for a mode that displaces nothing.
     pub traction_share: f64,
+    /// The same of pressures; none without flow.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pressure_share: Option<f64>,
     /// `‖M⁻¹𝒜v − λv‖ / ‖v‖` in the energy scales √diag(S_u), √diag(C).
     pub residual: f64,
 }
@@ -145,16 +152,17 @@ pub(super) fn of_coupling(
         if im.is_none() {
             u.iter_mut().for_each(|u| *u /= shifted.re);
         }
-        modes.push(judge.mode(lambda, (u, t), im));
+        let im = im.map(|(v, s)| [v, s].concat());
+        modes.push(judge.mode(lambda, [u, t].concat(), im));
     }
     Ok(modes)
 }
 
-/// Modes of the dense T, given the way back to the original unknowns.
-pub(super) fn of_matrix(
+/// Modes of a dense matrix that is similar to M⁻¹𝒜; `back` makes a vector of unknowns of one of its own.
+pub(super) fn of_dense(
     targets: &[ModeTarget],
     matrix: &Mat<f64>,
-    back: &dyn Fn(&[f64]) -> (Vec<f64>, Vec<f64>),
+    back: impl Fn(&[f64]) -> Vec<f64>,
     judge: &Judge<'_>,
 ) -> Result<Vec<Mode>, SetupError> {
     if targets.is_empty() {
@@ -166,10 +174,11 @@ pub(super) fn of_matrix(
         .filter_map(|t| t.choose(values.iter().map(|v| (v.re, v.im))));
     Ok(chosen
         .map(|j| {
-            let part = |f: fn(&c64) -> f64| -> Vec<f64> { vectors.col(j).iter().map(f).collect() };
-            let re = back(&part(|v| v.re));
-            let im = (values[j].im != 0.0).then(|| back(&part(|v| v.im)));
-            judge.mode(values[j], re, im)
+            let part = |f: fn(&c64) -> f64| -> Vec<f64> {
+                back(&vectors.col(j).iter().map(f).collect::<Vec<f64>>())
+            };
+            let im = (values[j].im != 0.0).then(|| part(|v| v.im));
+            judge.mode(values[j], part(|v| v.re), im)
         })
         .collect())
 }
@@ -190,22 +199,14 @@ fn product(s: &fracas_operators::sparse::SparseMatrix<f64>, v: &Mat<f64>) -> Vec
 pub(super) struct Judge<'a> {
     pub(super) operator: &'a Preconditioned<'a>,
     pub(super) scales: &'a [f64],
+    pub(super) layout: Layout,
 }
 
 impl Judge<'_> {
     /// Scales a vector and measures its residual.
-    fn mode(
-        &self,
-        lambda: c64,
-        re: (Vec<f64>, Vec<f64>),
-        im: Option<(Vec<f64>, Vec<f64>)>,
-    ) -> Mode {
-        let layout = Layout::new([(U, re.0.len()), (T, re.1.len())]);
-        let x: Vec<f64> = re.0.into_iter().chain(re.1).collect();
-        let y: Vec<f64> = im.map_or_else(
-            || vec![0.0; x.len()],
-            |(u, t)| u.into_iter().chain(t).collect(),
-        );
+    fn mode(&self, lambda: c64, x: Vec<f64>, y: Option<Vec<f64>>) -> Mode {
+        let layout = self.layout;
+        let y = y.unwrap_or_else(|| vec![0.0; x.len()]);
         let image = |v: &[f64]| {
             let mut out = vec![0.0; v.len()];
             self.operator
@@ -213,7 +214,8 @@ impl Judge<'_> {
             out
         };
         let (image_x, image_y) = (image(&x), image(&y));
-        let (mut residual, mut energy, mut energy_u) = (0.0, 0.0, 0.0);
+        let (mut residual, mut energy) = (0.0, 0.0);
+        let mut energies = layout.values(0.0);
         let mut largest = (0.0, 0);
         for i in 0..x.len() {
             let d = self.scales[i];
@@ -222,9 +224,11 @@ impl Judge<'_> {
             residual += (d * r_x).powi(2) + (d * r_y).powi(2);
             let share = (d * x[i]).powi(2) + (d * y[i]).powi(2);
             energy += share;
-            if layout.range(U).contains(&i) {
-                energy_u += share;
-            }
+            let of_field = |field, sum| match layout.range(field).contains(&i) {
+                true => sum + share,
+                false => sum,
+            };
+            energies = energies.map(of_field);
             if share > largest.0 {
                 largest = (share, i);
             }
@@ -239,7 +243,15 @@ impl Judge<'_> {
             eigenvalue: (lambda.re, lambda.im),
             u: part(layout.range(U)),
             t: part(layout.range(T)),
-            traction_share: (energy - energy_u) / energy,
+            p: match layout.length(P) {
+                0 => Vec::new(),
+                _ => part(layout.range(P)),
+            },
+            traction_share: match energies.get(P) {
+                Some(_) => energies[T] / energy,
+                None => (energy - energies[U]) / energy,
+            },
+            pressure_share: energies.get(P).map(|p| p / energy),
             residual: (residual / energy).sqrt(),
         }
     }

@@ -46,7 +46,8 @@ impl LinearOperator<f64> for Preconditioned<'_> {
     }
 }
 
-/// `D_u = √diag(S_u)`, `D_t = √diag(C)`: scales in which u and t have the same unit (square root of energy).
+/// `D_u = √diag(S_u)`, `D_t = √diag(C)`: scales in which u and t have the same unit (square root of energy); with flow
+/// `D_p = √(diag(Q1ᵀ diag(A)⁻¹ Q1) + |diag T|)` behind them.
 pub(super) fn energy_scales(blocks: &SaddleBlocks, c_diagonal: &[f64]) -> Vec<f64> {
     let stiffness = (0..blocks.n_u()).map(|i| {
         let a_ii = blocks.a.get(i, i).copied().unwrap_or(0.0);
@@ -56,7 +57,13 @@ pub(super) fn energy_scales(blocks: &SaddleBlocks, c_diagonal: &[f64]) -> Vec<f6
         let sum = a_ii + augmentation;
         if sum > 0.0 { sum.sqrt() } else { 1.0 }
     });
+    let compliance = blocks.pressure_compliance().into_iter().enumerate();
+    let pressures = compliance.map(|(i, c)| {
+        let t_ii = blocks.flow.as_ref().and_then(|flow| flow.t.get(i, i));
+        (c + t_ii.map_or(0.0, |t| t.abs())).sqrt()
+    });
     stiffness
         .chain(c_diagonal.iter().map(|c| c.sqrt()))
+        .chain(pressures)
         .collect()
 }

@@ -85,6 +85,9 @@ pub struct SpectrumReport {
     pub n_u: usize,
     /// Traction unknowns.
     pub n_t: usize,
+    /// Pressure unknowns; none without flow.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub n_p: Option<usize>,
     /// Name of M.
     pub preconditioner: String,
     /// Name of C; `none` in a method without one.
@@ -181,6 +184,7 @@ impl SpectrumReport {
         Self {
             n_u: blocks.n_u(),
             n_t: blocks.n_t(),
+            n_p: blocks.flow.as_ref().map(|flow| flow.t.rows()),
             preconditioner: parts.preconditioner,
             augmentation: parts.augmentation,
             inner: parts.inner,

@@ -104,7 +104,7 @@ fn coupling(a: &SparseMatrix<f64>, columns: &Columns, face: usize) -> Result<Blo
 }
 
 /// Cholesky factor if no pivot loses more than twelve digits.
-fn well_conditioned_factor(a: &Mat<f64>) -> Option<Mat<f64>> {
+pub(in crate::saddle) fn well_conditioned_factor(a: &Mat<f64>) -> Option<Mat<f64>> {
     const KEPT: f64 = 1e-12;
     let l = dense::cholesky(a.clone()).ok()?;
     (0..a.nrows())

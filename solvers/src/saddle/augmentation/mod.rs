@@ -22,8 +22,10 @@ mod support;
 
 pub use block::Block;
 pub use custom::{Custom, CustomAugmentation};
+pub(super) use face_block::well_conditioned_factor;
 pub use matrix::AugmentationMatrix;
 pub use rule::AugmentationRule;
+pub(super) use support::for_restricted;
 
 use super::SaddleBlocks;
 use crate::SetupError;

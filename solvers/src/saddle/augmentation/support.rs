@@ -56,7 +56,7 @@ impl Columns {
 }
 
 /// Entries `(row, column, value)` of A restricted to `support` (ascending), in local numbers.
-pub(super) fn for_restricted(
+pub(in crate::saddle) fn for_restricted(
     a: &SparseMatrix<f64>,
     support: &[usize],
     mut entry: impl FnMut(usize, usize, f64),

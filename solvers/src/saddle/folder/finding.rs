@@ -115,6 +115,30 @@ pub enum Remark {
         /// How many.
         count: usize,
     },
+    /// Pressures that nothing determines.
+    #[error(
+        "{count} rows are zero here and in Q2.mtx: nothing determines these pressures and the system is singular; add storage, a conductivity or a prescribed pressure"
+    )]
+    UndeterminedPressures {
+        /// How many.
+        count: usize,
+    },
+    /// Volumes that pressure makes smaller.
+    #[error(
+        "{count} rows have the sign of their column of Q1.mtx (q2_i·q1_i > 0): pressure makes the fracture thinner there; with Q1 = −B_n expected is Q2 = B_nᵀ/Δt"
+    )]
+    ClosingPressures {
+        /// How many.
+        count: usize,
+    },
+    /// T with a diagonal that no conductivity and no storage has.
+    #[error("{count} diagonal entries are negative (first: {value:e}): T may be indefinite")]
+    NegativeDiagonalOfT {
+        /// How many.
+        count: usize,
+        /// The first one.
+        value: f64,
+    },
     /// B2 repeats B1.
     #[error("equal to B1ᵀ to rounding: treated as absent, symmetric methods apply")]
     EqualsTranspose,

@@ -101,6 +101,7 @@ pub fn read_folder(folder: &Path) -> Result<Imported, FolderError> {
             .push(Finding::file("rhs_u.mtx", Remark::NoRightHandSide));
     }
     if let Some(flow) = &mut flow {
+        inspect::flow(flow, &mut reader.findings);
         flow.rhs_p = rhs_p.unwrap_or_else(|| vec![0.0; n_p]);
     }
     let coordinates = reader.coordinates(n_u)?;

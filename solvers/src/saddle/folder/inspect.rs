@@ -3,6 +3,7 @@
 use super::compare::{asymmetry, largest_difference};
 use super::finding::{Finding, Remark};
 use super::{FolderError, SYMMETRY_TOLERANCE};
+use crate::saddle::FlowBlocks;
 use fracas_operators::matrix_market::Symmetry;
 use fracas_operators::sparse::SparseMatrix;
 
@@ -168,4 +169,40 @@ pub(super) fn stabilization(
         FILE,
     );
     Some(h)
+}
+
+/// Q1, Q2 and T: pressures that nothing determines, signs.
+pub(super) fn flow(flow: &FlowBlocks, findings: &mut Vec<Finding>) {
+    let (mut free, mut closing, mut negative) =
+        (Tally::default(), Tally::default(), Tally::default());
+    let columns: SparseMatrix<f64> = flow.q1.transpose_view().to_csr();
+    let rows = (flow.t.outer_iterator()).zip(flow.q2.outer_iterator());
+    for (i, ((t, q2), q1)) in rows.zip(columns.outer_iterator()).enumerate() {
+        let is_empty = |values: &[f64]| values.iter().all(|v| *v == 0.0);
+        if is_empty(t.data()) && is_empty(q2.data()) {
+            free.count(i, 0.0);
+        }
+        let product = q2.dot(&q1);
+        if product > 0.0 {
+            closing.count(i, product);
+        }
+        if let Some(t_ii) = t.get(i).filter(|t_ii| **t_ii < 0.0) {
+            negative.count(i, *t_ii);
+        }
+    }
+    free.report(
+        findings,
+        |count, _| Remark::UndeterminedPressures { count },
+        "T.mtx",
+    );
+    negative.report(
+        findings,
+        |count, value| Remark::NegativeDiagonalOfT { count, value },
+        "T.mtx",
+    );
+    closing.report(
+        findings,
+        |count, _| Remark::ClosingPressures { count },
+        "Q2.mtx",
+    );
 }

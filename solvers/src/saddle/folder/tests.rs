@@ -83,7 +83,7 @@ fn coordinate(rows: usize, cols: usize, entries: &[(usize, usize, f64)]) -> Stri
 fn a_system_survives_the_round_trip_bit_for_bit() {
     let mut blocks = system();
     blocks.flow = Some(FlowBlocks {
-        q1: sparse(6, 2, |i, j| (i * j) as f64 / 7.0),
+        q1: sparse(6, 2, |i, j| -((i * j) as f64) / 7.0),
         q2: sparse(2, 6, |i, j| (1 + i + j) as f64 / 9.0),
         t: sparse(2, 2, |i, j| if i == j { 1e-17 } else { 0.0 }),
         rhs_p: vec![1.0, -2.0],
@@ -349,4 +349,54 @@ fn an_unsymmetric_stiffness_is_not_exported() {
     };
     let error = write_folder(&folder("export"), &blocks, &Manifest::default()).unwrap_err();
     assert!(matches!(error, FolderError::Asymmetric { .. }));
+}
+
+/// Blocks of flow with a defect each: sizes and NaN are errors, the rest findings.
+#[test]
+fn what_is_wrong_with_flow_is_named_with_its_place() {
+    let written = |name: &str, q2: f64, t: [f64; 2], files: &[(&str, &str)]| {
+        let mut blocks = system();
+        blocks.flow = Some(FlowBlocks {
+            q1: sparse(6, 2, |i, j| if i % 2 == j { -0.5 } else { 0.0 }),
+            q2: sparse(2, 6, |j, i| if j == 0 && i % 2 == 0 { q2 } else { 0.0 }),
+            t: sparse(2, 2, |i, j| if i == j { t[i] } else { 0.0 }),
+            rhs_p: vec![1.0, 0.0],
+        });
+        let folder = folder(name);
+        write_folder(&folder, &blocks, &Manifest::default()).unwrap();
+        for (file, text) in files {
+            std::fs::write(folder.join(file), text).unwrap();
+        }
+        read_folder(&folder)
+    };
+    let findings = |name: &str, q2, t| -> Vec<String> {
+        let read: Imported = written(name, q2, t, &[]).unwrap();
+        read.findings.iter().map(ToString::to_string).collect()
+    };
+    assert_eq!(
+        findings("flow_sound", 0.5, [1.0, 1.0]),
+        Vec::<String>::new()
+    );
+    let found = findings("flow_sign", -0.5, [1.0, -2.0]);
+    assert!(found[0].starts_with("T.mtx, row 2: 1 diagonal entries are negative (first: -2e0)"));
+    assert!(found[1].starts_with("Q2.mtx, row 1: 1 rows have the sign of their column"));
+    let found = findings("flow_free", 0.5, [0.0, 0.0]);
+    assert!(found[0].starts_with("T.mtx, row 2: 1 rows are zero here and in Q2.mtx"));
+    let said = |name: &str, file: &str, text: &str| {
+        let files = [(file, text)];
+        written(name, 0.5, [1.0; 2], &files)
+            .unwrap_err()
+            .to_string()
+    };
+    let short = said("flow_rhs", "rhs_p.mtx", &format!("{ARRAY}3 1\n1\n1\n1\n"));
+    assert_eq!(short, "rhs_p.mtx is 3×1, expected 2×1 because T.mtx is 2×2");
+    let wide = said("flow_t", "T.mtx", &coordinate(2, 3, &[]));
+    assert_eq!(wide, "T.mtx is 2×3; it must be square");
+    let nan = said("flow_nan", "Q2.mtx", &format!("{REAL}2 6 1\n1 3 inf\n"));
+    assert!(
+        nan.contains("Q2.mtx, line 3") && nan.contains("not a finite number"),
+        "{nan}"
+    );
+    let n_p = said("flow_n_p", "manifest.json", "{\"n_p\": 5}");
+    assert!(n_p.contains("says n_p = 5"), "{n_p}");
 }

@@ -151,7 +151,7 @@ fn every_method_obeys_the_laws_and_solves() {
 }
 
 #[test]
-fn flow_needs_the_direct_solver() {
+fn flow_needs_racp_or_the_direct_solver() {
     let mut blocks = random(6, 2, 0.0, 7);
     let diagonal = |rows, cols| {
         let mut t = Triplets::new((rows, cols));
@@ -166,10 +166,10 @@ fn flow_needs_the_direct_solver() {
     });
     for method in SaddleMethod::all() {
         let ready = method.ready(&blocks);
-        assert_eq!(ready.is_ok(), method.name() == "direct");
+        assert_eq!(ready.is_ok(), ["racp", "direct"].contains(&method.name()));
         if let Err(error) = ready {
             assert!(
-                error.to_string().contains("take method = \"direct\""),
+                error.to_string().contains("take method = \"racp\" or \"direct\""),
                 "{error}"
             );
         }

@@ -76,6 +76,9 @@ pub(super) fn of(facts: &Explanation, method: &SaddleMethod) -> String {
                 format!(" around ({x:.4}, {y:.4}, {z:.4}) m{why}")
             });
             let (part, remedy) = match (first, is_exact) {
+                (Some(o), _) if o.pressure_share.is_some_and(|share| share > 0.5) => {
+                    ("pressures", "another S_p")
+                }
                 (Some(o), _) if o.traction_share > 0.5 => ("tractions", "another augmentation"),
                 (Some(_), true) => ("displacements", "another augmentation"),
                 (Some(_), false) => (
@@ -109,7 +112,7 @@ pub(super) fn of(facts: &Explanation, method: &SaddleMethod) -> String {
         );
     }
     if facts.seen.is_none() {
-        return "nothing stands out, but the eigenvalues were not measured (M is no linear map, or the system has flow)"
+        return "nothing stands out, but the eigenvalues were not measured (M is no linear map)"
             .into();
     }
     "nothing to gain but the tolerance".into()

@@ -73,7 +73,7 @@ pub struct TimeSplit {
 /// What is known about one solve.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Explanation {
-    /// M⁻¹𝒜 on the Krylov space of M⁻¹b; null where M is no linear map, and with flow.
+    /// M⁻¹𝒜 on the Krylov space of M⁻¹b; null where M is no linear map.
     pub seen: Option<Seen>,
     /// Null without coordinates.
     pub rigid_body: Option<RigidBody>,
@@ -101,7 +101,7 @@ impl Explanation {
     /// Those of C, and of the eigenvalues of a small dense matrix.
     pub fn new(solved: &Solved<'_>) -> Result<Self, SetupError> {
         let blocks = solved.blocks;
-        let is_seen = solved.preconditioner.properties().linear && blocks.flow.is_none();
+        let is_seen = solved.preconditioner.properties().linear;
         let seen = match is_seen {
             true => Some(Seen::new(blocks, solved.preconditioner, solved.rhs)?),
             false => None,

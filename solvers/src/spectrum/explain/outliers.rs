@@ -4,9 +4,10 @@ use super::super::any_method::traction_scales;
 use super::super::arnoldi::Ritz;
 use super::super::product::{Preconditioned, energy_scales};
 use crate::SetupError;
-use crate::saddle::SaddleBlocks;
+use crate::saddle::{P, SaddleBlocks, T};
 use fracas_operators::Preconditioner;
 use fracas_operators::laws::probe;
+use fracas_operators::sparse::SparseMatrix;
 use fracas_operators::vector::norm2;
 use serde::Serialize;
 
@@ -54,13 +55,17 @@ pub struct Outlier {
     pub eigenvalue: (f64, f64),
     /// Residual relative to |θ|.
     pub residual: f64,
-    /// Share of t in the energy; that of u is the rest.
+    /// Share of t in the energy; that of u, and of p, is the rest.
     pub traction_share: f64,
+    /// Share of p in the energy; none without flow.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pressure_share: Option<f64>,
     /// Where; null without coordinates.
     pub place: Option<Place>,
 }
 
-/// Where nine tenths of the energy are. A traction lives at the mean of the unknowns of its column of B1, weighted by |b|.
+/// Where nine tenths of the energy are. A traction lives at the mean of the unknowns of its column of B1, weighted by |b|, and a pressure
+/// at that of its column of Q1.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Place {
     /// Centre of the energy [m].
@@ -107,7 +112,7 @@ impl Seen {
             .filter(|&j| distance(j) > 1.0)
             .collect();
         far.sort_by(|&i, &j| distance(j).total_cmp(&distance(i)));
-        let places = Places::of(blocks);
+        let (places, layout) = (Places::of(blocks), blocks.layout());
         let outliers = far
             .iter()
             .filter(|&&j| ritz.values[j].im >= 0.0)
@@ -115,10 +120,15 @@ impl Seen {
             .map(|&j| {
                 let energies = ritz.energies(j);
                 let total: f64 = energies.iter().sum();
+                let share = |field| {
+                    let [energies] = layout.split([field], &energies);
+                    energies.iter().sum::<f64>() / total
+                };
                 Outlier {
                     eigenvalue: (ritz.values[j].re, ritz.values[j].im),
                     residual: ritz.residual(j) / size(j),
-                    traction_share: energies[blocks.n_u()..].iter().sum::<f64>() / total,
+                    traction_share: share(T),
+                    pressure_share: blocks.flow.as_ref().map(|_| share(P)),
                     place: places.as_ref().map(|p| p.place(blocks, &energies)),
                 }
             })
@@ -150,17 +160,22 @@ impl Places {
             .iter()
             .map(|c| c.position)
             .collect();
-        let mut sums = vec![([0.0; 3], 0.0); blocks.n_t()];
-        for (row, x) in blocks.b1.outer_iterator().zip(&positions) {
-            for (k, b) in row.iter() {
-                let (sum, weight) = &mut sums[k];
-                sum.iter_mut().zip(x).for_each(|(s, x)| *s += b.abs() * x);
-                *weight += b.abs();
+        let means = |b: &SparseMatrix<f64>| {
+            let mut sums = vec![([0.0; 3], 0.0); b.cols()];
+            for (row, x) in b.outer_iterator().zip(&positions) {
+                for (k, b) in row.iter() {
+                    let (sum, weight) = &mut sums[k];
+                    sum.iter_mut().zip(x).for_each(|(s, x)| *s += b.abs() * x);
+                    *weight += b.abs();
+                }
             }
-        }
-        // a column without entries has no place
-        let place = |(sum, weight): ([f64; 3], f64)| sum.map(|s| s / weight);
-        positions.extend(sums.into_iter().map(place));
+            // a column without entries has no place
+            let place = |(sum, weight): ([f64; 3], f64)| sum.map(|s| s / weight);
+            sums.into_iter().map(place).collect::<Vec<_>>()
+        };
+        let tractions = means(&blocks.b1);
+        let pressures = blocks.flow.as_ref().map(|flow| means(&flow.q1));
+        positions.extend(tractions.into_iter().chain(pressures.into_iter().flatten()));
         Some(Self(positions))
     }
 

@@ -110,6 +110,7 @@ fn racp_around_it_inverts_the_augmented_matrix_and_is_known_by_its_name() {
             augmentation: chain,
             relaxation,
             inner: inner.parse::<InnerChoice>().unwrap(),
+            ..Racp::default()
         };
         let c = tridiagonal(6, 5);
         let n_u = blocks.n_u();
