@@ -11,8 +11,9 @@ use std::str::FromStr;
 
 pub use dimension::Dimension;
 pub use kind::{
-    Acceleration, Angle, BiotCoefficient, Density, Distance, Duration, FrictionAngle, Kind, Length,
-    Measure, MeshUnit, Poisson, Ratio, Stiffness, Strength, Stress, StressGradient,
+    Acceleration, Angle, BiotCoefficient, Compressibility, Conductivity, Density, Distance,
+    Duration, FrictionAngle, Kind, Length, Measure, MeshUnit, Poisson, Rate, Ratio, Stiffness,
+    Storage, Strength, Stress, StressGradient, Viscosity,
 };
 
 /// A number with a unit: value = number · factor(unit).

@@ -76,6 +76,7 @@ fn rooms_of_the_model_form_a_chain() {
         "mesh",
         "elasticity",
         "contact",
+        "flow",
         "scene",
         "system",
         "undetermined",

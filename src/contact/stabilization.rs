@@ -77,22 +77,7 @@ impl JumpStabilization {
         state: impl Fn(usize) -> ContactState + Sync,
     ) -> SparseMatrix<f64> {
         let faces = &fractures.faces;
-        let beside: Vec<[Beside; 2]> = faces
-            .par_iter()
-            .with_min_len(PER_TASK)
-            .map(|face| {
-                [face.minus, face.plus].map(|side| {
-                    let element = side.element as usize;
-                    Beside {
-                        material: materials[usize::from(mesh.regions[element])],
-                        side: match self.lengths {
-                            Lengths::Box => Side::new(mesh, element),
-                            Lengths::Deep => Side::deep(mesh, element, face),
-                        },
-                    }
-                })
-            })
-            .collect();
+        let beside = self.beside(mesh, faces, materials);
         let edges_of = Incidence::new(faces.len(), || {
             let ends = fractures.edges.iter().enumerate();
             ends.flat_map(|(e, edge)| edge.faces.map(|f| (f as usize, e as u32)))
@@ -189,6 +174,45 @@ struct Beside {
 }
 
 impl JumpStabilization {
+    /// The elements beside every face.
+    fn beside(
+        &self,
+        mesh: &HexMesh,
+        faces: &[FractureFace],
+        materials: &[Elastic],
+    ) -> Vec<[Beside; 2]> {
+        faces
+            .par_iter()
+            .with_min_len(PER_TASK)
+            .map(|face| {
+                [face.minus, face.plus].map(|side| {
+                    let element = side.element as usize;
+                    Beside {
+                        material: materials[usize::from(mesh.regions[element])],
+                        side: match self.lengths {
+                            Lengths::Box => Side::new(mesh, element),
+                            Lengths::Deep => Side::deep(mesh, element, face),
+                        },
+                    }
+                })
+            })
+            .collect()
+    }
+
+    /// The diagonal of Y⁽ᵉ⁾ of every inner edge, in the order of `fractures.edges` [m³/Pa].
+    pub fn edge_weights(
+        &self,
+        mesh: &HexMesh,
+        fractures: &FractureMesh,
+        materials: &[Elastic],
+    ) -> Vec<[f64; 3]> {
+        let beside = self.beside(mesh, &fractures.faces, materials);
+        let edges = fractures.edges.iter();
+        edges
+            .map(|edge| self.weight(edge, fractures, &beside))
+            .collect()
+    }
+
     /// The diagonal of Y⁽ᵉ⁾ [m³/Pa], from `k_{F,side,j}` of both faces.
     fn weight(
         &self,

@@ -5,7 +5,7 @@ use super::write_atomically;
 use crate::contact::ContactState;
 use crate::nonlinear::{Prepared, State};
 use fracas_operators::{Field, Fields};
-use fracas_solvers::saddle::{T, U};
+use fracas_solvers::saddle::{P, T, U};
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -74,7 +74,7 @@ pub enum CheckpointError {
         path: PathBuf,
     },
     /// Of other unknowns.
-    #[error("the checkpoint {} holds the fields {found}, this program reads u and t", path.display())]
+    #[error("the checkpoint {} holds the fields {found}, this program reads u and t, or u, t and p", path.display())]
     OtherFields {
         /// File.
         path: PathBuf,
@@ -203,11 +203,13 @@ fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
         prepared,
         u,
         t,
+        p,
         states,
         slip,
         flips,
     } = state;
-    let fields = [(U, u), (T, t)];
+    let pressures = (!p.is_empty()).then_some((P, p));
+    let fields: Vec<(Field, &Vec<f64>)> = [(U, u), (T, t)].into_iter().chain(pressures).collect();
     let mut bytes = MAGIC.to_vec();
     let Fingerprint { mesh, scene } = fingerprint;
     // the length comes last
@@ -215,11 +217,15 @@ fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
     let scalars = [time, loaded, next, force, traction, krylov].map(|v| v.to_bits());
     let sizes = [states.len() as u64, fields.len() as u64];
     let words = [&whole[..], &scalars, &sizes].concat();
-    let table =
-        fields.map(|(field, values)| [letter(field), values.len() as u64, size[field].to_bits()]);
-    let words = words.iter().chain(table.as_flattened());
+    // pressures are not judged by a norm
+    let norm = |field| size.get(field).unwrap_or(0.0).to_bits();
+    let table = fields
+        .iter()
+        .flat_map(|(field, values)| [letter(*field), values.len() as u64, norm(*field)]);
+    let words = words.into_iter().chain(table);
     bytes.extend(words.flat_map(|word| word.to_le_bytes()));
-    let values = fields.iter().flat_map(|(_, values)| *values).chain(slip);
+    let values = fields.iter().flat_map(|(_, values)| *values);
+    let values = values.chain(slip);
     bytes.extend(values.flat_map(|v| v.to_le_bytes()));
     match prepared {
         Some(prepared) => {
@@ -335,7 +341,7 @@ fn decode(bytes: &[u8], path: &Path, fingerprint: Fingerprint) -> Result<State, 
     }
 }
 
-/// The state behind step and scalars, or the letters of fields that are not u and t; nothing where the file is too short.
+/// The state behind step and scalars, or the letters of fields that are not u and t, or u, t and p; nothing where the file is too short.
 fn content_of(mut rest: Rest<'_>) -> Option<Result<State, String>> {
     let step = rest.word()? as usize;
     let [time, loaded, next, force, traction, krylov] = [(); 6].map(|()| rest.real());
@@ -345,7 +351,7 @@ fn content_of(mut rest: Rest<'_>) -> Option<Result<State, String>> {
         .collect();
     let table = table?;
     let letters: Vec<u64> = table.iter().map(|[letter, ..]| *letter).collect();
-    if letters != [U, T].map(letter) {
+    if letters != [U, T].map(letter) && letters != [U, T, P].map(letter) {
         let letter = |word: &u64| String::from_utf8_lossy(&word.to_le_bytes()).into_owned();
         let letters: Vec<String> = letters.iter().map(letter).collect();
         return Some(Err(letters.join(", ").replace('\0', "")));
@@ -356,6 +362,10 @@ fn content_of(mut rest: Rest<'_>) -> Option<Result<State, String>> {
         .iter()
         .map(|[_, length, _]| rest.reals(*length as usize));
     let (u, t) = (values.next()??, values.next()??);
+    let p = match values.next() {
+        Some(p) => p?,
+        None => Vec::new(),
+    };
     let slip = rest.reals(faces.checked_mul(2)?)?;
     let c = rest
         .reals(faces.checked_mul(9)?)?
@@ -386,6 +396,7 @@ fn content_of(mut rest: Rest<'_>) -> Option<Result<State, String>> {
         },
         u,
         t,
+        p,
         states,
         slip,
         flips,

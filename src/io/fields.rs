@@ -57,13 +57,14 @@ impl<'a> Fields<'a> {
     }
 
     /// Writes the minus sides of the fracture faces: cell fields `traction`, `displacementJump` (n, t1, t2), `slip`,
-    /// `stabilizationJump` (n, t1, t2), `aperture`, `fractureState`, `criticality`, `tauLimit`, `pressure`, `stateFlips`, `normal`, `fracture`.
+    /// `stabilizationJump` (n, t1, t2), `aperture`, `fractureState`, `criticality`, `tauLimit`, `pressure`, `stateFlips`, `normal`, `fracture`;
+    /// with a fluid also `flux` (x, y, z, per width [m²/s]) and `conductivity` [m³].
     ///
     /// # Errors
     /// What the writer says.
     pub fn write_fracture(&self, out: &mut impl Write) -> io::Result<()> {
         let f = self.faces;
-        let fields = vec![
+        let mut fields = vec![
             field("traction", 3, &f.traction),
             field("displacementJump", 3, &f.jump),
             field("slip", 1, &f.slip),
@@ -75,6 +76,10 @@ impl<'a> Fields<'a> {
             field("pressure", 1, &f.pressure),
             field("stateFlips", 1, &self.flips),
         ];
+        if !f.flux.is_empty() {
+            fields.push(field("flux", 3, &f.flux));
+            fields.push(field("conductivity", 1, &f.conductivity));
+        }
         write_fractures(self.body, fields, out)
     }
 }

@@ -21,10 +21,11 @@ pub(super) struct Accuracy<'s> {
 }
 
 impl<'s> Accuracy<'s> {
-    /// `None` where the scene asks for residuals alone.
+    /// `None` where the scene asks for residuals alone, and with flow, whose systems are solved directly.
     pub(super) fn new(attempt: &'s Attempt<'s>) -> Option<Self> {
         let problem = attempt.problem;
         let asked = problem.body().solver.measure == Measure::Error;
+        let asked = asked && attempt.flow.is_none();
         asked.then(|| Self {
             attempt,
             norms: problem.norms(attempt.held.as_ref()),

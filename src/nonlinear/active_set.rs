@@ -8,6 +8,7 @@ use super::proximal::Proximal;
 use super::rounds::{Ended, Search};
 use super::{Event, Failure, Instability, LinearRecord};
 use crate::contact::ContactState;
+use crate::flow::FlowRecord;
 use fracas_operators::Fields;
 use fracas_solvers::{Observer, Step};
 
@@ -34,6 +35,8 @@ pub(super) struct Settled {
     pub(super) error: Fields<f64>,
     /// What ran away on the way there.
     pub(super) unstable: Option<Box<Instability>>,
+    /// Where the fluid went, where one flows.
+    pub(super) flow: Option<FlowRecord>,
 }
 
 /// What an attempt costs and tells, also when it fails.
@@ -80,6 +83,7 @@ pub(super) fn active_set(
     observer: &mut dyn Observer,
 ) -> Result<Settled, Failure> {
     let problem = attempt.problem;
+    let states = attempt.opened(states);
     let most = problem.body().solver.max_active;
     let settings = problem.body().solver.rounds;
     let mut judge = Judge::new(attempt, states.len());
@@ -95,7 +99,7 @@ pub(super) fn active_set(
     let (mut form, why) = match search.rounds(states, &mut x, None, patience, log)? {
         Ended::Settled(found) => return Ok(search.settled(*found, x)),
         // linear equations that cannot be solved are no matter of states, and those at the start no matter of the load
-        Ended::Not(_, Some(why)) if log.states.iter().all(|s| s.is_linear()) => {
+        Ended::Not(_, Some(why)) if attempt.is_linear(&log.states) => {
             return Err(match log.rounds == first && why.may_be_cut() {
                 true => Failure::Unsolvable(Box::new(why)),
                 false => why,
@@ -104,10 +108,13 @@ pub(super) fn active_set(
         Ended::Not(form, why) => (form, why),
     };
     // an iterate that Newton left is no better than the start
-    if !x.u.iter().chain(&x.t).all(|v| v.is_finite()) {
+    if !x.u.iter().chain(&x.t).chain(&x.p).all(|v| v.is_finite()) {
         x = from;
     }
-    let mut proximal = Proximal::new(attempt, search.linear, &mut x);
+    // pressures stay where they are until a round settles
+    let pressed = attempt.pressed(&x);
+    let frozen = attempt.at_load(pressed.as_ref());
+    let mut proximal = Proximal::new(&frozen, search.linear, &mut x);
     let mut h = problem.stabilization(&form);
     let (mut before, mut tried, mut since) = (Vec::new(), Vec::new(), 0);
     let last = log.rounds + most - patience;

@@ -3,7 +3,7 @@
 use super::{Simulation, State};
 use crate::contact::ContactState;
 use fracas_operators::LinearOperator;
-use fracas_operators::vector::dot;
+use fracas_operators::vector::{axpy, dot};
 
 /// Where the work of a step went [J]:
 /// ```text
@@ -73,7 +73,14 @@ impl Simulation<'_> {
                 internal: product(&u),
                 jump: problem.jumps(&state.u, &load),
                 pressure: self.pressures(state),
-                force: load.force,
+                force: match state.p.is_empty() {
+                    true => load.force,
+                    false => {
+                        let mut force = problem.pressure_forces(&state.p, state.loaded);
+                        axpy(1.0, &load.force, &mut force);
+                        force
+                    }
+                },
                 prescribed: load.jump,
                 u,
             }

@@ -39,6 +39,9 @@ pub enum LinearFailure {
         /// Unknowns.
         n: usize,
     },
+    /// A system of rock and flow that its states leave singular.
+    #[error(transparent)]
+    Singular(SetupError),
     /// Iterations ran out.
     #[error(
         "{krylov} reached a relative residual of {residual:.1e} in {iterations} iterations, asked {tolerance:.1e}: a block may be held by nothing"
@@ -123,6 +126,16 @@ pub enum Failure {
         /// Which.
         faces: Vec<usize>,
     },
+    /// More fluid is asked of closed fractures than they hold.
+    #[error(
+        "{volume:.3e} m³ of fluid are taken from {} that {} none: give {} `storage`, the fluid `compressibility`, or prescribe a pressure in place of the rate", quoted(fractures), if fractures.len() == 1 { "is closed and holds" } else { "are closed and hold" }, if fractures.len() == 1 { "it" } else { "them" }
+    )]
+    Drained {
+        /// Names of the connected fractures.
+        fractures: Vec<String>,
+        /// What is missing [m³].
+        volume: f64,
+    },
     /// A block has lost what held it.
     #[error("with {open} faces open nothing{} holds the body of {elements} elements around ({:.6}, {:.6}, {:.6}) m: {}{free} rigid motions are free, so that there {} no equilibrium ({reason})", but_slipping(*slipping), center[0], center[1], center[2], if *slipping > 0 { "without them " } else { "" }, if *slipping > 0 { "may be" } else { "is" })]
     Loose {
@@ -153,6 +166,15 @@ pub enum Failure {
     /// The observer wants to stop.
     #[error("stopped on request")]
     Stopped,
+}
+
+fn quoted(names: &[String]) -> String {
+    let what = match names.len() {
+        1 => "fracture",
+        _ => "the fractures",
+    };
+    let names: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
+    format!("{what} {}", names.join(", "))
 }
 
 fn but_slipping(faces: usize) -> String {
@@ -285,6 +307,11 @@ pub enum SimulationError {
         /// Its name.
         fracture: String,
     },
+    /// Flow beside springs.
+    #[error(
+        "[fluid] needs tractions among the unknowns: take method = \"lagrange\" in [solver], not penalty or augmented_lagrangian"
+    )]
+    FlowWithSprings,
     /// Geometric multigrid of a mesh from a file.
     #[error(
         "[solver] asks for geometric multigrid, and the mesh has no grid to coarsen; take inner = \"amg\""

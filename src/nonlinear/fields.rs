@@ -28,6 +28,10 @@ pub struct FaceFields {
     pub tau_limit: Vec<f64>,
     /// Fluid pressure [Pa].
     pub pressure: Vec<f64>,
+    /// C_f [m³]; empty where the scene has no fluid.
+    pub conductivity: Vec<f64>,
+    /// Flow per width, x y z per face [m²/s]; empty where the scene has no fluid.
+    pub flux: Vec<f64>,
 }
 
 impl FaceFields {
@@ -107,17 +111,26 @@ impl Simulation<'_> {
     /// What the fracture faces show in a state.
     pub fn face_fields(&self, state: &State) -> FaceFields {
         let load = self.problem().loads().at(state.time, state.loaded);
-        FaceFields::new(
-            self.problem(),
-            &state.states,
-            [&state.t, &state.slip],
-            self.problem().jumps(&state.u, &load),
-            self.pressures(state),
-        )
+        let jumps = self.problem().jumps(&state.u, &load);
+        let (conductivity, flux) = self.flow_fields(state, &jumps);
+        FaceFields {
+            conductivity,
+            flux,
+            ..FaceFields::new(
+                self.problem(),
+                &state.states,
+                [&state.t, &state.slip],
+                jumps,
+                self.pressures(state),
+            )
+        }
     }
 
     /// Fluid pressure per face [Pa].
     pub(super) fn pressures(&self, state: &State) -> Vec<f64> {
+        if !state.p.is_empty() {
+            return state.p.clone();
+        }
         let body = self.problem().body();
         let pressure = |f: &FractureFace| {
             let (p, history) = body.pressures[usize::from(f.fracture)];

@@ -34,7 +34,8 @@ impl<'s> Judge<'s> {
     ) -> Vec<(usize, ContactState)> {
         let problem = self.attempt.problem;
         let compliance = problem.compliance();
-        let largest = x.t.iter().fold(0.0, |m: f64, t| m.max(t.abs()));
+        let largest = x.t.iter().chain(&x.p);
+        let largest = largest.fold(0.0, |m: f64, t| m.max(t.abs()));
         self.traction = self.traction.max(largest);
         // jumps are known relative to the largest of them
         let traction = or_closing(self.traction, &at.jumps, compliance);

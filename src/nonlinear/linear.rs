@@ -18,7 +18,8 @@ use crate::scene::{FACTORIZED, RunInner};
 use fracas_operators::Preconditioner;
 use fracas_solvers::krylov::{KrylovChoice, Sqmr, System, least};
 use fracas_solvers::saddle::{
-    AugmentationChoice, Block, EnergyNorms, InnerChoice, Racp, RacpInverse, T, U, probe,
+    AugmentationChoice, Block, EnergyNorms, InnerChoice, Racp, RacpInverse, SaddleBlocks, T, U,
+    probe,
 };
 use fracas_solvers::{Observer, Step};
 
@@ -53,6 +54,8 @@ pub(super) struct Linear {
     built: bool,
     pub(super) resources: Resources,
     assembled: Assembled,
+    /// With every face in stick, tractions in the balanced unit: what the systems of rock and flow are made of.
+    pub(super) stick_blocks: Option<SaddleBlocks>,
     /// Number of the system of a step to stop at, and that system.
     pub(super) wanted: Option<usize>,
     pub(super) found: Option<NewtonSystem>,
@@ -73,6 +76,7 @@ impl Linear {
             built: false,
             resources: Resources::default(),
             assembled: Assembled::default(),
+            stick_blocks: None,
             wanted: None,
             found: None,
         }

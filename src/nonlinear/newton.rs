@@ -8,10 +8,11 @@ use super::{
 };
 use crate::contact::ContactState;
 use crate::elasticity::Constraints;
+use crate::flow::FlowStep;
 use fracas_operators::Fields;
 use fracas_operators::sparse::Csr;
 use fracas_operators::vector::{axpy, norm2};
-use fracas_solvers::saddle::{T, U};
+use fracas_solvers::saddle::{P, T, U};
 use fracas_solvers::{Observer, Step};
 
 /// Halvings of a correction that the line search tries.
@@ -20,14 +21,17 @@ pub(super) const BACKTRACKS: usize = 6;
 /// Least relative decrease of the residual for a share of the correction (Armijo). Unit: 1.
 pub(super) const DECREASE: f64 = 1e-4;
 
-/// Where the iteration stands; tractions in Pa.
+/// Where the iteration stands; tractions and pressures in Pa.
 #[derive(Clone, Debug)]
 pub(super) struct Iterate {
     pub(super) u: Vec<f64>,
     pub(super) t: Vec<f64>,
+    /// Empty where nothing flows.
+    pub(super) p: Vec<f64>,
 }
 
 /// One attempt at a step: what does not change within it.
+#[derive(Clone)]
 pub(super) struct Attempt<'s> {
     pub(super) problem: &'s ContactProblem<'s>,
     pub(super) start: &'s Start,
@@ -40,6 +44,8 @@ pub(super) struct Attempt<'s> {
     pub(super) size: Fields<f64>,
     /// What prescribes displacements that are not 0, if anything does.
     pub(super) held: Option<Constraints>,
+    /// What is given of the flow, where there is one and time passes.
+    pub(super) flow: Option<&'s FlowStep>,
     pub(super) step: usize,
     pub(super) attempt: usize,
 }
@@ -116,10 +122,9 @@ pub(super) fn newton(
 ) -> Result<(Evaluation, f64), Failure> {
     let problem = attempt.problem;
     let rounds = problem.body().solver.rounds;
-    let layout = problem.saddle().layout();
-    let evaluate =
-        |x: &Iterate| problem.evaluate(states, h, [&x.u, &x.t], attempt.start, attempt.load);
-    let is_linear = states.iter().all(|s| s.is_linear());
+    let layout = attempt.layout();
+    let evaluate = |x: &Iterate| attempt.evaluate(states, h, x);
+    let is_linear = attempt.is_linear(states);
     // an iteration that lags weakening may have to pass a larger residual
     let fixed_point = until.lagged && problem.weakens();
     let mut correction = vec![0.0; layout.len()];
@@ -127,7 +132,7 @@ pub(super) fn newton(
     let mut iteration = 0;
     loop {
         let size = norm2(&at.residual);
-        let residual = relative(size, attempt.scale);
+        let residual = attempt.relative(&at);
         if !residual.is_finite() {
             return Err(Failure::NotFinite {
                 what: "the residual",
@@ -151,7 +156,7 @@ pub(super) fn newton(
             false => (size / before).powi(2).min(rounds.forcing).max(last),
         };
         if linear.wanted.is_some_and(|wanted| wanted <= records.len()) {
-            let blocks = problem.assembled(states, h, &at, until.lagged);
+            let blocks = attempt.assembled(states, (h, x), &at, until.lagged);
             linear.found = Some(NewtonSystem {
                 blocks: blocks.map_err(LinearFailure::from)?,
                 states: states.to_vec(),
@@ -162,15 +167,23 @@ pub(super) fn newton(
             return Err(Failure::Stopped);
         }
         // J δ = −r
-        let jacobian = problem.jacobian(states, h, &at, until.lagged);
-        let solved = linear.solve(
-            problem,
-            (&jacobian, states),
-            &at.residual,
-            forcing,
-            &mut correction,
-            observer,
-        );
+        let solved = match attempt.flow {
+            Some(_) => {
+                let place = (states, h, until.lagged);
+                linear.solve_coupled(attempt, place, (x, &at), &mut correction)
+            }
+            None => {
+                let jacobian = problem.jacobian(states, h, &at, until.lagged);
+                linear.solve(
+                    problem,
+                    (&jacobian, states),
+                    &at.residual,
+                    forcing,
+                    &mut correction,
+                    observer,
+                )
+            }
+        };
         let record = attempt.record([round, iteration], count(states), forcing, residual);
         let solved = solved.inspect_err(|failure| {
             if let LinearFailure::IterationLimit {
@@ -199,6 +212,11 @@ pub(super) fn newton(
             let [d_u, d_t] = layout.split([U, T], &correction);
             axpy(length, d_u, &mut x.u);
             axpy(length * layout.unit(T), d_t, &mut x.t);
+            if attempt.flow.is_some() {
+                let [d_p] = layout.split([P], &correction);
+                x.p.copy_from_slice(&from.p);
+                axpy(length * layout.unit(P), d_p, &mut x.p);
+            }
             at = evaluate(x);
             let new = norm2(&at.residual);
             let lowered = new <= (1.0 - DECREASE * length) * size;

@@ -60,21 +60,32 @@ impl ContactProblem<'_> {
         at: &Evaluation,
         lagged: bool,
     ) -> Result<SaddleBlocks, ElasticityError> {
-        let stick = self.stick_blocks()?;
+        Ok(self.linearized((self.stick_blocks()?, 1.0), states, h, at, lagged))
+    }
+
+    /// The same from the blocks with every face in stick, tractions counted in `unit`.
+    pub(super) fn linearized(
+        &self,
+        (stick, unit): (SaddleBlocks, f64),
+        states: &[ContactState],
+        h: Option<&Csr<f64>>,
+        at: &Evaluation,
+        lagged: bool,
+    ) -> SaddleBlocks {
         let rows = at.rows(lagged);
-        let s = self.saddle().unit();
+        let s = self.saddle().unit() / unit;
         // D H: H is symmetric
         let form = h.map(|h| turned(h.matrix(), rows).map(|v| v / (s * s)));
-        let [r_u, r_t] = self.saddle().layout().split([U, T], &at.residual);
+        let layout = self.saddle().layout();
+        let [r_u, r_t] = layout.split([U, T], &at.residual[..layout.len()]);
         let all_stick = states.iter().all(|s| *s == ContactState::Stick);
-        let unit = self.saddle().unit();
-        Ok(SaddleBlocks {
+        SaddleBlocks {
             b2: (!all_stick).then(|| turned(&stick.b1, rows)),
-            h: with_laws(form, rows, |f| self.faces()[f].area),
+            h: with_laws(form, rows, |f| unit * unit * self.faces()[f].area),
             rhs_u: r_u.to_vec(),
-            rhs_t: r_t.iter().map(|r| r / unit).collect(),
+            rhs_t: r_t.iter().map(|r| r / s).collect(),
             ..stick
-        })
+        }
     }
 }
 

@@ -6,6 +6,7 @@ use crate::contact::{
     ContactState, FaceLaw, FaceMeasure, FacePoint, FaceRows, Friction, face_compliance,
 };
 use crate::elasticity::{Constraints, ElasticityError, strain_norm};
+use crate::flow::{Balance, FlowPoint};
 use crate::matrix_free::{Magnitude, MatrixFreeSaddle};
 use crate::mesh::FractureFace;
 use crate::scene::Body;
@@ -47,12 +48,16 @@ impl Start {
 /// The equations at a point.
 #[derive(Clone, Debug)]
 pub struct Evaluation {
-    /// `(f − A u − B t, −s (A_f r − H t*))`: the right-hand side of a Newton step [N].
+    /// `(f − A u − B t, −s (A_f r − H t*))`, with flow `(f − A u − B t − Q1 p, …, −s R)`: the right-hand side of a Newton step [N].
     pub residual: Vec<f64>,
     /// Mean jump (n, t1, t2) per face [m].
     pub jumps: Vec<f64>,
     /// The same less what H lets through, `g − H t*/A_f`: what the laws of the faces see [m].
     pub effective: Vec<f64>,
+    /// The balance of fluid, where any flows.
+    pub(super) flow: Option<FlowPoint>,
+    /// ‖Q1 p‖₂, 0 where nothing flows [N].
+    pub(super) pushed: f64,
     rows: Vec<FaceRows>,
     /// The same with derivatives that leave out weakening, where there is any.
     lagged: Option<Vec<FaceRows>>,
@@ -81,6 +86,7 @@ pub struct ContactProblem<'a> {
     loads: Loads<'a>,
     compliance: Vec<f64>,
     weakens: bool,
+    flow: Option<Box<Balance<'a>>>,
 }
 
 impl<'a> ContactProblem<'a> {
@@ -94,7 +100,19 @@ impl<'a> ContactProblem<'a> {
         let saddle = MatrixFreeSaddle::in_traction_unit(&system, magnitude.unit)?;
         let loads = Loads::new(body, saddle.stiffness().full())?;
         let faces = &body.fractures.faces;
+        let flow = |fluid| {
+            let form = body.jump_stabilization();
+            let rocks = &body.materials;
+            Box::new(Balance::new(
+                fluid,
+                &body.mesh,
+                &body.fractures,
+                rocks,
+                form,
+            ))
+        };
         Ok(Self {
+            flow: body.fluid.as_ref().map(flow),
             compliance: faces
                 .iter()
                 .map(|f| face_compliance(&body.mesh, &body.materials, f))
@@ -118,6 +136,11 @@ impl<'a> ContactProblem<'a> {
     /// The body.
     pub fn body(&self) -> &'a Body {
         self.body
+    }
+
+    /// The balance of fluid in the fractures, where the scene has any.
+    pub fn balance(&self) -> Option<&Balance<'a>> {
+        self.flow.as_deref()
     }
 
     /// Loads in time.
@@ -255,6 +278,8 @@ impl<'a> ContactProblem<'a> {
             residual,
             jumps,
             effective,
+            flow: None,
+            pushed: 0.0,
             rows,
             lagged,
         }

@@ -329,6 +329,7 @@ mod tests {
                 traction: 1e7,
                 size: problem.saddle().layout().values(0.0),
                 held: None,
+                flow: None,
                 step: 0,
                 attempt: 0,
             };
@@ -336,6 +337,7 @@ mod tests {
             let mut x = Iterate {
                 u: vec![0.0; body.constraints.free_len()],
                 t: (0..3 * faces).map(random).collect(),
+                p: Vec::new(),
             };
             let h = problem.stabilization(&vec![ContactState::Stick; faces]);
             let mut proximal = Proximal::new(&attempt, &Linear::new(&problem), &mut x);

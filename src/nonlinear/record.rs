@@ -2,6 +2,7 @@
 
 use super::{Instability, State};
 use crate::contact::ContactState;
+use crate::flow::FlowRecord;
 use fracas_operators::Fields;
 
 /// An accepted step: a line of `history.csv`.
@@ -155,6 +156,8 @@ pub struct Accepted {
     pub state: State,
     /// Its line of `history.csv`.
     pub record: StepRecord,
+    /// Its line of `flow.csv`, where the scene has a fluid and time passed.
+    pub flow: Option<FlowRecord>,
     /// Its linear solves, failed attempts included.
     pub linear: Vec<LinearRecord>,
     /// What happened on the way.

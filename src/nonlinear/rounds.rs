@@ -5,11 +5,10 @@ use super::active_set::{Log, Settled};
 use super::cycling::Rounds;
 use super::judge::{Judge, slip_violation};
 use super::linear::Linear;
-use super::newton::{Attempt, Iterate, Until, newton, relative};
+use super::newton::{Attempt, Iterate, Until, newton};
 use super::{Evaluation, Event, Failure};
 use crate::contact::ContactState;
 use fracas_operators::sparse::Csr;
-use fracas_operators::vector::norm2;
 use fracas_solvers::saddle::Judged;
 use fracas_solvers::{Observer, Step};
 
@@ -51,13 +50,14 @@ impl Search<'_, '_> {
         Settled {
             states,
             x,
-            force: self.attempt.scale,
+            force: self.attempt.scale.max(at.pushed),
             traction,
             effective: at.effective,
             slip_violation,
             size,
             error: judged.map_or(self.attempt.unjudged(), |judged| judged.error),
             unstable: None,
+            flow: None,
         }
     }
 
@@ -128,9 +128,8 @@ impl Search<'_, '_> {
                 // the residual has been small enough: what is left is rounding
                 Err(Failure::Linear(_)) if judged.is_some() => {
                     let h = fixed.unwrap_or(h.as_ref());
-                    let at =
-                        problem.evaluate(&states, h, [&x.u, &x.t], attempt.start, attempt.load);
-                    let residual = relative(norm2(&at.residual), attempt.scale);
+                    let at = attempt.evaluate(&states, h, x);
+                    let residual = attempt.relative(&at);
                     (at, residual)
                 }
                 Err(failure) if failure.may_be_projected() => {
@@ -140,8 +139,7 @@ impl Search<'_, '_> {
                 Err(failure) => return Err(failure),
             };
             // linear equations that steps do not solve are not solved by other states
-            if residual > until.residual && states.iter().all(|s| s.is_linear()) && judged.is_none()
-            {
+            if residual > until.residual && attempt.is_linear(&states) && judged.is_none() {
                 return Ok(unsolved(states, (until, residual), (log, round)));
             }
             let zero = match until == loose {
@@ -149,6 +147,7 @@ impl Search<'_, '_> {
                 false => settings.state_tolerance,
             };
             let changes = self.judge.changes(&states, x, &at, zero);
+            let changes = attempt.with_openings(&states, changes)?;
             let step = Step::Round {
                 round: round + 1,
                 changed: changes.len(),

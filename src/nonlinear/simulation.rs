@@ -16,7 +16,7 @@ use super::{
 };
 use crate::contact::ContactState;
 use crate::scene::{Body, Unstable};
-use fracas_operators::vector::{axpy, norm2};
+use fracas_operators::vector::axpy;
 use fracas_solvers::Observer;
 use fracas_solvers::saddle::{InnerChoice, Racp};
 use fracas_solvers::steering::Steering;
@@ -47,6 +47,7 @@ impl<'a> Simulation<'a> {
         }
         body.solver.rounds.checked()?;
         let problem = ContactProblem::new(body)?;
+        problem.require_multipliers()?;
         let linear = Linear::new(&problem);
         let racp = linear.settings();
         if let InnerChoice::Geometric(geometric) = racp.inner {
@@ -129,6 +130,7 @@ impl<'a> Simulation<'a> {
             prepared: None,
             u: vec![0.0; self.problem.body().constraints.free_len()],
             t: vec![0.0; 3 * faces.len()],
+            p: self.problem.initial_pressures(0.0),
             states: faces.iter().map(open).collect(),
             slip: vec![0.0; 2 * faces.len()],
             flips: vec![0; faces.len()],
@@ -286,7 +288,12 @@ impl<'a> Simulation<'a> {
             t: reference,
             torn: Vec::new(),
         };
-        let scale = self.scale(&t, [&before, &load]).max(state.force);
+        let times = [state.time, target.time];
+        let from = (&state.p[..], &state.states[..], &start.jump[..]);
+        let flow = problem.flow_step(times, from);
+        let pressures = flow.as_ref().map(|_| &state.p[..]);
+        let loads = [&before, &load];
+        let scale = problem.scale(&t, loads, pressures).max(state.force);
         loop {
             let attempt = Attempt {
                 problem,
@@ -296,6 +303,7 @@ impl<'a> Simulation<'a> {
                 traction: state.traction,
                 size: state.size,
                 held: problem.loads().held_at(target.time, target.loaded),
+                flow: flow.as_ref(),
                 step: state.step,
                 attempt: *attempts,
             };
@@ -303,6 +311,7 @@ impl<'a> Simulation<'a> {
             let x = Iterate {
                 u: state.u.clone(),
                 t: t.clone(),
+                p: state.p.clone(),
             };
             let from = states.clone();
             let settled = match &mut self.springs {
@@ -320,20 +329,9 @@ impl<'a> Simulation<'a> {
                     faces.iter().for_each(|f| start.torn[*f] = true);
                     log.events.push(Event::Torn { faces });
                 }
-                settled => return Ok((settled?, load)),
+                settled => return Ok((attempt.with_flow(settled?, target.loaded), load)),
             }
         }
-    }
-
-    /// The largest of the loads before and after and of the forces of the tractions before [N]: residuals are relative to it.
-    fn scale(&self, t: &[f64], loads: [&Load; 2]) -> f64 {
-        let unit = self.problem.saddle().unit();
-        let mut pushed = vec![0.0; self.problem.body().constraints.free_len()];
-        self.problem.add_forces(1.0, t, &mut pushed);
-        loads
-            .into_iter()
-            .flat_map(|load| [norm2(&load.force), unit * norm2(&load.jump)])
-            .fold(norm2(&pushed), f64::max)
     }
 
     fn accept(
@@ -356,6 +354,7 @@ impl<'a> Simulation<'a> {
             size,
             error,
             unstable,
+            flow,
         } = settled;
         let problem = &self.problem;
         let from = problem.jumps(&before.u, &problem.loads().at(before.time, before.loaded));
@@ -418,11 +417,13 @@ impl<'a> Simulation<'a> {
                 prepared,
                 u: x.u,
                 t: x.t,
+                p: x.p,
                 states,
                 slip,
                 flips,
             },
             record,
+            flow,
             linear: log.linear,
             events: log.events,
         }

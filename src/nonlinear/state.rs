@@ -39,6 +39,8 @@ pub struct State {
     pub u: Vec<f64>,
     /// Tractions (t_N, t_1, t_2) per face [Pa].
     pub t: Vec<f64>,
+    /// Fluid pressure per face [Pa]; empty where the scene has no fluid.
+    pub p: Vec<f64>,
     /// State per face.
     pub states: Vec<ContactState>,
     /// Slip (γ_1, γ_2) per face: `Σ Δg_T` over the steps that it ended in slip or open [m].

@@ -128,7 +128,10 @@ impl RunFolder {
             Some(_) if !tree::is_free(&folder.path)? => {
                 Tree::resume(&folder.path, folder.fingerprint, &state)?
             }
-            _ => Tree::create(&folder.path, folder.fingerprint)?,
+            _ => {
+                let flows = folder.body.fluid.is_some();
+                Tree::create(&folder.path, folder.fingerprint, flows)?
+            }
         };
         Running::begin(folder, simulation, tree, state, restarted_with, observer)
     }

@@ -1,5 +1,6 @@
-//! Rows of `history.csv`, `solver.csv` and `energy.csv`.
+//! Rows of `history.csv`, `solver.csv`, `energy.csv` and `flow.csv`.
 
+use crate::flow::FlowRecord;
 use crate::nonlinear::{EnergyRecord, LinearRecord, StepRecord};
 use fracas_solvers::saddle::{T, U};
 
@@ -11,6 +12,10 @@ pub(super) const SOLVER: &str = "step,attempt,active,newton,krylov,iterations,to
 
 /// First line of `energy.csv`.
 pub(super) const ENERGY: &str = "step,time_s,external_work_J,pressure_work_J,elastic_energy_J,elastic_change_J,contact_work_J,dissipation_J,balance_error_J,stabilization_work_J\n";
+
+/// First line of `flow.csv`: volumes of the step.
+pub(super) const FLOW: &str =
+    "step,time_s,injected_m3,stored_opening_m3,stored_compression_m3,out_m3,balance_error_m3\n";
 
 /// Columns of a history row before `wall_s`.
 pub(super) const NUMBERS: usize = 18;
@@ -84,6 +89,20 @@ pub(super) fn energy_row(record: &StepRecord, e: &EnergyRecord) -> String {
         e.dissipation,
         e.error,
         e.stabilization_work
+    )
+}
+
+/// A row of `flow.csv`.
+pub(super) fn flow_row(record: &StepRecord, f: &FlowRecord) -> String {
+    format!(
+        "{},{:?},{:?},{:?},{:?},{:?},{:?}\n",
+        record.step,
+        record.time,
+        f.injected,
+        f.stored_opening,
+        f.stored_compression,
+        f.out,
+        f.error
     )
 }
 
@@ -178,6 +197,8 @@ mod tests {
     fn energies_have_a_number_per_column() {
         let text = energy_row(&record(), &EnergyRecord::default());
         assert_eq!(text.matches(',').count(), ENERGY.matches(',').count());
+        let text = flow_row(&record(), &FlowRecord::default());
+        assert_eq!(text.matches(',').count(), FLOW.matches(',').count());
     }
 
     #[test]

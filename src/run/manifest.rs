@@ -44,6 +44,9 @@ struct Sizes {
     faces: usize,
     n_u: usize,
     n_t: usize,
+    /// Pressures, where a fluid flows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    n_p: Option<usize>,
 }
 
 /// A dimensionless tolerance and what it is relative to.
@@ -81,6 +84,7 @@ impl<'a> Manifest<'a> {
                 faces: body.fractures.faces.len(),
                 n_u: body.constraints.free_len(),
                 n_t: 3 * body.fractures.faces.len(),
+                n_p: body.fluid.as_ref().map(|_| body.fractures.faces.len()),
             },
             time: sections.time.as_ref(),
             solver,

@@ -131,6 +131,7 @@ impl<'a> Running<'a> {
             record,
             linear,
             events,
+            flow: _,
         } = accepted;
         self.state = state;
         Ok(Taken::Step(Box::new(Done {

@@ -7,7 +7,7 @@ use super::RunError;
 use super::collection::Collection;
 use super::error::At;
 use super::events;
-use super::history::{self, ENERGY, HISTORY, History, SOLVER};
+use super::history::{self, ENERGY, FLOW, HISTORY, History, SOLVER};
 use super::lines::{Cut, Lines, first_column, json_step};
 use super::lock;
 use crate::io::{
@@ -61,6 +61,8 @@ pub(super) struct Tree {
     history: Lines,
     solver: Lines,
     energy: Lines,
+    /// `flow.csv`, where the scene has a fluid.
+    flow: Option<Lines>,
     log: Lines,
     checkpoints: Checkpoints,
     pub(super) collection: Collection,
@@ -69,11 +71,12 @@ pub(super) struct Tree {
 }
 
 /// What a run writes before its first checkpoint: only headings, no results.
-const BEGUN: [&str; 9] = [
+const BEGUN: [&str; 10] = [
     CHECKPOINT,
     HISTORY_FILE,
     SOLVER_FILE,
     ENERGY_FILE,
+    FLOW_FILE,
     LOG_FILE,
     "scene.pvd",
     RESOLVED,
@@ -165,6 +168,7 @@ pub(super) const CHECKPOINT: &str = "checkpoint";
 const HISTORY_FILE: &str = "history.csv";
 const SOLVER_FILE: &str = "solver.csv";
 const ENERGY_FILE: &str = "energy.csv";
+const FLOW_FILE: &str = "flow.csv";
 const LOG_FILE: &str = "log.jsonl";
 
 /// The folder of the run that a checkpoint belongs to, as its path says.
@@ -189,13 +193,19 @@ pub(super) fn checkpoint(path: &Path) -> Result<Option<PathBuf>, RunError> {
 
 impl Tree {
     /// Begins a folder; its first checkpoint is that of [`Tree::save`].
-    pub(super) fn create(out: &Path, fingerprint: Fingerprint) -> Result<Self, RunError> {
+    pub(super) fn create(
+        out: &Path,
+        fingerprint: Fingerprint,
+        flows: bool,
+    ) -> Result<Self, RunError> {
+        let flow = flows.then(|| Lines::create(out.join(FLOW_FILE), FLOW));
         let folder = out.join(CHECKPOINT);
         std::fs::create_dir_all(&folder).at("cannot create the folder", &folder)?;
         Ok(Self {
             history: Lines::create(out.join(HISTORY_FILE), HISTORY)?,
             solver: Lines::create(out.join(SOLVER_FILE), SOLVER)?,
             energy: Lines::create(out.join(ENERGY_FILE), ENERGY)?,
+            flow: flow.transpose()?,
             log: Lines::create(out.join(LOG_FILE), "")?,
             checkpoints: Checkpoints::new(folder, fingerprint),
             collection: Collection::create(out)?,
@@ -212,14 +222,19 @@ impl Tree {
     ) -> Result<Self, RunError> {
         let folder = out.join(CHECKPOINT);
         let step = state.step;
-        let [history, solver, energy, log] =
-            [HISTORY_FILE, SOLVER_FILE, ENERGY_FILE, LOG_FILE].map(|name| out.join(name));
+        let [history, solver, energy, flow, log] =
+            [HISTORY_FILE, SOLVER_FILE, ENERGY_FILE, FLOW_FILE, LOG_FILE]
+                .map(|name| out.join(name));
         // nothing is changed before everything is known to fit
         let rows = Cut::read(&history, HISTORY, step, first_column)?;
         belongs(&history, &rows, state)?;
         same_run(&folder, fingerprint)?;
         let solved = Cut::read(&solver, SOLVER, step, first_column)?;
         let works = Cut::read(&energy, ENERGY, step, first_column)?;
+        let flowed = match state.p.is_empty() {
+            true => None,
+            false => Some(Cut::read(&flow, FLOW, step, first_column)?),
+        };
         let logged = Cut::read(&log, "", step, json_step)?;
         let checkpoints = Checkpoints::new(folder, fingerprint);
         // later checkpoints first: none may outlive the rows that led to it
@@ -231,6 +246,7 @@ impl Tree {
             history: Lines::cut(history, &rows)?,
             solver: Lines::cut(solver, &solved)?,
             energy: Lines::cut(energy, &works)?,
+            flow: flowed.map(|cut| Lines::cut(flow, &cut)).transpose()?,
             log: Lines::cut(log, &logged)?,
             collection: Collection::cut(out, step)?,
             checkpoints,
@@ -263,6 +279,9 @@ impl Tree {
         self.log.append(&lines)?;
         self.solver(&accepted.linear)?;
         self.energy.append(&history::energy_row(record, energy))?;
+        if let (Some(lines), Some(flow)) = (&mut self.flow, &accepted.flow) {
+            lines.append(&history::flow_row(record, flow))?;
+        }
         let row = history::row(record, wall_s);
         self.history.append(&row)?;
         self.rows.push(&row);

@@ -3,6 +3,7 @@
 use super::{History, SolverSection, TimeTable};
 use crate::contact::Friction;
 use crate::elasticity::{Constraints, Elastic};
+use crate::flow::Fluid;
 use crate::mesh::{Audit, FractureMesh, HexMesh, audit};
 
 /// A constant traction on faces of the surface.
@@ -76,6 +77,8 @@ pub struct Body {
     pub pressures: Vec<(f64, usize)>,
     /// `α Δp` of each material: Biot's coefficient times its change of pore pressure [Pa], and the number of its history.
     pub pore_pressures: Vec<(f64, usize)>,
+    /// The fluid that flows in the fractures, where the scene has one; `pressures` are then 0.
+    pub fluid: Option<Fluid>,
     /// Opening of each fracture before any displacement [m].
     pub gaps: Vec<f64>,
     /// Factors of the loads in time; number [`Body::ALWAYS`] is 1 at all times.

@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 use std::path::Path;
 
+use super::flow::fluid;
 use super::from_file::{mesh_from_file, require_grid_keys};
 use super::geometry::{axis, expand, regions, warps};
 use super::history::Histories;
@@ -98,6 +99,8 @@ fn assemble(sections: &SceneSections, folder: &Path) -> Result<Body, Located> {
         .map(|i| friction(*i, &sections.fracture[*i]))
         .collect::<Result<_, _>>()?;
     let gravity = sections.gravity.as_ref().map_or([0.0; 3], |g| g.si());
+    let of_fluid = (&mut histories, of_time);
+    let fluid = fluid(sections, &built, &section_of, gravity, of_fluid)?;
     let extra = sections.body_force.as_ref().map_or([0.0; 3], |f| f.si());
     let densities: Vec<f64> = sections
         .material
@@ -127,6 +130,7 @@ fn assemble(sections: &SceneSections, folder: &Path) -> Result<Body, Located> {
         tractions,
         pressures,
         pore_pressures,
+        fluid,
         gaps: section_of
             .iter()
             .map(|i| sections.fracture[*i].gap.as_ref().map_or(0.0, Measure::si))

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::FlowProblem;
 use crate::mesh::MeshError;
 
 /// A place in a scene file.
@@ -44,6 +45,9 @@ pub enum Problem {
     /// From the mesh.
     #[error(transparent)]
     Mesh(#[from] MeshError),
+    /// From the fluid.
+    #[error(transparent)]
+    Flow(#[from] FlowProblem),
     /// Keys that are needed together.
     #[error(
         "[mesh.{axis}] needs `from`, `to` and `cells`, or `from`, `to`, `size`, `growth` and `near` or `fine`, or `lines` alone"

@@ -10,7 +10,8 @@ use super::group_names::GroupNames;
 use super::one_or_many::OneOrMany;
 use crate::mesh::SizeField;
 use crate::units::{
-    Angle, Distance, Duration, FrictionAngle, Length, Measure, MeshUnit, Ratio, Strength, Stress,
+    Angle, Conductivity, Distance, Duration, FrictionAngle, Length, Measure, MeshUnit, Ratio,
+    Storage, Strength, Stress,
 };
 
 /// Box, grid lines and maps; or a mesh file.
@@ -262,6 +263,15 @@ pub struct FractureSection {
     /// Pressure of the fluid inside, the same on every face (positive pushes the sides apart).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Measure<Stress>>,
+    /// Conductivity C_f0 of the closed fracture for the [fluid], `w³/12` of a width w; where open, `g_N³/12` is added.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub conductivity: Option<Measure<Conductivity>>,
+    /// Volume of [fluid] taken up per area and pressure, closed or open; 0 if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub storage: Option<Measure<Storage>>,
+    /// Pressure of the [fluid] before anything flows; 0 if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub initial_pressure: Option<Measure<Stress>>,
     /// Factor of the pressure in time as `[[time, factor], …]`; that of `[time]` if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pressure_history: Option<Vec<(Measure<Duration>, f64)>>,

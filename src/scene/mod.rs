@@ -3,6 +3,9 @@
 mod body;
 mod build;
 mod error;
+mod flow;
+mod flow_problem;
+mod flow_sections;
 mod from_file;
 mod gallery;
 mod geometry;
@@ -26,6 +29,8 @@ use std::path::{Path, PathBuf};
 pub use crate::contact::{Friction, Weakening};
 pub use body::{Body, InitialStress, SurfaceTraction};
 pub use error::{Place, Problem, SceneError};
+pub use flow_problem::FlowProblem;
+pub use flow_sections::{FluidSection, SourceSection};
 pub use gallery::{GalleryScene, gallery, named};
 pub use group_names::GroupNames;
 pub use history::{History, TimeTable};

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::flow_sections::{FluidSection, SourceSection};
 use super::group_names::GroupNames;
 use super::mesh_sections::{FractureSection, MeshSection};
 use super::solver_section::{SolverSection, TimeSection};
@@ -27,6 +28,12 @@ pub struct SceneSections {
     /// Fractures.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub fracture: Vec<FractureSection>,
+    /// The fluid in the fractures, whose pressure is then unknown.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fluid: Option<FluidSection>,
+    /// What drives the fluid. Nothing leaves a fracture where no source says so.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub source: Vec<SourceSection>,
     /// Boundary conditions in order; where two prescribe one displacement the later one wins. A side without any is free.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub boundary: Vec<BoundarySection>,

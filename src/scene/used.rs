@@ -38,6 +38,7 @@ pub(super) fn require_used(sections: &SceneSections) -> Result<(), Located> {
             return Err(idle(path, "pressure_history", what, "pressure"));
         }
     }
+    require_flow(sections)?;
     for (i, b) in sections.boundary.iter().enumerate() {
         if b.hold.is_some() && b.history.is_some() {
             let side = b.place();
@@ -46,6 +47,63 @@ pub(super) fn require_used(sections: &SceneSections) -> Result<(), Located> {
         }
     }
     require_time(sections)
+}
+
+/// Refuses keys of a fluid where there is none, and what drives it where no time passes.
+fn require_flow(sections: &SceneSections) -> Result<(), Located> {
+    let idle = |path: &[&str], key: &'static str, what: String, without: &'static str| {
+        at(path, Problem::Idle { key, what, without })
+    };
+    match &sections.fluid {
+        Some(fluid) => {
+            let what = || "[fluid]".to_string();
+            if fluid.reference.is_some() && fluid.density.is_none() {
+                return Err(idle(
+                    &["fluid", "reference"],
+                    "reference",
+                    what(),
+                    "density",
+                ));
+            }
+            if fluid.density.is_some() && sections.gravity.is_none() {
+                return Err(idle(&["fluid", "density"], "density", what(), "[gravity]"));
+            }
+        }
+        None => {
+            for (i, f) in sections.fracture.iter().enumerate() {
+                let given = [
+                    ("conductivity", f.conductivity.is_some()),
+                    ("storage", f.storage.is_some()),
+                    ("initial_pressure", f.initial_pressure.is_some()),
+                ];
+                if let Some((key, _)) = given.into_iter().find(|(_, given)| *given) {
+                    let what = format!("fracture \"{}\"", f.name);
+                    return Err(idle(
+                        &["fracture", &i.to_string(), key],
+                        key,
+                        what,
+                        "[fluid]",
+                    ));
+                }
+            }
+        }
+    }
+    let without = match (&sections.fluid, &sections.time) {
+        (None, _) => "[fluid]",
+        (Some(_), None) => "[time]",
+        (Some(_), Some(_)) => return Ok(()),
+    };
+    match sections.source.first() {
+        Some(source) => {
+            let what = source.name();
+            let key = match source.rate {
+                Some(_) => "rate",
+                None => "pressure",
+            };
+            Err(idle(&["source", "0"], key, what, without))
+        }
+        None => Ok(()),
+    }
 }
 
 /// Refuses histories that vary where time stands still.

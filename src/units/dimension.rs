@@ -31,6 +31,16 @@ impl Dimension {
     pub const ACCELERATION: Self = Self::new(1, 0, -2);
     /// Pa/m.
     pub const STRESS_GRADIENT: Self = Self::new(-2, 1, -2);
+    /// Pa s.
+    pub const VISCOSITY: Self = Self::new(-1, 1, -1);
+    /// 1/Pa.
+    pub const COMPRESSIBILITY: Self = Self::new(1, -1, 2);
+    /// m³.
+    pub const VOLUME: Self = Self::new(3, 0, 0);
+    /// m/Pa.
+    pub const STORAGE: Self = Self::new(2, -1, 2);
+    /// m³/s.
+    pub const RATE: Self = Self::new(3, 0, -1);
     /// rad.
     pub const ANGLE: Self = Self {
         length: 0,

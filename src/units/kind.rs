@@ -120,6 +120,39 @@ kind!(
 );
 
 kind!(
+    Viscosity,
+    "a viscosity",
+    VISCOSITY,
+    "Pa*s, cP",
+    "positive",
+    |v| v > 0.0
+);
+kind!(
+    Compressibility,
+    "a compressibility",
+    COMPRESSIBILITY,
+    "1/Pa, 1/GPa",
+    "zero or positive",
+    |v| v >= 0.0
+);
+kind!(
+    Conductivity,
+    "the conductivity of a fracture",
+    VOLUME,
+    "m3, mm3",
+    "positive",
+    |v| v > 0.0
+);
+kind!(
+    Storage,
+    "the storage of a fracture",
+    STORAGE,
+    "m/Pa, mm/MPa",
+    "zero or positive",
+    |v| v >= 0.0
+);
+kind!(Rate, "a rate", RATE, "m3/s, L/s, L/min");
+kind!(
     BiotCoefficient,
     "Biot's coefficient",
     NONE,

@@ -20,8 +20,8 @@ const fn symbol(name: &'static str, factor: f64, dimension: Dimension) -> Symbol
 const MASS: Dimension = Dimension::new(0, 1, 0);
 const FORCE: Dimension = Dimension::new(1, 1, -2);
 const AREA: Dimension = Dimension::new(2, 0, 0);
-const VOLUME: Dimension = Dimension::new(3, 0, 0);
-const VISCOSITY: Dimension = Dimension::new(-1, 1, -1);
+const VOLUME: Dimension = Dimension::VOLUME;
+const VISCOSITY: Dimension = Dimension::VISCOSITY;
 
 /// Every symbol that is understood. The year is the Julian one of 365.25 days; psi, darcy and foot as defined by NIST
 /// SP 811.

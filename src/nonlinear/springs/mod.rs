@@ -95,7 +95,7 @@ impl Holding for SpringMethod {
         &mut self,
         attempt: &Attempt<'_>,
         mut states: Vec<ContactState>,
-        Iterate { mut u, t }: Iterate,
+        Iterate { mut u, t, p }: Iterate,
         log: &mut Log,
         observer: &mut dyn Observer,
     ) -> Result<Settled, Failure> {
@@ -150,7 +150,7 @@ impl Holding for SpringMethod {
                 let slip_violation = slip_violation(attempt, &states, [&t, &at.jumps], scale);
                 return Ok(Settled {
                     states,
-                    x: Iterate { u, t },
+                    x: Iterate { u, t, p },
                     force: attempt.scale,
                     traction,
                     effective: at.jumps,
@@ -158,6 +158,7 @@ impl Holding for SpringMethod {
                     size: accuracy.map_or(attempt.size, |accuracy| accuracy.size),
                     error,
                     unstable: None,
+                    flow: None,
                 });
             }
             if self.max_updates.is_some_and(|most| update + 1 >= most) {

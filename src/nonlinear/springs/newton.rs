@@ -48,6 +48,7 @@ impl Evaluation {
         Iterate {
             u: u.to_vec(),
             t: self.tractions(),
+            p: Vec::new(),
         }
     }
 

@@ -1,0 +1,442 @@
+//! The balance of fluid volume on fracture faces over a step, and its derivatives.
+
+use super::network::Network;
+use super::sealed::closable;
+use super::{FlowStep, Fluid, Given, Place};
+use crate::contact::{ContactState, JumpStabilization, face_compliance};
+use crate::elasticity::Elastic;
+use crate::mesh::{FractureEdge, FractureFace, FractureMesh, HexMesh};
+use fracas_operators::sparse::{Pattern, SparseMatrix};
+use fracas_operators::vector::norm2;
+
+/// Roundings of a sum that are no error. Unit: 1.
+const ROUNDINGS: f64 = 32.0;
+
+/// Backward Euler per face, volumes at the density of p = 0 [m³]:
+/// ```text
+/// R = A (a − a₀) + A c_f (p w − p₀ w₀) + A s (p − p₀) + Δt Σ F − ∫ q dt + Σ_e Y_e ([[p]]_e − [[p₀]]_e)
+/// a = g_N where open, 0 where closed      w = (12 C_f0)^⅓ + a      F of the network at p, C_f(a)
+/// ```
+/// Y, between open faces alone, is the pressure jump stabilization: `nᵀ diag(inv) n Σ A_{K,a} A_{L,a}` of the weights of H, on what the
+/// pressure does in the step, so that a steady pressure is left alone. It moves volume from face to face and loses none. A face of
+/// prescribed pressure has `ω A (p − P)` as its row.
+///
+/// A sealed part of closed faces has a pressure up to a constant. The row of its first face then holds the mean where it was,
+/// `R + ω Σ A (p − p₀)`: the limit of a storage that goes to nothing. Whatever must open, opens ([`Sealed`](super::Sealed)).
+///
+/// # Source
+/// M. Ferronato, SNA'25 lecture (conductivity, two-point fluxes, stabilization of the same form as that of tractions); increments in
+/// the stabilization and the rows of sealed parts are choices of this project.
+#[derive(Clone, Debug)]
+pub struct Balance<'a> {
+    fluid: &'a Fluid,
+    pub(super) faces: &'a [FractureFace],
+    edges: &'a [FractureEdge],
+    pub(super) network: Network,
+    /// Middles of the edges of prescribed pressure, in their order [m].
+    held_middles: Vec<[f64; 3]>,
+    /// Y per inner edge [m³/Pa].
+    weights: Vec<f64>,
+    /// ω per face [m/Pa].
+    compliance: Vec<f64>,
+    /// Connected parts that are sealed where all their faces are closed.
+    pub(super) closable: Vec<Vec<u32>>,
+    pattern: Pattern,
+}
+
+/// The balance at a point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlowPoint {
+    /// R per face [m³].
+    pub residual: Vec<f64>,
+    /// ‖·‖₂ of what R is the sum of, each face's terms by their sizes [m³].
+    pub size: f64,
+    /// The part of ‖R‖₂ that is rounding [m³].
+    pub rounding: f64,
+    /// |Σ R| over the faces whose pressure is free, beyond rounding of what prescribed pressures bring: volume lost or made [m³].
+    pub lost: f64,
+    /// Σ of the volumes in them and of those that come and go [m³].
+    pub volume: f64,
+}
+
+impl FlowPoint {
+    /// ‖R‖₂ beyond rounding over the size of its terms; 0 where there is nothing. Unit: 1.
+    pub fn relative(&self) -> f64 {
+        let left = (norm2(&self.residual) - self.rounding).max(0.0);
+        if left == 0.0 { 0.0 } else { left / self.size }
+    }
+
+    /// Volume lost over all volumes; 0 where there is none. Unit: 1.
+    pub fn loss(&self) -> f64 {
+        match self.lost == 0.0 {
+            true => 0.0,
+            false => self.lost / self.volume,
+        }
+    }
+}
+
+/// Derivatives of the balance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlowTangent {
+    /// T = ∂R/∂p [m³/Pa].
+    pub t: SparseMatrix<f64>,
+    /// ∂R/∂g_N, columns of closed faces 0 [m²].
+    pub by_gap: SparseMatrix<f64>,
+}
+
+impl<'a> Balance<'a> {
+    /// All that depends on neither states nor time.
+    pub fn new(
+        fluid: &'a Fluid,
+        mesh: &HexMesh,
+        fractures: &'a FractureMesh,
+        materials: &[Elastic],
+        stabilization: JumpStabilization,
+    ) -> Self {
+        let faces = &fractures.faces;
+        let held_edges = fluid
+            .sources
+            .iter()
+            .filter_map(|s| match (&s.place, s.given) {
+                (Place::Edges(edges), Given::Pressure(_)) => Some(edges.as_slice()),
+                _ => None,
+            });
+        let held_edges: Vec<[u32; 2]> = held_edges.flatten().copied().collect();
+        let network = Network::new(faces, mesh, &held_edges);
+        let mut held_middles = vec![[f64::NAN; 3]; held_edges.len()];
+        for (number, middle) in network.held_middles() {
+            held_middles[number] = middle;
+        }
+        let mut open_ended: Vec<bool> = faces
+            .iter()
+            .map(|face| fluid.compressibility > 0.0 || fluid.channel(face).storage > 0.0)
+            .collect();
+        let held_faces = fluid
+            .sources
+            .iter()
+            .filter_map(|s| match (&s.place, s.given) {
+                (Place::Faces(faces), Given::Pressure(_)) => Some(faces.as_slice()),
+                _ => None,
+            });
+        held_faces
+            .flatten()
+            .for_each(|f| open_ended[*f as usize] = true);
+        network.held_faces().for_each(|f| open_ended[f] = true);
+        let meetings = network.meetings();
+        let meetings = meetings.map(|arms| arms.iter().map(|arm| arm.face).collect());
+        let closable = closable(faces, meetings, |f| open_ended[f]);
+        let n = |face: u32| faces[face as usize].frame[0];
+        let weights = stabilization.edge_weights(mesh, fractures, materials);
+        let normal = |(edge, y): (&FractureEdge, [f64; 3])| {
+            let along = |n: [f64; 3]| (0..3).map(|j| n[j] * n[j] * y[j]).sum::<f64>();
+            0.5 * (along(n(edge.faces[0])) + along(n(edge.faces[1])))
+        };
+        Self {
+            weights: fractures.edges.iter().zip(weights).map(normal).collect(),
+            pattern: pattern(faces.len(), &network, &fractures.edges, &closable),
+            compliance: faces
+                .iter()
+                .map(|face| face_compliance(mesh, materials, face))
+                .collect(),
+            edges: &fractures.edges,
+            fluid,
+            faces,
+            network,
+            held_middles,
+            closable,
+        }
+    }
+
+    /// The fluid.
+    pub fn fluid(&self) -> &'a Fluid {
+        self.fluid
+    }
+
+    /// The step from `times[0]` to `times[1]` [s]; `factor` is that of a history at a time.
+    pub fn step(
+        &self,
+        times: [f64; 2],
+        pressure: Vec<f64>,
+        aperture: Vec<f64>,
+        factor: impl Fn(usize, f64) -> f64,
+    ) -> FlowStep {
+        let mut step = FlowStep {
+            dt: times[1] - times[0],
+            pressure,
+            aperture,
+            injected: vec![0.0; self.faces.len()],
+            held: vec![None; self.faces.len()],
+            held_edges: Vec::new(),
+        };
+        for source in &self.fluid.sources {
+            match (&source.place, source.given) {
+                (Place::Faces(faces), Given::Rate(rate)) => {
+                    // histories are linear between the times that steps land on
+                    let mean =
+                        0.5 * (factor(source.history, times[0]) + factor(source.history, times[1]));
+                    let area = |f: &u32| self.faces[*f as usize].area;
+                    let whole: f64 = faces.iter().map(area).sum();
+                    for f in faces {
+                        step.injected[*f as usize] += step.dt * rate * mean * area(f) / whole;
+                    }
+                }
+                (Place::Faces(faces), Given::Pressure(p)) => {
+                    let p = p * factor(source.history, times[1]);
+                    faces.iter().for_each(|f| step.held[*f as usize] = Some(p));
+                }
+                (Place::Edges(edges), Given::Pressure(p)) => {
+                    let p = p * factor(source.history, times[1]);
+                    step.held_edges.extend(edges.iter().map(|_| p));
+                }
+                // no scene has it
+                (Place::Edges(_), Given::Rate(_)) => {}
+            }
+        }
+        step
+    }
+
+    /// C_f/μ per face and its derivative by g_N [m³/(Pa s), m²/(Pa s)].
+    pub(super) fn mobility(&self, states: &[ContactState], jumps: &[f64]) -> [Vec<f64>; 2] {
+        let of = |f: usize| {
+            let both = self
+                .fluid
+                .conductivity(&self.faces[f], states[f], jumps[3 * f]);
+            both.map(|c| c / self.fluid.viscosity)
+        };
+        let both: Vec<[f64; 2]> = (0..self.faces.len()).map(of).collect();
+        [0, 1].map(|k: usize| both.iter().map(|m| m[k]).collect())
+    }
+
+    /// `p − ρ g·x` per face and per held edge [Pa].
+    pub(super) fn potentials(&self, p: &[f64], step: &FlowStep) -> [Vec<f64>; 2] {
+        let of_face = |(face, p): (&FractureFace, &f64)| p - self.fluid.head(face.center);
+        let of_edge = |(x, p): (&[f64; 3], &f64)| p - self.fluid.head(*x);
+        let edges = self.held_middles.iter().zip(&step.held_edges);
+        [
+            self.faces.iter().zip(p).map(of_face).collect(),
+            edges.map(of_edge).collect(),
+        ]
+    }
+
+    /// Volume taken by opening, and by compression and storage, of a face [m³].
+    pub(super) fn taken(&self, f: usize, a: f64, p: f64, step: &FlowStep) -> [f64; 2] {
+        let face = &self.faces[f];
+        let (a0, p0) = (step.aperture[f], step.pressure[f]);
+        let width = self.fluid.closed_width(face);
+        let pressed = self.fluid.compressibility * (p * (width + a) - p0 * (width + a0));
+        let stored = self.fluid.channel(face).storage * (p - p0);
+        [face.area * (a - a0), face.area * (pressed + stored)]
+    }
+
+    /// The equations at normal jumps (three entries per face, as contact has them) and pressures.
+    pub fn evaluate(
+        &self,
+        states: &[ContactState],
+        jumps: &[f64],
+        p: &[f64],
+        step: &FlowStep,
+    ) -> FlowPoint {
+        let n = self.faces.len();
+        let (mut residual, mut size, mut rounding) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+        let [mobility, _] = self.mobility(states, jumps);
+        let [potential, held] = self.potentials(p, step);
+        self.network.visit(&mobility, &potential, &held, |edge| {
+            for (k, l, weight) in edge.pairs() {
+                let k = edge.arms[k].face as usize;
+                let l = l.map(|l| edge.arms[l].face as usize);
+                let other = l.map_or(edge.potential, |l| potential[l]);
+                let flux = step.dt * weight * (potential[k] - other);
+                residual[k] += flux;
+                size[k] += flux.abs();
+                rounding[k] += step.dt * weight * (potential[k].abs() + other.abs());
+                if let Some(l) = l {
+                    residual[l] -= flux;
+                    size[l] += flux.abs();
+                    rounding[l] += step.dt * weight * (potential[k].abs() + other.abs());
+                }
+            }
+        });
+        // what comes through edges and from faces of prescribed pressure
+        let held_faces = (0..n).filter(|f| step.held[*f].is_some());
+        let through: Vec<usize> = self.network.held_faces().chain(held_faces).collect();
+        let mut volume: f64 = through.iter().map(|f| size[*f]).sum();
+        let unseen: f64 = through.iter().map(|f| rounding[*f]).sum();
+        for f in 0..n {
+            let a = Fluid::aperture(states[f], jumps[3 * f]);
+            let [opening, compression] = self.taken(f, a, p[f], step);
+            let apart = self.faces[f].area * (a.abs() + step.aperture[f].abs());
+            volume += apart + compression.abs() + step.injected[f].abs();
+            residual[f] += opening + compression - step.injected[f];
+            size[f] += opening.abs() + compression.abs() + step.injected[f].abs();
+            rounding[f] += apart + step.injected[f].abs();
+        }
+        for (edge, y) in self.stabilized(states) {
+            let [k, l] = edge.faces.map(|f| f as usize);
+            let moved = y * ((p[k] - step.pressure[k]) - (p[l] - step.pressure[l]));
+            residual[k] += moved;
+            residual[l] -= moved;
+        }
+        for faces in self
+            .closable
+            .iter()
+            .filter(|faces| self.is_sealed(faces, states))
+        {
+            let first = faces[0] as usize;
+            let rise: f64 = faces
+                .iter()
+                .map(|f| *f as usize)
+                .map(|f| self.faces[f].area * (p[f] - step.pressure[f]))
+                .sum();
+            residual[first] += self.compliance[first] * rise;
+            size[first] += self.compliance[first] * rise.abs();
+        }
+        let free = residual.iter().zip(&step.held);
+        let lost: f64 = free
+            .filter(|(_, held)| held.is_none())
+            .map(|(r, _)| r)
+            .sum();
+        for (f, held) in step.held.iter().enumerate() {
+            if let Some(held) = held {
+                let weight = self.compliance[f] * self.faces[f].area;
+                residual[f] = weight * (p[f] - held);
+                size[f] = weight * (p[f].abs() + held.abs());
+                rounding[f] = size[f];
+            }
+        }
+        FlowPoint {
+            residual,
+            size: norm2(&size),
+            rounding: ROUNDINGS * f64::EPSILON * norm2(&rounding),
+            lost: (lost.abs() - ROUNDINGS * f64::EPSILON * unseen).max(0.0),
+            volume,
+        }
+    }
+
+    /// Inner edges between open faces, with Y.
+    pub(super) fn stabilized<'s>(
+        &'s self,
+        states: &'s [ContactState],
+    ) -> impl Iterator<Item = (&'a FractureEdge, f64)> + 's {
+        let open = |f: u32| states[f as usize] == ContactState::Open;
+        let edges = self.edges.iter().zip(self.weights.iter().copied());
+        edges.filter(move |(edge, _)| open(edge.faces[0]) && open(edge.faces[1]))
+    }
+
+    /// Derivatives at the same point.
+    pub fn tangent(
+        &self,
+        states: &[ContactState],
+        jumps: &[f64],
+        p: &[f64],
+        step: &FlowStep,
+    ) -> FlowTangent {
+        let mut t = vec![0.0; self.pattern.columns.len()];
+        let mut by_gap = t.clone();
+        let place = |k: usize, l: usize| self.pattern.place(k, l as u32);
+        let free = |k: usize| step.held[k].is_none();
+        let [mobility, by_width] = self.mobility(states, jumps);
+        let [potential, held] = self.potentials(p, step);
+        self.network.visit(&mobility, &potential, &held, |edge| {
+            for (k, l, weight) in edge.pairs() {
+                let k = edge.arms[k].face as usize;
+                let weight = step.dt * weight;
+                t[place(k, k)] += weight;
+                if let Some(l) = l {
+                    let l = edge.arms[l].face as usize;
+                    t[place(l, l)] += weight;
+                    t[place(k, l)] -= weight;
+                    t[place(l, k)] -= weight;
+                }
+            }
+            // F_k = τ_k (Φ_k − Φ_e), ∂Φ_e/∂τ_m = (Φ_m − Φ_e)/Σ τ
+            for arm in edge.arms {
+                let m = arm.face as usize;
+                let turned = step.dt * by_width[m] * arm.shape;
+                if turned == 0.0 {
+                    continue;
+                }
+                let above = potential[m] - edge.potential;
+                by_gap[place(m, m)] += turned * above;
+                if !edge.held {
+                    for (other, tau) in edge.arms.iter().zip(edge.tau) {
+                        let share = tau / edge.total;
+                        by_gap[place(other.face as usize, m)] -= turned * share * above;
+                    }
+                }
+            }
+        });
+        for (f, face) in self.faces.iter().enumerate() {
+            let a = Fluid::aperture(states[f], jumps[3 * f]);
+            let c = self.fluid.compressibility;
+            let width = self.fluid.closed_width(face) + a;
+            t[place(f, f)] += face.area * (c * width + self.fluid.channel(face).storage);
+            if states[f] == ContactState::Open {
+                by_gap[place(f, f)] += face.area * (1.0 + c * p[f]);
+            }
+        }
+        for (edge, y) in self.stabilized(states) {
+            let [k, l] = edge.faces.map(|f| f as usize);
+            t[place(k, k)] += y;
+            t[place(l, l)] += y;
+            t[place(k, l)] -= y;
+            t[place(l, k)] -= y;
+        }
+        for faces in self
+            .closable
+            .iter()
+            .filter(|faces| self.is_sealed(faces, states))
+        {
+            let first = faces[0] as usize;
+            for f in faces.iter().map(|f| *f as usize) {
+                t[place(first, f)] += self.compliance[first] * self.faces[f].area;
+            }
+        }
+        for f in (0..self.faces.len()).filter(|f| !free(*f)) {
+            t[self.pattern.range(f)].fill(0.0);
+            by_gap[self.pattern.range(f)].fill(0.0);
+            t[place(f, f)] = self.compliance[f] * self.faces[f].area;
+        }
+        let matrix = |values: Vec<f64>| {
+            let n = self.faces.len();
+            let (offsets, columns) = (self.pattern.offsets.clone(), self.pattern.columns.clone());
+            SparseMatrix::new((n, n), offsets, columns, values)
+        };
+        FlowTangent {
+            t: matrix(t),
+            by_gap: matrix(by_gap),
+        }
+    }
+}
+
+/// Faces that share an edge of the network, and all faces of a part that may be sealed in the row of its first.
+fn pattern(
+    faces: usize,
+    network: &Network,
+    edges: &[FractureEdge],
+    closable: &[Vec<u32>],
+) -> Pattern {
+    let mut rows: Vec<Vec<u32>> = (0..faces).map(|f| vec![f as u32]).collect();
+    let mut meet = |all: &[u32]| {
+        for f in all {
+            rows[*f as usize].extend(all);
+        }
+    };
+    for arms in network.meetings() {
+        meet(&arms.iter().map(|arm| arm.face).collect::<Vec<_>>());
+    }
+    edges.iter().for_each(|edge| meet(&edge.faces));
+    for part in closable {
+        rows[part[0] as usize].extend(part);
+    }
+    let mut pattern = Pattern {
+        offsets: vec![0],
+        columns: Vec::new(),
+    };
+    for mut row in rows {
+        row.sort_unstable();
+        row.dedup();
+        pattern.columns.extend(row);
+        pattern.offsets.push(pattern.columns.len());
+    }
+    pattern
+}

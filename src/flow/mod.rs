@@ -1,0 +1,25 @@
+//! Flow in fractures: what a fluid is, how it gets from face to face, and the balance of its volume.
+//!
+//! | formula | file |
+//! |---|---|
+//! | `q = −(C_f/μ)(∇p − ρ g)`, two-point fluxes, star–delta at junctions | `network` |
+//! | `C_f = C_f0 + g_N³/12` where open | [`Fluid::conductivity`] |
+//! | volume per face: aperture, compression, flux, sources | `balance` |
+//! | pressure jumps held down | `balance`, weights of [`JumpStabilization`](crate::contact::JumpStabilization) |
+
+mod balance;
+mod fluid;
+mod network;
+mod record;
+mod sealed;
+mod step;
+
+pub use balance::{Balance, FlowPoint, FlowTangent};
+pub use fluid::{Channel, Fluid, Given, Place, Source};
+pub use network::Network;
+pub(crate) use network::ends as edge_ends;
+pub use sealed::Sealed;
+pub use step::{FlowRecord, FlowStep};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,33 @@
+//! What is given over a step in time, and what became of the fluid in it.
+
+/// A step: from when, what comes in, what is held.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlowStep {
+    /// Its length [s].
+    pub dt: f64,
+    /// Pressure per face at its start [Pa].
+    pub pressure: Vec<f64>,
+    /// Aperture per face at its start, 0 where closed [m].
+    pub aperture: Vec<f64>,
+    /// Volume that rates bring to each face, `∫ q dt` [m³].
+    pub injected: Vec<f64>,
+    /// Pressure of faces whose pressure is prescribed, at the end [Pa].
+    pub held: Vec<Option<f64>>,
+    /// Pressure per edge of prescribed pressure, at the end [Pa].
+    pub held_edges: Vec<f64>,
+}
+
+/// Where the fluid of a step went: a line of `flow.csv`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FlowRecord {
+    /// Brought in by rates above 0 [m³].
+    pub injected: f64,
+    /// Taken by the opening of fractures [m³].
+    pub stored_opening: f64,
+    /// Taken by compression and storage [m³].
+    pub stored_compression: f64,
+    /// Taken out by rates below 0, or left through prescribed pressures [m³].
+    pub out: f64,
+    /// `injected − out − stored_opening − stored_compression` [m³].
+    pub error: f64,
+}

@@ -1,0 +1,325 @@
+//! The third field: pressures of the fluid in fractures, beside displacements and tractions.
+
+use super::active_set::Settled;
+use super::newton::{Attempt, Iterate, relative};
+use super::{ContactProblem, Evaluation, Failure, Load, Simulation, SimulationError, State};
+use crate::contact::ContactState;
+use crate::elasticity::ElasticityError;
+use crate::flow::{FlowStep, Fluid};
+use crate::mesh::FractureFace;
+use crate::scene::Method;
+use fracas_operators::Layout;
+use fracas_operators::sparse::{Csr, SparseMatrix, Triplets};
+use fracas_operators::vector::{axpy, norm2};
+use fracas_solvers::saddle::{FlowBlocks, P, SaddleBlocks};
+
+/// How much more strictly lost volume is judged than residuals: a run adds the losses of its steps up. Unit: 1.
+const STRICT: f64 = 1e3;
+
+impl ContactProblem<'_> {
+    /// Pressure per face before anything flows, of which a share is applied; empty without a fluid [Pa].
+    pub(super) fn initial_pressures(&self, share: f64) -> Vec<f64> {
+        let Some(balance) = self.balance() else {
+            return Vec::new();
+        };
+        let of = |face| share * balance.fluid().initial_pressure(face);
+        self.faces().iter().map(of).collect()
+    }
+
+    /// Flow goes with multipliers alone.
+    pub(super) fn require_multipliers(&self) -> Result<(), SimulationError> {
+        match self.balance().is_some() && self.body().solver.method != Method::Lagrange {
+            true => Err(SimulationError::FlowWithSprings),
+            false => Ok(()),
+        }
+    }
+
+    /// The largest of the loads before and after and of the forces of the tractions before, and of the pressures before where something
+    /// flows [N]: residuals are relative to it.
+    pub(super) fn scale(&self, t: &[f64], loads: [&Load; 2], pressures: Option<&[f64]>) -> f64 {
+        let unit = self.saddle().unit();
+        let mut pushed = vec![0.0; self.body().constraints.free_len()];
+        self.add_forces(1.0, t, &mut pushed);
+        let forced = pressures.map(|p| norm2(&self.pressure_forces(p, 1.0)));
+        loads
+            .into_iter()
+            .flat_map(|load| [norm2(&load.force), unit * norm2(&load.jump)])
+            .chain(forced)
+            .fold(norm2(&pushed), f64::max)
+    }
+
+    /// `−Q1 (p − p₀) = B n (p − p₀)`: the forces of what the pressures have changed; p₀ is among the loads [N].
+    pub(super) fn pressure_forces(&self, p: &[f64], share: f64) -> Vec<f64> {
+        let mut normal = vec![0.0; 3 * p.len()];
+        let changed = p.iter().zip(self.initial_pressures(share));
+        for (t, (p, p0)) in normal.chunks_exact_mut(3).zip(changed) {
+            t[0] = p - p0;
+        }
+        let mut force = vec![0.0; self.body().constraints.free_len()];
+        self.add_forces(1.0, &normal, &mut force);
+        force
+    }
+
+    /// What is given of the flow between two times, from pressures and jumps at the start; `None` where nothing flows or no time
+    /// passes.
+    pub(super) fn flow_step(
+        &self,
+        times: [f64; 2],
+        (p, states, jumps): (&[f64], &[ContactState], &[f64]),
+    ) -> Option<FlowStep> {
+        let balance = self.balance().filter(|_| times[1] > times[0])?;
+        let aperture = |(f, state): (usize, &ContactState)| Fluid::aperture(*state, jumps[3 * f]);
+        let apertures = states.iter().enumerate().map(aperture).collect();
+        let histories = &self.body().histories;
+        let factor = |history: usize, time: f64| histories[history].at(time);
+        Some(balance.step(times, p.to_vec(), apertures, factor))
+    }
+
+    /// `Q1 = −B n` and `Q2 = ∂R/∂g_N A_f⁻¹ (B n)ᵀ`, T and −R for blocks whose tractions and pressures count in `unit`.
+    fn flow_blocks(
+        &self,
+        (b1, unit): (&SparseMatrix<f64>, f64),
+        (states, at, p): (&[ContactState], &Evaluation, &[f64]),
+        step: &FlowStep,
+    ) -> Option<FlowBlocks> {
+        let tangent = self.balance()?.tangent(states, &at.jumps, p, step);
+        let mut normal = Triplets::new((3 * p.len(), p.len()));
+        let mut by_volume = Triplets::new((p.len(), p.len()));
+        for (f, face) in self.faces().iter().enumerate() {
+            normal.add_triplet(3 * f, f, 1.0);
+            by_volume.add_triplet(f, f, 1.0 / face.area);
+        }
+        let normal: SparseMatrix<f64> = normal.to_csr();
+        let by_volume: SparseMatrix<f64> = by_volume.to_csr();
+        let b_n = b1 * &normal;
+        // columns of closed faces are no entries
+        let mut by_gap = Triplets::new((p.len(), p.len()));
+        for (value, (k, m)) in &tangent.by_gap {
+            if *value != 0.0 {
+                by_gap.add_triplet(k as usize, m as usize, *value);
+            }
+        }
+        let by_gap: SparseMatrix<f64> = by_gap.to_csr();
+        let q2 = &(&by_gap * &by_volume) * &b_n.transpose_view().to_csr();
+        let flow = at.flow.as_ref()?;
+        Some(FlowBlocks {
+            q1: b_n.map(|v| -v),
+            q2,
+            t: tangent.t.map(|v| unit * unit * v),
+            rhs_p: flow.residual.iter().map(|r| -unit * r).collect(),
+        })
+    }
+}
+
+impl Attempt<'_> {
+    /// Fields of its vectors: displacements, tractions and, where something flows, pressures in the same unit as these.
+    pub(super) fn layout(&self) -> Layout {
+        let saddle = self.problem.saddle();
+        match self.flow {
+            None => saddle.layout(),
+            Some(step) => {
+                let three = saddle.layout().with(P, step.pressure.len());
+                three.counted_in(P, saddle.unit())
+            }
+        }
+    }
+
+    /// The equations at an iterate.
+    pub(super) fn evaluate(
+        &self,
+        states: &[ContactState],
+        h: Option<&Csr<f64>>,
+        x: &Iterate,
+    ) -> Evaluation {
+        let problem = self.problem;
+        let mut at = problem.evaluate(states, h, [&x.u, &x.t], self.start, self.load);
+        let (Some(step), Some(balance)) = (self.flow, problem.balance()) else {
+            return at;
+        };
+        let pushed = problem.pressure_forces(&x.p, 1.0);
+        axpy(1.0, &pushed, &mut at.residual[..pushed.len()]);
+        let point = balance.evaluate(states, &at.jumps, &x.p, step);
+        let unit = problem.saddle().unit();
+        at.residual.extend(point.residual.iter().map(|r| -unit * r));
+        at.pushed = norm2(&pushed);
+        at.flow = Some(point);
+        at
+    }
+
+    /// The residual relative to loads and internal forces, or that of the fluid relative to its volumes, or what is lost of it, a thousand
+    /// times as strictly; the largest.
+    pub(super) fn relative(&self, at: &Evaluation) -> f64 {
+        match &at.flow {
+            None => relative(norm2(&at.residual), self.scale),
+            Some(flow) => {
+                let of_rock = &at.residual[..at.residual.len() - flow.residual.len()];
+                let rock = relative(norm2(of_rock), self.scale.max(at.pushed));
+                let fluid = flow.relative().max(STRICT * flow.loss());
+                // NaN stays NaN
+                match rock > fluid || rock.is_nan() {
+                    true => rock,
+                    false => fluid,
+                }
+            }
+        }
+    }
+
+    /// True where the equations at these states are linear.
+    pub(super) fn is_linear(&self, states: &[ContactState]) -> bool {
+        let widens = |s: &ContactState| self.flow.is_some() && *s == ContactState::Open;
+        states.iter().all(|s| s.is_linear() && !widens(s))
+    }
+
+    /// The Jacobian and `−r` of all fields, tractions and pressures in Pa.
+    pub(super) fn assembled(
+        &self,
+        states: &[ContactState],
+        (h, x): (Option<&Csr<f64>>, &Iterate),
+        at: &Evaluation,
+        lagged: bool,
+    ) -> Result<SaddleBlocks, ElasticityError> {
+        let stick = (self.problem.stick_blocks()?, 1.0);
+        Ok(self.coupled(stick, states, (h, x), at, lagged))
+    }
+
+    /// The same from the blocks with every face in stick, tractions and pressures counted in `unit`.
+    pub(super) fn coupled(
+        &self,
+        (stick, unit): (SaddleBlocks, f64),
+        states: &[ContactState],
+        (h, x): (Option<&Csr<f64>>, &Iterate),
+        at: &Evaluation,
+        lagged: bool,
+    ) -> SaddleBlocks {
+        let problem = self.problem;
+        let flow = self
+            .flow
+            .and_then(|step| problem.flow_blocks((&stick.b1, unit), (states, at, &x.p), step));
+        let blocks = problem.linearized((stick, unit), states, h, at, lagged);
+        SaddleBlocks { flow, ..blocks }
+    }
+
+    /// The states at which the active set begins: where fluid has to go into sealed fractures, what it reaches first is open.
+    pub(super) fn opened(&self, mut states: Vec<ContactState>) -> Vec<ContactState> {
+        if let (Some(step), Some(balance)) = (self.flow, self.problem.balance()) {
+            let full = balance.sealed(&states, step);
+            for part in full.iter().filter(|part| part.excess > 0.0) {
+                for f in balance.to_open(part, step) {
+                    states[f as usize] = ContactState::Open;
+                }
+            }
+        }
+        states
+    }
+
+    /// Changes of states, and those that fluid forces on sealed fractures that have none: what they cannot hold opens them.
+    pub(super) fn with_openings(
+        &self,
+        states: &[ContactState],
+        changes: Vec<(usize, ContactState)>,
+    ) -> Result<Vec<(usize, ContactState)>, Failure> {
+        let (Some(step), Some(balance)) = (self.flow, self.problem.balance()) else {
+            return Ok(changes);
+        };
+        let mut next = states.to_vec();
+        changes.iter().for_each(|(f, state)| next[*f] = *state);
+        let sealed = balance.sealed(&next, step);
+        let drained = sealed.iter().find(|part| part.excess < 0.0);
+        if let (Some(part), true) = (drained, changes.is_empty()) {
+            return Err(self.drained(&part.faces, -part.excess));
+        }
+        for part in sealed.iter().filter(|part| part.excess > 0.0) {
+            for f in balance.to_open(part, step) {
+                next[f as usize] = ContactState::Open;
+            }
+        }
+        let differs = |f: &usize| next[*f] != states[*f];
+        let changed = (0..states.len()).filter(differs);
+        Ok(changed.map(|f| (f, next[f])).collect())
+    }
+
+    /// What an attempt found, with where its fluid went; before anything flows, with the share of the initial pressures that is applied.
+    pub(super) fn with_flow(&self, mut settled: Settled, share: f64) -> Settled {
+        let problem = self.problem;
+        match (self.flow, problem.balance()) {
+            (Some(step), Some(balance)) => {
+                let jumps = problem.jumps(&settled.x.u, self.load);
+                let record = balance.record(&settled.states, &jumps, &settled.x.p, step);
+                settled.flow = Some(record);
+            }
+            _ => settled.x.p = problem.initial_pressures(share),
+        }
+        settled
+    }
+
+    fn drained(&self, faces: &[u32], volume: f64) -> Failure {
+        let body = self.problem.body();
+        let mut fractures: Vec<u16> = faces
+            .iter()
+            .map(|f| body.fractures.faces[*f as usize].fracture)
+            .collect();
+        fractures.dedup();
+        fractures.sort_unstable();
+        fractures.dedup();
+        let name = |f: &u16| body.fractures.names[usize::from(*f)].clone();
+        Failure::Drained {
+            fractures: fractures.iter().map(name).collect(),
+            volume,
+        }
+    }
+
+    /// The load with the pressures of an iterate among its forces; `None` where nothing flows.
+    pub(super) fn pressed(&self, x: &Iterate) -> Option<Load> {
+        self.flow?;
+        let mut load = self.load.clone();
+        axpy(
+            1.0,
+            &self.problem.pressure_forces(&x.p, 1.0),
+            &mut load.force,
+        );
+        Some(load)
+    }
+
+    /// The same attempt without flow under another load, if there is one.
+    pub(super) fn at_load<'l>(&'l self, load: Option<&'l Load>) -> Attempt<'l> {
+        let Some(load) = load else {
+            return self.clone();
+        };
+        Attempt {
+            load,
+            flow: None,
+            ..self.clone()
+        }
+    }
+}
+
+impl Simulation<'_> {
+    /// C_f [m³] and the flow per width [m²/s] of every face; empty where the scene has no fluid.
+    pub(super) fn flow_fields(&self, state: &State, jumps: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let problem = self.problem();
+        let Some(balance) = problem.balance() else {
+            return Default::default();
+        };
+        let histories = &problem.body().histories;
+        let factor = |history: usize, time: f64| histories[history].at(time);
+        let faces = state.p.len();
+        // what is held at this time
+        let now = [state.time; 2];
+        let step = balance.step(now, state.p.clone(), vec![0.0; faces], factor);
+        let of = |(f, face): (usize, &FractureFace)| {
+            let [c, _] = (balance.fluid()).conductivity(face, state.states[f], jumps[3 * f]);
+            c
+        };
+        let conductivity = problem.faces().iter().enumerate().map(of).collect();
+        let flux = match state.time > 0.0 {
+            true => balance.fluxes(&state.states, jumps, &state.p, &step),
+            // at time 0 nothing flows yet
+            false => vec![0.0; 3 * faces],
+        };
+        (conductivity, flux)
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests;

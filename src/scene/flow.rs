@@ -1,0 +1,255 @@
+//! From sections to a fluid: channels, and the faces and edges of sources.
+
+use super::flow_sections::SourceSection;
+use super::history::Histories;
+use super::located::{Located, at};
+use super::sections::{SceneSections, SideName};
+use super::{FlowProblem, Problem};
+use crate::flow::{Channel, Fluid, Given, Place, Source, edge_ends};
+use crate::mesh::{BuiltMesh, FractureFace};
+use crate::nearest::nearest;
+use crate::units::Measure;
+
+/// Share of the extent of a fracture within which edges are on one side of it. Unit: 1.
+const SAME_SIDE: f64 = 1e-6;
+
+/// Share of the radius of a face by which a point may lie beside it. Unit: 1.
+const ON_FACE: f64 = 1e-6;
+
+/// The fluid of a scene, if it has one; `section_of` tells the section of every fracture.
+pub(super) fn fluid(
+    sections: &SceneSections,
+    built: &BuiltMesh,
+    section_of: &[usize],
+    gravity: [f64; 3],
+    (histories, of_time): (&mut Histories, usize),
+) -> Result<Option<Fluid>, Located> {
+    let Some(section) = &sections.fluid else {
+        return Ok(None);
+    };
+    if section_of.is_empty() {
+        return Err(at(&["fluid"], FlowProblem::NoFracture));
+    }
+    let mut channels = Vec::with_capacity(section_of.len());
+    for i in section_of {
+        let fracture = &sections.fracture[*i];
+        let path = ["fracture", &i.to_string()];
+        if fracture.pressure.is_some() {
+            let name = fracture.name.clone();
+            let path = [path[0], path[1], "pressure"];
+            return Err(at(&path, FlowProblem::FixedPressure { name }));
+        }
+        let Some(conductivity) = &fracture.conductivity else {
+            let what = format!("fracture \"{}\", in which a fluid flows,", fracture.name);
+            let key = "conductivity";
+            return Err(at(&path, Problem::MissingKey { what, key }));
+        };
+        channels.push(Channel {
+            conductivity: conductivity.si(),
+            storage: fracture.storage.as_ref().map_or(0.0, Measure::si),
+            initial_pressure: fracture.initial_pressure.as_ref().map_or(0.0, Measure::si),
+        });
+    }
+    let mut sources = Vec::with_capacity(sections.source.len());
+    for (i, source) in sections.source.iter().enumerate() {
+        let number = i.to_string();
+        let path = ["source", &number, "history"];
+        let history = histories.number(source.history.as_ref(), &path, of_time)?;
+        let place = place(source, &number, built)?;
+        let given = match (&source.rate, &source.pressure) {
+            (Some(_), None) if matches!(place, Place::Edges(_)) => {
+                let name = source.name();
+                return Err(at(
+                    &["source", &number, "rate"],
+                    FlowProblem::RateOnEdge { name },
+                ));
+            }
+            (Some(rate), None) => Given::Rate(rate.si()),
+            (None, Some(pressure)) => Given::Pressure(pressure.si()),
+            (rate, pressure) => {
+                return Err(at(
+                    &["source", &number],
+                    Problem::ExactlyOne {
+                        what: source.name(),
+                        keys: "`rate`, `pressure`",
+                        found: usize::from(rate.is_some()) + usize::from(pressure.is_some()),
+                    },
+                ));
+            }
+        };
+        sources.push(Source {
+            place,
+            given,
+            history,
+        });
+    }
+    require_one_each(&sources, sections, built)?;
+    Ok(Some(Fluid {
+        viscosity: section.viscosity.si(),
+        compressibility: section.compressibility.as_ref().map_or(0.0, Measure::si),
+        density: section.density.as_ref().map_or(0.0, Measure::si),
+        gravity,
+        reference: section.reference.as_ref().map_or(0.0, Measure::si),
+        channels,
+        sources,
+    }))
+}
+
+/// Faces or edges of a source.
+fn place(source: &SourceSection, number: &str, built: &BuiltMesh) -> Result<Place, Located> {
+    let names = &built.fractures.names;
+    let Some(fracture) = names.iter().position(|name| *name == source.fracture) else {
+        let problem = FlowProblem::UnknownFracture {
+            name: source.fracture.clone(),
+            nearest: nearest(&source.fracture, names),
+            known: names.clone(),
+        };
+        return Err(at(&["source", number, "fracture"], problem));
+    };
+    let faces = || {
+        let faces = built.fractures.faces.iter().enumerate();
+        faces.filter(move |(_, face)| usize::from(face.fracture) == fracture)
+    };
+    match (&source.at, source.edge) {
+        (None, None) => Ok(Place::Faces(faces().map(|(f, _)| f as u32).collect())),
+        (Some(point), None) => {
+            let point = [&point[0], &point[1], &point[2]].map(Measure::si);
+            let distance = |face: &FractureFace| {
+                let d: [f64; 3] = std::array::from_fn(|i| face.center[i] - point[i]);
+                d.iter().map(|d| d * d).sum::<f64>().sqrt()
+            };
+            let closest = faces().min_by(|(_, a), (_, b)| distance(a).total_cmp(&distance(b)));
+            match closest {
+                Some((f, face)) if holds(face, built, point) => Ok(Place::Faces(vec![f as u32])),
+                closest => {
+                    let problem = FlowProblem::NoFace {
+                        name: source.fracture.clone(),
+                        point,
+                        nearest: closest.map_or([f64::NAN; 3], |(_, face)| face.center),
+                    };
+                    Err(at(&["source", number, "at"], problem))
+                }
+            }
+        }
+        (None, Some(side)) => {
+            let edges = side_edges(faces().map(|(_, face)| face), built, side);
+            match edges.is_empty() {
+                false => Ok(Place::Edges(edges)),
+                true => {
+                    let name = source.fracture.clone();
+                    let side = side.name();
+                    let problem = FlowProblem::NoEdge { name, side };
+                    Err(at(&["source", number, "edge"], problem))
+                }
+            }
+        }
+        (Some(_), Some(_)) => {
+            let name = source.name();
+            Err(at(&["source", number], FlowProblem::FaceAndEdge { name }))
+        }
+    }
+}
+
+/// True where a point lies on a face, or beside it by rounding.
+fn holds(face: &FractureFace, built: &BuiltMesh, point: [f64; 3]) -> bool {
+    let corners = face.minus.nodes.map(|n| built.mesh.nodes[n as usize]);
+    let minus = |a: [f64; 3], b: [f64; 3]| -> [f64; 3] { std::array::from_fn(|i| a[i] - b[i]) };
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let cross = |a: [f64; 3], b: [f64; 3]| -> [f64; 3] {
+        std::array::from_fn(|i| {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            a[j] * b[k] - a[k] * b[j]
+        })
+    };
+    let n = face.frame[0];
+    let sizes = corners.map(|x| minus(x, face.center)).map(|d| dot(d, d));
+    let radius = sizes.into_iter().fold(0.0, f64::max).sqrt();
+    // inside of every edge, corners going round n; a face that is not plane has points off its mean plane
+    let off = corners.map(|x| dot(minus(x, face.center), n).abs());
+    let thick = off.into_iter().fold(ON_FACE * radius, f64::max);
+    let inside = (0..4).all(|a| {
+        let along = minus(corners[(a + 1) % 4], corners[a]);
+        let inward = cross(n, along);
+        let length = dot(along, along).sqrt();
+        dot(inward, minus(point, corners[a])) >= -ON_FACE * radius * length
+    });
+    inside && dot(minus(point, face.center), n).abs() <= thick
+}
+
+/// Edges of one face of a fracture alone that lie farthest to a side.
+fn side_edges<'f>(
+    faces: impl Iterator<Item = &'f FractureFace>,
+    built: &BuiltMesh,
+    side: SideName,
+) -> Vec<[u32; 2]> {
+    let mesh = &built.mesh;
+    let mut edges: Vec<[u32; 2]> = faces
+        .flat_map(|face| (0..4).map(|a| edge_ends(face, mesh, a)))
+        .collect();
+    edges.sort_unstable();
+    let outer: Vec<[u32; 2]> = edges
+        .chunk_by(|a, b| a == b)
+        .filter(|same| same.len() == 1)
+        .map(|same| same[0])
+        .collect();
+    let (axis, sign) = (side.index() / 2, [-1.0, 1.0][side.index() % 2]);
+    let along = |node: u32| sign * mesh.nodes[node as usize][axis];
+    let all = || outer.iter().flatten().map(|node| along(*node));
+    let (low, high) = all().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+        (low.min(x), high.max(x))
+    });
+    // both ends on the side; a fracture across the axis has none
+    let zone = SAME_SIDE * (high - low);
+    if zone <= 0.0 || high - low <= SAME_SIDE * high.abs() {
+        return Vec::new();
+    }
+    let there = |ends: &&[u32; 2]| ends.iter().all(|node| along(*node) >= high - zone);
+    outer.iter().filter(there).copied().collect()
+}
+
+/// Refuses faces that have two pressures, or a pressure and a rate.
+fn require_one_each(
+    sources: &[Source],
+    sections: &SceneSections,
+    built: &BuiltMesh,
+) -> Result<(), Located> {
+    let number = |i: usize| i.to_string();
+    for (i, source) in sources.iter().enumerate() {
+        if !matches!(source.given, Given::Pressure(_)) {
+            continue;
+        }
+        let others = sources.iter().enumerate().filter(|(j, other)| {
+            // each pair of pressures is seen once, as the later one
+            *j < i || matches!(other.given, Given::Rate(_))
+        });
+        for (j, other) in others {
+            let center = match (&source.place, &other.place) {
+                (Place::Faces(a), Place::Faces(b)) => {
+                    let both = a.iter().find(|f| b.contains(f));
+                    both.map(|f| built.fractures.faces[*f as usize].center)
+                }
+                (Place::Edges(a), Place::Edges(b)) => {
+                    let both = a.iter().find(|e| b.contains(e));
+                    both.map(|[p, q]| {
+                        let [p, q] = [p, q].map(|n| built.mesh.nodes[*n as usize]);
+                        std::array::from_fn(|k| 0.5 * (p[k] + q[k]))
+                    })
+                }
+                _ => None,
+            };
+            if let Some(center) = center {
+                let problem = FlowProblem::TwoOnOne {
+                    name: sections.source[i].fracture.clone(),
+                    center,
+                    other: match other.given {
+                        Given::Rate(_) => "rate",
+                        Given::Pressure(_) => "pressure",
+                    },
+                    number: j + 1,
+                };
+                return Err(at(&["source", &number(i)], problem));
+            }
+        }
+    }
+    Ok(())
+}

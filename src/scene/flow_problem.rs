@@ -1,0 +1,79 @@
+//! What can be wrong with a fluid and what drives it.
+
+/// A fluid, or a source, that makes no sense.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FlowProblem {
+    /// Nothing to flow in.
+    #[error("[fluid] has no fracture to flow in; give a [[fracture]], or leave the section out")]
+    NoFracture,
+    /// Two meanings of pressure.
+    #[error(
+        "fracture \"{name}\" has a `pressure`, which nothing would change, beside [fluid], in which pressures are unknown; give `initial_pressure`, or a [[source]] with a pressure"
+    )]
+    FixedPressure {
+        /// Its name.
+        name: String,
+    },
+    /// A source of a fracture that is not there.
+    #[error("no fracture is named \"{name}\"{}; there are: {}", nearest.as_ref().map_or(String::new(), |n| format!(", did you mean \"{n}\"?")), known.join(", "))]
+    UnknownFracture {
+        /// As written.
+        name: String,
+        /// The one most like it.
+        nearest: Option<String>,
+        /// All of them.
+        known: Vec<String>,
+    },
+    /// A point beside the fracture.
+    #[error(
+        "no face of fracture \"{name}\" holds the point ({:.6}, {:.6}, {:.6}) m; the centre of the nearest face is ({:.6}, {:.6}, {:.6}) m",
+        point[0], point[1], point[2], nearest[0], nearest[1], nearest[2]
+    )]
+    NoFace {
+        /// Its name.
+        name: String,
+        /// The point [m].
+        point: [f64; 3],
+        /// Centre of the nearest face [m].
+        nearest: [f64; 3],
+    },
+    /// An edge where the fracture has none.
+    #[error(
+        "no outer edge of fracture \"{name}\" lies along its side {side}: it is normal to that axis, or ends there in a point; give another side"
+    )]
+    NoEdge {
+        /// Its name.
+        name: String,
+        /// As written.
+        side: &'static str,
+    },
+    /// A point and an edge.
+    #[error("{name} has both `at` and `edge`; give one of them, or neither for the whole fracture")]
+    FaceAndEdge {
+        /// Which.
+        name: String,
+    },
+    /// A rate on an edge.
+    #[error(
+        "{name} gives a rate to an edge, which takes pressures alone; give `at`, a point on a face, or neither for the whole fracture"
+    )]
+    RateOnEdge {
+        /// Which.
+        name: String,
+    },
+    /// Two conditions at one place.
+    #[error(
+        "the pressure of this [[source]] meets the {other} of [[source]] number {number} at ({:.6}, {:.6}, {:.6}) m on fracture \"{name}\"; a face takes one pressure, or rates alone",
+        center[0], center[1], center[2]
+    )]
+    TwoOnOne {
+        /// Its name.
+        name: String,
+        /// Of the face or edge [m].
+        center: [f64; 3],
+        /// `rate` or `pressure`.
+        other: &'static str,
+        /// The other source, from 1.
+        number: usize,
+    },
+}

@@ -1,0 +1,54 @@
+//! The sections of a scene file, as they are written: the fluid in fractures and what drives it.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::sections::SideName;
+use crate::units::{Compressibility, Density, Duration, Length, Measure, Rate, Stress, Viscosity};
+
+/// A fluid that flows in every fracture; each needs a `conductivity`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FluidSection {
+    /// Dynamic viscosity.
+    pub viscosity: Measure<Viscosity>,
+    /// Compressibility; 0 if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compressibility: Option<Measure<Compressibility>>,
+    /// Density, by which gravity acts on it; its weight is left out if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub density: Option<Measure<Density>>,
+    /// Level z at which the `initial_pressure` of fractures holds; 0 if not given. Needs `density`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference: Option<Measure<Length>>,
+}
+
+/// What drives the fluid, from time 0 on: a rate or a pressure, on the face at a point, along an edge, or on a whole fracture.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SourceSection {
+    /// Name of the fracture, with its number where several planes share one name.
+    pub fracture: String,
+    /// A point on the face, after any map; the whole fracture if neither this nor `edge` is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at: Option<[Measure<Length>; 3]>,
+    /// The outer edges that lie farthest to this side; takes a pressure.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub edge: Option<SideName>,
+    /// Volume per time, shared by area; negative takes fluid out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate: Option<Measure<Rate>>,
+    /// Prescribed pressure; fluid comes and goes as it asks.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pressure: Option<Measure<Stress>>,
+    /// Factor in time as `[[time, factor], …]`; that of `[time]` if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub history: Option<Vec<(Measure<Duration>, f64)>>,
+}
+
+impl SourceSection {
+    /// For messages.
+    pub(super) fn name(&self) -> String {
+        format!("[[source]] of fracture \"{}\"", self.fracture)
+    }
+}

@@ -1,0 +1,169 @@
+//! Claim: whatever is wrong with a fluid, or with what drives it, is said in one sentence with its place.
+#![allow(clippy::unwrap_used)]
+
+use fracas::nonlinear::Simulation;
+use fracas::scene::{Body, Scene};
+
+const SCENE: &str = r#"title = "Fluid"
+
+[mesh]
+x = { from = "0 m", to = "4 m", cells = 4 }
+y = { from = "0 m", to = "2 m", cells = 2 }
+z = { from = "0 m", to = "2 m", cells = 2 }
+
+[[material]]
+name = "rock"
+young = "25 GPa"
+poisson = 0.25
+
+[[fracture]]
+name = "F"
+plane = "x"
+at = "2 m"
+friction_angle = "30 deg"
+conductivity = "1e-12 m3"
+
+[fluid]
+viscosity = "1 cP"
+
+[[source]]
+fracture = "F"
+at = ["2 m", "0.5 m", "0.5 m"]
+rate = "1 L/s"
+
+[[source]]
+fracture = "F"
+edge = "z+"
+pressure = "1 MPa"
+
+[[boundary]]
+side = "x-"
+hold = "fixed"
+
+[time]
+end = "1 s"
+steps = 1
+"#;
+
+fn built(text: &str) -> Result<Body, String> {
+    let scene = Scene::from_toml(text, "s.toml").and_then(|s| s.build());
+    scene.map_err(|error| error.to_string())
+}
+
+fn refused(from: &str, to: &str) -> String {
+    assert!(SCENE.contains(from), "{from}");
+    match built(&SCENE.replacen(from, to, 1)) {
+        Ok(_) => panic!("accepted {to}"),
+        Err(text) => text,
+    }
+}
+
+#[test]
+fn the_scene_itself_is_fine() {
+    let body = built(SCENE).unwrap();
+    let fluid = body.fluid.as_ref().unwrap();
+    assert!((fluid.viscosity - 1e-3).abs() < 1e-18 && fluid.channels[0].conductivity == 1e-12);
+    assert_eq!(fluid.sources.len(), 2);
+}
+
+#[test]
+fn each_slip_has_its_sentence() {
+    let place = "at = [\"2 m\", \"0.5 m\", \"0.5 m\"]";
+    let fluid = "[fluid]\nviscosity = \"1 cP\"\n";
+    for (from, to, said) in [
+        ("\"1 cP\"", "\"-1 cP\"", &["viscosity", "positive"][..]),
+        ("\"1 cP\"", "\"1 Pa\"", &["a viscosity", "Pa*s"]),
+        (
+            "\"1e-12 m3\"",
+            "\"-1e-12 m3\"",
+            &["conductivity", "positive"],
+        ),
+        ("\"1e-12 m3\"", "\"1e-12 m2\"", &["conductivity", "m3"]),
+        ("\"1 L/s\"", "\"1 kg/s\"", &["a rate", "L/s"]),
+        (
+            "conductivity = \"1e-12 m3\"\n",
+            "",
+            &["fracture \"F\"", "needs `conductivity`"],
+        ),
+        (
+            fluid,
+            "",
+            &["`conductivity`", "no effect without `[fluid]`"],
+        ),
+        (
+            "\"0.5 m\"]",
+            "\"3 m\"]",
+            &[
+                "no face of fracture \"F\"",
+                "(2.000000, 0.500000, 3.000000)",
+                "nearest face",
+            ],
+        ),
+        ("[\"2 m\",", "[\"2.5 m\",", &["no face of fracture \"F\""]),
+        ("edge = \"z+\"", "edge = \"x+\"", &["no outer edge", "x+"]),
+        (
+            "edge = \"z+\"",
+            "",
+            &["meets the rate", "number 1", "fracture \"F\""],
+        ),
+        (place, "edge = \"z-\"", &["a rate to an edge"]),
+        (
+            place,
+            "at = [\"2 m\", \"0.5 m\", \"0.5 m\"]\nedge = \"z-\"",
+            &["both `at` and `edge`"],
+        ),
+        (
+            "rate = \"1 L/s\"",
+            "rate = \"1 L/s\"\npressure = \"1 MPa\"",
+            &["exactly one of `rate`, `pressure`"],
+        ),
+        (
+            "[[source]]\nfracture = \"F\"",
+            "[[source]]\nfracture = \"G\"",
+            &["no fracture is named \"G\"", "F"],
+        ),
+        (
+            "friction_angle",
+            "pressure = \"1 MPa\"\nfriction_angle",
+            &["`pressure`", "initial_pressure"],
+        ),
+        (
+            fluid,
+            "[fluid]\nviscosity = \"1 cP\"\ndensity = \"1000 kg/m3\"\n",
+            &["`density`", "[gravity]"],
+        ),
+        (
+            fluid,
+            "[fluid]\nviscosity = \"1 cP\"\nreference = \"1 m\"\n",
+            &["`reference`", "density"],
+        ),
+        (
+            "[time]\nend = \"1 s\"\nsteps = 1\n",
+            "",
+            &["`rate`", "no effect without `[time]`"],
+        ),
+        ("viscosity", "viscosty", &["unknown key", "viscosity"]),
+    ] {
+        let text = refused(from, to);
+        assert!(said.iter().all(|part| text.contains(part)), "{to}: {text}");
+        assert!(text.starts_with("s.toml:"), "{text}");
+    }
+    let none = SCENE.split("[[fracture]]").next().unwrap();
+    let rest = "[fluid]\nviscosity = \"1 cP\"\n[[boundary]]\nside = \"x-\"\nhold = \"fixed\"\n";
+    assert!(
+        built(&format!("{none}{rest}"))
+            .unwrap_err()
+            .contains("no fracture to flow in")
+    );
+}
+
+#[test]
+fn springs_and_flow_do_not_go_together() {
+    let text = format!("{SCENE}\n[solver]\nmethod = {{ penalty = {{ factor = 1e3 }} }}\n");
+    let body = built(&text).unwrap();
+    let said = match Simulation::new(&body) {
+        Ok(_) => panic!("accepted"),
+        Err(error) => error.to_string(),
+    };
+    assert!(said.contains("lagrange"), "{said}");
+}
