@@ -6,6 +6,8 @@ mod crack_table;
 mod crossing_cracks;
 mod crossing_exact;
 mod depleted_fault;
+mod flow_errors;
+mod fracture_flow;
 mod graded;
 mod inclined_fault;
 mod interface_crack;

@@ -1,4 +1,5 @@
 //! Claim: `fault` solves the file of its page, the same on any number of threads, and says in one sentence what is wrong with another.
+#![allow(clippy::unwrap_used)]
 
 use crate::run::{fracas, scratch, write};
 use std::path::Path;

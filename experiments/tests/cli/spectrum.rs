@@ -1,4 +1,5 @@
 //! Claim: no eigenvalue lies outside of what is not claimed of it; what a verdict rests on stands beside it.
+#![allow(clippy::unwrap_used)]
 
 use crate::run::{fracas, scratch, write};
 use std::path::PathBuf;

@@ -137,6 +137,7 @@ pub fn analyse_around(
         augmentation: request.augmentation,
         relaxation: request.relaxation,
         inner: request.inner,
+        ..Racp::default()
     };
     let parts = Parts {
         preconditioner: SaddleMethod::Racp(method).to_string(),

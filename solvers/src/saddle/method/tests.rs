@@ -169,7 +169,9 @@ fn flow_needs_racp_or_the_direct_solver() {
         assert_eq!(ready.is_ok(), ["racp", "direct"].contains(&method.name()));
         if let Err(error) = ready {
             assert!(
-                error.to_string().contains("take method = \"racp\" or \"direct\""),
+                error
+                    .to_string()
+                    .contains("take method = \"racp\" or \"direct\""),
                 "{error}"
             );
         }

@@ -12,8 +12,16 @@ use fracas_operators::sparse::SparseMatrix;
 #[derive(Debug, Default)]
 pub struct PressureFactors {
     backend: DirectChoice,
-    known: Option<(Vec<usize>, Vec<u32>, Box<dyn Symbolic>)>,
+    known: Option<Analysed>,
     analyses: usize,
+}
+
+/// A pattern and its ordering.
+#[derive(Debug)]
+struct Analysed {
+    starts: Vec<usize>,
+    columns: Vec<u32>,
+    symbolic: Box<dyn Symbolic>,
 }
 
 impl PressureFactors {
@@ -48,18 +56,21 @@ impl PressureFactors {
 
     fn symbolic(&mut self, matrix: &SparseMatrix<f64>) -> Result<&dyn Symbolic, SetupError> {
         let starts: Vec<usize> = matrix.indptr().to_proper().to_vec();
-        let is_same = |(known, columns, _): &(Vec<usize>, Vec<u32>, Box<dyn Symbolic>)| {
-            *known == starts && columns == matrix.indices()
-        };
+        let is_same =
+            |known: &Analysed| known.starts == starts && known.columns == matrix.indices();
         let known = match self.known.take().filter(is_same) {
             Some(known) => known,
             None => {
                 self.analyses += 1;
                 let symbolic = self.backend.solver()?.analyze(matrix, Kind::General)?;
-                (starts, matrix.indices().to_vec(), symbolic)
+                Analysed {
+                    starts,
+                    columns: matrix.indices().to_vec(),
+                    symbolic,
+                }
             }
         };
-        Ok(&*self.known.insert(known).2)
+        Ok(&*self.known.insert(known).symbolic)
     }
 }
 

@@ -1,5 +1,4 @@
 //! Claim: whatever is wrong with a fluid, or with what drives it, is said in one sentence with its place.
-#![allow(clippy::unwrap_used)]
 
 use fracas::nonlinear::Simulation;
 use fracas::scene::{Body, Scene};

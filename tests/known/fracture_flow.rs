@@ -1,15 +1,12 @@
 //! Claim: fluid that flows in fractures opens them by the volume it brings, at the pressure that is known, and none is lost.
-#![allow(clippy::unwrap_used)]
 
-mod tips;
-
+use crate::tips::fine_tips;
 use fracas::analytic::{LineCrack, PennyCrack, Rock};
 use fracas::contact::ContactState;
 use fracas::io::{Checkpoints, Fingerprint, read_checkpoint};
 use fracas::nonlinear::{Accepted, Simulation, State};
 use fracas::scene::{Body, Scene, named};
 use fracas_solvers::Silent;
-use tips::fine_tips;
 
 const ROCK: Rock = Rock {
     young: 25e9,
