@@ -120,7 +120,7 @@ fn every_eigenvalue_of_the_gallery_lies_inside_and_the_lower_end_is_positive() {
         }
     }
     println!("{judged} spectra; without a positive lower end: {without:?}");
-    assert!(judged >= 60, "{judged}");
+    assert!(judged >= 50, "{judged}");
 }
 
 /// A box with one or two cuts, layers and grids at random.
@@ -300,5 +300,5 @@ fn over_correction_costs_no_iterations() {
     }
     println!("iterations with {factors:?}: {sums:?}");
     // the default is no worse than without by 2 %
-    assert!(50 * sums[2] <= 51 * sums[0], "{sums:?}");
+    assert!(50 * sums[1] <= 51 * sums[0], "{sums:?}");
 }

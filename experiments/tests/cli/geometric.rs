@@ -290,13 +290,13 @@ fn auto_says_what_it_took_and_why() {
             "geometric",
             "the mesh of the scene is a grid",
         ),
-        (&system[..], "amg", "a system folder has no grid"),
+        (&system[..], "exact", "displacements are no more than 5000"),
         (
             &["crossing", "--augmentation", "global"],
             "amg",
             "C = global needs all of A",
         ),
-        (&["crossing", "--explain"], "amg", "--explain reads"),
+        (&["crossing", "--explain"], "amg", "an explanation reads"),
         (
             &["crossing", "--method", "simple"],
             "amg",
@@ -332,7 +332,10 @@ fn what_cannot_be_is_refused_in_one_sentence() {
             "exact needs all of A; take local, local_h, half_h, fitted_h or face_block",
         ),
         (&["crossing", "--method", "mcp"], "belongs to --method racp"),
-        (&["crossing", "--explain"], "--explain reads its entries"),
+        (
+            &["crossing", "--explain"],
+            "an explanation reads its entries",
+        ),
         (&huge[..], "grid nodes take about"),
     ] {
         let ran = fracas(&[&["solve"], arguments, &["--inner", "geometric"]].concat());

@@ -1,25 +1,23 @@
 //! One call: C, S_u, conditions, eigenvalues, bounds, verdicts.
 
-use super::bounds::Bounds;
 use super::condition::StiffnessEnds;
 use super::coupling::Coupling;
-use super::form::Statements;
+use super::dense_spectrum::dense_eigenvalues;
 use super::modes::{self, Judge, ModeTarget};
 use super::product::{Preconditioned, energy_scales};
-use super::region::Region;
 use super::report::{Eigenvalues, Method, Parts, SpectrumReport};
-use super::similarity::Similarity;
-use super::{Hypothesis, condition, field_of_values, hypotheses, iterative, positivity};
+use super::stated::state_bounds;
+use super::{Hypothesis, condition, hypotheses, iterative};
 use crate::direct::DirectSolver;
 use crate::eigen::dense;
 use crate::saddle::{
-    AugmentationChoice, AugmentationMatrix, InnerChoice, Racp, RacpInverse, RelaxationSummary,
-    SaddleBlocks, SaddleMethod,
+    AugmentationChoice, AugmentationMatrix, InnerChoice, Racp, RacpInverse, SaddleBlocks,
+    SaddleMethod,
 };
 use crate::{Observer, SetupError, Step};
-use faer::{Mat, c64};
+use faer::c64;
+use fracas_operators::Preconditioner;
 use fracas_operators::sparse::{Csr, SparseMatrix};
-use fracas_operators::{Dense, Preconditioner};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -63,7 +61,7 @@ impl Default for SpectrumRequest {
 pub(super) struct Structure {
     /// B2 = B1ᵀ, A and H symmetric.
     pub(super) symmetric: bool,
-    h_is_zero: bool,
+    pub(super) h_is_zero: bool,
     /// What it says, condition by condition.
     hypotheses: Vec<Hypothesis>,
 }
@@ -255,10 +253,10 @@ pub fn analyse_around(
 }
 
 /// The name of the approximation in hypotheses.
-const S_U: &str = "S̃_u ≻ 0";
+pub(super) const S_U: &str = "S̃_u ≻ 0";
 
 /// What an exact inner solver has found.
-fn by_cholesky() -> Hypothesis {
+pub(super) fn by_cholesky() -> Hypothesis {
     Hypothesis::new(S_U, true, "Cholesky factorization of S_u")
 }
 
@@ -419,103 +417,6 @@ fn note_accuracy(notes: &mut Vec<String>, what: &str, error: f64) {
     if error.is_nan() || error > EIGHT_DIGITS {
         notes.push(format!("{what} is known to a relative {error:.1e} only"));
     }
-}
-
-/// All eigenvalues of T, or of M⁻¹𝒜 in energy scales when S̃_u is not SPD.
-fn dense_eigenvalues(
-    report: &mut SpectrumReport,
-    blocks: &SaddleBlocks,
-    c: &AugmentationMatrix,
-    request: &SpectrumRequest,
-    inner: &dyn Preconditioner<f64>,
-    structure: &Structure,
-    judge: &Judge<'_>,
-    (p, statements): (&dyn Fn(f64) -> f64, &mut Option<Statements>),
-) -> Result<Vec<c64>, SetupError> {
-    let matrix = match Similarity::new(blocks, c, request.inner, inner) {
-        Ok(similarity) => {
-            report.hypotheses.push(match request.inner {
-                InnerChoice::Exact { .. } => by_cholesky(),
-                _ => Hypothesis::new(S_U, true, "Cholesky factorization of S̃_u⁻¹"),
-            });
-            let whole = |(u, t): (Vec<f64>, Vec<f64>)| [u, t].concat();
-            if structure.symmetric {
-                let form = similarity.form(p)?;
-                let matrix = form.matrix();
-                let back = |v: &[f64]| whole(similarity.back_of(&form, v));
-                report.modes = modes::of_dense(&request.modes, &matrix, back, judge)?;
-                *statements = Some(form.statements()?);
-                matrix
-            } else {
-                let matrix = similarity.matrix();
-                let back = |v: &[f64]| whole(similarity.back(v));
-                report.modes = modes::of_dense(&request.modes, &matrix, back, judge)?;
-                report.field_of_values = Some(field_of_values::of_matrix(matrix.as_ref())?);
-                matrix
-            }
-        }
-        Err(SetupError::NotApplicable { reason, .. }) if inner.properties().linear => {
-            report.notes.push(format!(
-                "{reason}: eigenvalues of M⁻¹𝒜 itself, no bounds, no modes"
-            ));
-            report.hypotheses.push(Hypothesis::new(S_U, false, reason));
-            let product = Dense::of_operator(judge.operator);
-            let (n, d) = (judge.scales.len(), judge.scales);
-            Mat::from_fn(n, n, |i, j| d[i] * product.entry(i, j) / d[j])
-        }
-        Err(error) => return Err(error),
-    };
-    dense::general_eigenvalues(matrix.as_ref())
-}
-
-/// Intersects the statements that hold.
-fn state_bounds(
-    report: &mut SpectrumReport,
-    structure: &Structure,
-    statements: Option<Statements>,
-    relaxation: RelaxationSummary,
-    is_real: bool,
-) {
-    let holds = report.objection().is_none();
-    let ingredients = statements.as_ref().map(|s| s.ingredients);
-    report.ingredients = ingredients;
-    report.delta = ingredients.map(|i| i.sigma.0);
-    report.Delta = ingredients.map(|i| i.sigma.1);
-    report.eta = ingredients.map(|i| i.h.1);
-    let Some(found) = statements.filter(|_| holds) else {
-        report.bounds = Bounds::none(ingredients.as_ref());
-        return;
-    };
-    let i = &found.ingredients;
-    let bounds = match structure.h_is_zero {
-        true => Bounds::printed(i),
-        false => Bounds::with_h(i),
-    };
-    let mut region = bounds.region();
-    if let (Some((low, high)), Some(real)) = (found.real, region.real) {
-        region.real = Some((real.0.max(low), real.1.min(high)));
-    }
-    let is_positive = positivity::holds(relaxation, i);
-    if is_positive {
-        region.real = region.real.map(|(low, high)| (low.max(0.0), high));
-        region.re = region.re.map(|(low, high)| (low.max(0.0), high));
-    }
-    if is_positive || !found.right_of_zero {
-        region = region.within(&found.circles);
-    }
-    if let Some(circle) = found.around_one {
-        region = region.within(&[circle]);
-    }
-    if is_real && i.h.0 >= 0.0 {
-        region = Region {
-            im_max: Some(0.0),
-            ..region
-        }
-        .closed();
-        report.exact_S_u_interval = region.real;
-    }
-    report.bounds = bounds.sharpened(&region);
-    report.region = region;
 }
 
 #[cfg(test)]

@@ -14,6 +14,7 @@ pub mod bounds;
 pub mod certificate;
 pub mod condition;
 mod coupling;
+mod dense_spectrum;
 mod discs;
 pub mod explain;
 pub mod field_of_values;
@@ -28,6 +29,7 @@ pub mod real_ends;
 pub mod region;
 pub mod report;
 mod similarity;
+mod stated;
 
 pub use any_method::analyse_method;
 pub use bounds::{Bounds, Theorem};

@@ -33,10 +33,10 @@ pub fn lower(delta: f64, capital_delta: f64, mu: f64) -> f64 {
 }
 
 /// Steps from each end.
-const STEPS: usize = 12;
+const STEPS: usize = 24;
 
 /// A step that moves an end by less than this fraction is the last one. Unit: 1.
-const GAIN: f64 = 2e-3;
+const GAIN: f64 = 1e-6;
 
 /// K by its eigenvalues, the coupling in its eigenvectors, and Ã.
 pub(super) struct Ends<'a> {

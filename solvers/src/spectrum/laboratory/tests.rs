@@ -7,7 +7,10 @@ use crate::saddle::samples::{random, sparse, trusses, two_chains};
 use crate::saddle::schur;
 use crate::smoothers::{Jacobi, Ssor};
 use crate::spectrum::bounds::Ingredients;
+use crate::spectrum::similarity::Similarity;
 use crate::spectrum::{Bounds, Theorem, Verdict};
+use faer::Mat;
+use fracas_operators::Dense;
 use fracas_operators::Properties;
 
 fn request(augmentation: AugmentationChoice, inner: &str) -> SpectrumRequest {
