@@ -4,6 +4,7 @@ mod curve;
 mod file;
 mod page;
 mod sampling;
+mod uncertain;
 
 pub use curve::{Curve, Point, curve};
 pub use file::FaultFile;

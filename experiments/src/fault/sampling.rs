@@ -1,7 +1,7 @@
 //! The same fault many times, with what is uncertain drawn at random.
 
 use super::FaultFile;
-use super::file::SamplingSection;
+use super::uncertain::SamplingSection;
 use fracas::analytic::NoState;
 use fracas_operators::random::Random;
 use rayon::prelude::*;

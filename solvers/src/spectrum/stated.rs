@@ -46,6 +46,11 @@ pub(super) fn state_bounds(
         region = region.within(&[circle]);
     }
     if is_real && i.h.0 >= 0.0 {
+        if relaxation.degree == 0 {
+            // eig(S + H, S + C) lies between the least of eig(S, S + C) = eig(GᵀG) and the largest of 1 and C⁻¹H
+            let ends = |(low, high): (f64, f64)| (low.max(i.g.0 * i.g.0), high.min(i.h.1.max(1.0)));
+            region.real = region.real.map(ends);
+        }
         region = Region {
             im_max: Some(0.0),
             ..region
