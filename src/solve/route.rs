@@ -125,12 +125,17 @@ impl Route {
                 vec![amg(), InnerChoice::default()],
             ),
         };
-        let reason = match few {
-            Some(n) => {
+        // with the entries at hand a factorization is what serves every C
+        let reason = match (few, kind) {
+            (Some(n), _) => {
                 inners.rotate_right(1);
                 format!("exact, because about {n} displacements are no more than {FACTORIZED}")
             }
-            None => reason,
+            (None, SystemKind::Entries(_)) => {
+                inners.rotate_right(1);
+                format!("exact, because {because}")
+            }
+            (None, _) => reason,
         };
         let mut methods = inners.into_iter().filter_map(|inner| with(method, inner));
         Self {
@@ -200,6 +205,13 @@ mod tests {
             (&racp, auto, matrices, many, &["amg", "exact"]),
             (&racp, auto, matrices, None, &["amg", "exact"]),
             (&racp, auto, matrices, few, &["exact", "amg"]),
+            (
+                &racp,
+                auto,
+                SystemKind::Entries("work"),
+                many,
+                &["exact", "amg"],
+            ),
             (&mcp, or_else, grid, many, &["exact", "amg"]),
             (&mcp, auto, grid, many, &["amg", "exact"]),
             (&"direct".parse().unwrap(), auto, grid, many, &[]),

@@ -296,7 +296,7 @@ fn auto_says_what_it_took_and_why() {
             "amg",
             "C = global needs all of A",
         ),
-        (&["crossing", "--explain"], "amg", "an explanation reads"),
+        (&["crossing", "--explain"], "exact", "an explanation reads"),
         (
             &["crossing", "--method", "simple"],
             "amg",
