@@ -25,7 +25,7 @@ pub use displaced_fault::{
 pub use fault_friction::{FaultFriction, NoState, Sliding, Strength};
 pub use inclined_crack::InclinedCrack;
 pub use line_crack::LineCrack;
-pub use nucleation::{LinearWeakening, nucleation_half_length};
+pub use nucleation::{LinearWeakening, RESOLVED, nucleation_half_length};
 pub use penny_crack::PennyCrack;
 pub use plane_slip::PlaneSlip;
 pub use rock::Rock;

@@ -19,6 +19,9 @@ pub struct LinearWeakening {
     pub normal_traction: f64,
 }
 
+/// Share of the nucleation half-length that a face or an element may have, so that where slip runs away does not depend on it. Unit: 1.
+pub const RESOLVED: f64 = 0.2;
+
 /// Half-length at instability in units of `G/((1−ν)W)` [1].
 const UNIVERSAL: f64 = 0.578_887;
 

@@ -1,11 +1,8 @@
 //! What a run is better told before it begins.
 
 use super::loads::initial_traction;
-use crate::analytic::{LinearWeakening, Rock};
+use crate::analytic::{LinearWeakening, RESOLVED, Rock};
 use crate::scene::Body;
-
-/// Share of the nucleation length that a face may have. Unit: 1.
-const RESOLVED: f64 = 0.2;
 
 /// Something that runs, but perhaps not as meant.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

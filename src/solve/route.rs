@@ -126,16 +126,19 @@ impl Route {
             ),
         };
         // with the entries at hand a factorization is what serves every C
-        let reason = match (few, kind) {
-            (Some(n), _) => {
-                inners.rotate_right(1);
-                format!("exact, because about {n} displacements are no more than {FACTORIZED}")
-            }
-            (None, SystemKind::Entries(_)) => {
+        let factorized = match (few, kind) {
+            (Some(n), _) => Some(format!(
+                "about {n} displacements are no more than {FACTORIZED}"
+            )),
+            (None, SystemKind::Entries(_)) => Some(because),
+            (None, _) => None,
+        };
+        let reason = match factorized {
+            Some(because) => {
                 inners.rotate_right(1);
                 format!("exact, because {because}")
             }
-            (None, _) => reason,
+            None => reason,
         };
         let mut methods = inners.into_iter().filter_map(|inner| with(method, inner));
         Self {

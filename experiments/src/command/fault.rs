@@ -4,6 +4,7 @@ use super::{Status, output};
 use crate::fault::{FaultFile, curve, findings, sample};
 use crate::report::Sheet;
 use clap::Args;
+use fracas::analytic::RESOLVED;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -17,9 +18,6 @@ pub(super) struct Fault {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
-
-/// Share of the nucleation half-length that an element may have, as for faces of a mesh. Unit: 1.
-const RESOLVED: f64 = 0.2;
 
 impl Fault {
     pub(super) fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
