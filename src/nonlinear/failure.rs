@@ -44,7 +44,7 @@ pub enum LinearFailure {
     Singular(SetupError),
     /// Iterations ran out.
     #[error(
-        "{krylov} reached a relative residual of {residual:.1e} in {iterations} iterations, asked {tolerance:.1e}: a block may be held by nothing"
+        "{krylov} reached a relative residual of {residual:.1e} in {iterations} iterations, asked {tolerance:.1e}: the preconditioner is too weak for this system, or a block is held by next to nothing; another inner solver in [solver] or more support may help"
     )]
     IterationLimit {
         /// Method.

@@ -142,6 +142,11 @@ pub enum Event {
         /// The other: `amg` or `exact`.
         now: &'static str,
     },
+    /// Whether slip runs away at the states of the step could not be computed; the step itself is solved and accepted.
+    Unknown {
+        /// Why it could not.
+        reason: String,
+    },
     /// A preconditioner was built.
     Setup {
         /// States that it was built for: stick, new-slip, slip, open.

@@ -2,7 +2,7 @@
 
 use super::active_set::{Log, Settled};
 use super::newton::{Attempt, Iterate};
-use super::{ContactProblem, Failure, Load};
+use super::{ContactProblem, Event, Failure, LinearFailure, Load};
 use crate::analytic::{Rock, nucleation_half_length};
 use crate::contact::ContactState;
 use fracas_solvers::Observer;
@@ -144,12 +144,25 @@ pub(super) fn stable(
                 effective: &settled.effective,
             };
             let opened = before_opening(attempt, &settled, &start);
-            let at = match &opened {
-                Some((states, x)) => (&states[..], x),
-                None => (&settled.states[..], &settled.x),
-            };
-            let patch = instability(attempt, at, found, holding, observer)?;
-            settled.unstable = patch;
+            let own = (&settled.states[..], &settled.x);
+            let opened = opened.as_ref().map(|(states, x)| (&states[..], x));
+            let mut unstable = None;
+            // those that opened slip in no equilibrium, whose tangent may be singular
+            for at in opened.into_iter().chain([own]) {
+                match instability(attempt, at, found, holding, observer) {
+                    Err(Failure::Linear(
+                        reason @ (LinearFailure::Breakdown(_)
+                        | LinearFailure::IterationLimit { .. }),
+                    )) => log.events.push(Event::Unknown {
+                        reason: reason.to_string(),
+                    }),
+                    patch => {
+                        unstable = patch?;
+                        break;
+                    }
+                }
+            }
+            settled.unstable = unstable;
             Ok(settled)
         }
         Err(reason) => {

@@ -44,6 +44,7 @@ pub(super) fn event(event: &Event) -> (&'static str, Value) {
         Event::Cut { reason, next } => ("cut", json!({ "reason": reason, "next": next })),
         Event::Precision { reason } => ("precision", json!({ "reason": reason, "now": "f64" })),
         Event::Inner { reason, now } => ("inner", json!({ "reason": reason, "now": now })),
+        Event::Unknown { reason } => ("stability_unknown", json!({ "reason": reason })),
         Event::Setup { faces } => ("setup", json!({ "faces": faces })),
     }
 }

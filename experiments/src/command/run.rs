@@ -76,7 +76,7 @@ impl Run {
     }
 }
 
-/// Says what gave way: f32 to f64, an inner solver to another, equilibrium under weakening.
+/// Says what gave way (f32 to f64, an inner solver to another, equilibrium under weakening), and what could not be computed.
 fn warn(events: &[Event], progress: &Progress) {
     for event in events {
         let warning = match event {
@@ -85,6 +85,9 @@ fn warn(events: &[Event], progress: &Progress) {
                 format!("{reason}; the inner solver is {now} instead")
             }
             Event::Arrested { patch } => format!("unstable: {patch}; stepped over"),
+            Event::Unknown { reason } => {
+                format!("whether slip runs away in this step is not known: {reason}")
+            }
             _ => continue,
         };
         progress.tell(&format!("warning: {warning}"));

@@ -4,7 +4,7 @@ use super::EnergyNorms;
 use fracas_operators::Fields;
 
 /// Ritz value of M⁻¹𝒜 above which M⁻¹r is taken for the error. Unit: 1.
-pub(super) const TRUSTED: f64 = 0.1;
+pub const TRUSTED: f64 = 0.1;
 
 /// Times that an error may be larger than what is said. Unit: 1.
 const OPTIMISM: f64 = 10.0;

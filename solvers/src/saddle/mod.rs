@@ -49,7 +49,7 @@ pub use contact_rows::ContactRows;
 pub use cost::Cost;
 pub use elimination::{EliminatedInverse, Elimination};
 pub use energy_norms::{EnergyNorms, Stiffness, StrainNorm};
-pub use error_judge::{ErrorJudge, Judged};
+pub use error_judge::{ErrorJudge, Judged, TRUSTED};
 pub use fields::{P, T, U};
 pub use inner::{InnerChoice, InnerSolver, PartCost, Ready};
 pub use iterated::{Iterated, NotReached};

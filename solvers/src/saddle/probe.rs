@@ -25,7 +25,8 @@ pub struct Probed {
     pub solves: u64,
 }
 
-/// Steps of `method` towards 𝒜⁻¹w for a random w, with its share of every eigenvector, around an M of one level
+/// Steps of `method` towards 𝒜⁻¹w for a random w, with its share of every eigenvector (the displacements' part of it where 𝒜 is of
+/// displacements alone), around an M of one level
 /// ([`local`](fracas_operators::Properties)), or in f32 where A spreads over most of its digits; nothing around others, which leave few
 /// small eigenvalues. 40 steps, and where they find M poor twice as many until the value settles, or 320.
 ///
@@ -44,7 +45,7 @@ pub fn probe(
         return probed;
     }
     let system = System {
-        rhs: &norms.random_residual(),
+        rhs: &norms.random_residual()[..system.size()],
         ..*system
     };
     let mut steps = STEPS;

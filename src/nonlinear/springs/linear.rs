@@ -10,8 +10,10 @@ use crate::nonlinear::workspace::Resources;
 use crate::nonlinear::{ContactProblem, LinearFailure, Prepared};
 use fracas_operators::{LinearOperator, Preconditioner};
 use fracas_solvers::Observer;
-use fracas_solvers::krylov::{Cg, KrylovChoice, System};
-use fracas_solvers::saddle::{AugmentationMatrix, Block, InnerChoice, Racp, SaddleBlocks};
+use fracas_solvers::krylov::{Cg, KrylovChoice, System, least};
+use fracas_solvers::saddle::{
+    AugmentationMatrix, Block, EnergyNorms, InnerChoice, Racp, SaddleBlocks, TRUSTED, probe,
+};
 
 /// Iterations after which a preconditioner that was made for other springs is made anew. Unit: 1.
 const PATIENCE: usize = 40;
@@ -27,8 +29,11 @@ pub(in crate::nonlinear) struct SpringLinear {
     kept: Kept,
     /// The settings have been set up before.
     served: bool,
-    /// Ritz value nearest to zero of the last system, with its preconditioner.
+    /// Ritz value nearest to zero of the systems since the preconditioner or the states of springs changed: one of them alone may take
+    /// too few iterations to see it.
     smallest_ritz: Option<f64>,
+    /// Smaller ones have been looked for.
+    probed: bool,
 }
 
 impl SpringLinear {
@@ -41,18 +46,38 @@ impl SpringLinear {
             kept: Kept::default(),
             served: false,
             smallest_ritz: None,
+            probed: false,
         }
     }
 
     /// A step begins, with the preconditioner that was kept for it.
     pub(super) fn begin_step(&mut self, prepared: Option<&Prepared>) {
-        self.smallest_ritz = None;
+        self.other_springs();
         self.kept.begin_step(prepared);
+    }
+
+    /// Systems are those of springs in other states from now on.
+    pub(super) fn other_springs(&mut self) {
+        (self.smallest_ritz, self.probed) = (None, false);
     }
 
     /// What the preconditioner to keep was made for.
     pub(super) fn carried(&self) -> Option<Prepared> {
         self.kept.carried()
+    }
+
+    /// Gives up a preconditioner that was made for other springs than these; false where it was made for them.
+    pub(super) fn renews(
+        &mut self,
+        problem: &ContactProblem<'_>,
+        (springs, stiffness): (&[Spring], &[f64]),
+    ) -> bool {
+        let wanted = wanted(problem, springs, stiffness).c;
+        let given_up = self.kept.ready.take_if(|ready| ready.of.c != wanted);
+        if given_up.is_some() {
+            self.other_springs();
+        }
+        given_up.is_some()
     }
 
     /// `x ← J⁻¹ b` to a relative residual; CG where J is symmetric.
@@ -96,7 +121,10 @@ impl SpringLinear {
                 Ended::Dropped { iterations } => spent += iterations,
                 Ended::Solved(solved) => {
                     self.kept.ready = Some(ready);
-                    self.smallest_ritz = solved.smallest_ritz;
+                    if made {
+                        self.other_springs();
+                    }
+                    self.smallest_ritz = least([self.smallest_ritz, solved.smallest_ritz]);
                     return Ok(Solved {
                         iterations: spent + solved.iterations,
                         setup: made,
@@ -108,13 +136,16 @@ impl SpringLinear {
     }
 
     /// `e_u ← S̃⁻¹ r`, an estimate of the error that leaves the residual r, with `e_t = D Bᵀ e_u`; and the Ritz value nearest to zero
-    /// of the last system.
+    /// that was seen, by a [`probe`], too, where S̃ is of one level.
+    ///
+    /// Where that value θ is small, as near a load at which slip runs away, `e_u = J⁻¹ r` to a relative residual of θ/10, which is worth
+    /// less than a tenth of S̃⁻¹r; the value is 1 then.
     pub(super) fn error_of(
         &mut self,
         problem: &ContactProblem<'_>,
         (springs, stiffness): (&[Spring], &[f64]),
-        residual: &[f64],
-        resources: &mut Resources,
+        (residual, norms): (&[f64], &EnergyNorms<'_>),
+        (resources, observer): (&mut Resources, &mut dyn Observer),
     ) -> Result<(Vec<f64>, Option<f64>), LinearFailure> {
         let ready = match self.kept.ready.take() {
             Some(ready) => ready,
@@ -135,6 +166,40 @@ impl SpringLinear {
         let mut work = vec![0.0; scratch];
         ready.inverse.solve(residual, u, &mut work);
         jacobian.tractions(u, t, &mut work);
+        if !self.probed {
+            let inverse = ready.inverse.as_ref();
+            let system = System {
+                operator: &jacobian,
+                preconditioner: inverse,
+                rhs: residual,
+            };
+            let krylov = KrylovChoice::default().flexible_for(inverse);
+            let probed = probe(krylov.method(), &system, norms, observer);
+            self.smallest_ritz = least([self.smallest_ritz, probed.ritz]);
+            self.probed = true;
+        }
+        if let Some(ritz) = self.smallest_ritz.filter(|ritz| *ritz < TRUSTED) {
+            let system = System {
+                operator: &jacobian,
+                preconditioner: ready.inverse.as_ref(),
+                rhs: residual,
+            };
+            let asked = Asked {
+                short: None,
+                tolerance: TRUSTED * ritz.abs().max(f64::EPSILON),
+                max_iterations: self.max_krylov,
+                patience: None,
+            };
+            let mut solved = vec![0.0; u.len()];
+            let ended = krylov::solve(&system, asked, &mut solved, observer, &mut resources.work);
+            if let Ok(Ended::Solved(found)) = ended
+                && found.relative_residual <= asked.tolerance
+            {
+                u.copy_from_slice(&solved);
+                jacobian.tractions(u, t, &mut work);
+                return Ok((e, Some(1.0)));
+            }
+        }
         Ok((e, self.smallest_ritz))
     }
 

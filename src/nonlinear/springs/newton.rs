@@ -179,30 +179,53 @@ pub(super) fn newton(
         }
         since += 1;
         let most = if faces.lagged { EXTRA_LAGGED } else { EXTRA };
-        if residual <= asked {
+        // steps that rounding stops are few
+        let stops = since == most && residual <= settings.tolerance;
+        if residual <= asked || stops && judged.is_some() {
             let Some(accuracy) = accuracy else { break };
             let (now, parts) = (at.iterate(u), (&at.springs[..], faces.stiffness));
-            let errors = accuracy.of(&now, at.residual.clone(), |r, _| {
-                linear.error_of(attempt.problem, parts, r, resources)
+            let errors = accuracy.of(&now, at.residual.clone(), |r, norms| {
+                let told = (&mut *resources, &mut *observer as &mut dyn Observer);
+                linear.error_of(attempt.problem, parts, (r, norms), told)
             })?;
-            let u = now.u;
-            judged = Some(Judgement {
+            let mut now = Judgement {
                 errors,
                 residual,
-                u,
-            });
-            match accuracy.left(errors) {
+                u: now.u,
+            };
+            let better = judged.take_if(|best| best.errors.worst() <= errors.worst());
+            let left = match better {
+                Some(best) => {
+                    u.copy_from_slice(&best.u);
+                    at = evaluate(attempt, faces, u, &[]);
+                    now = best;
+                    None
+                }
+                None => accuracy.left(errors),
+            };
+            let Judgement {
+                errors, residual, ..
+            } = now;
+            judged = Some(now);
+            match left {
                 Some(step) => (asked, since) = (step * residual, 0),
+                // a preconditioner of other springs says too little of the errors
+                None if !accuracy.is_enough(errors)
+                    && linear.renews(attempt.problem, (&at.springs, faces.stiffness)) =>
+                {
+                    accuracy.begin();
+                    (judged, asked, since) = (None, settings.tolerance, 0);
+                    continue;
+                }
                 None => {
                     log.events.extend(accuracy.accepts(errors, residual)?);
                     break;
                 }
             }
-        } else if since == most || residual > settings.tolerance {
-            // steps from there that rounding stops, or that lead to other states, are few
+        } else if residual > settings.tolerance {
+            // steps that lead to other states are few, too
             if let (Some(accuracy), Some(last)) = (accuracy.as_mut(), judged.take()) {
-                let stops = residual <= settings.tolerance;
-                if stops || accuracy.is_enough(last.errors) {
+                if accuracy.is_enough(last.errors) {
                     at = back_to(&last, (attempt, faces), accuracy, u, log)?;
                     judged = Some(last);
                     break;
@@ -286,6 +309,9 @@ pub(super) fn newton(
                 break;
             }
             length *= 0.5;
+        }
+        if changed(&at) {
+            linear.other_springs();
         }
         let hold = |(new, old): (&Spring, &Spring)| {
             (iteration < FULL && new.reverses(old)).then_some(ContactState::Stick)
