@@ -20,7 +20,8 @@ pub enum Measure {
     Residual,
 }
 
-/// ‖r‖/‖b‖ above which nothing is solved: where 𝒜 is singular and b outside its range, x grows until any error is small beside it. Unit: 1.
+/// ‖r‖/‖b‖ and ‖M⁻¹r‖/‖M⁻¹b‖ above which nothing is solved: where 𝒜 is singular and b outside its range, x grows until any error is
+/// small beside it. Either alone says little: a residual of stiff rock is large beside b for an error that is none. Unit: 1.
 const NEAR: f64 = 1e-1;
 
 /// Share by which a pass has to lower a residual in twice the digits, or the error: else M has no digits of the error left. Unit: 1.
@@ -93,7 +94,7 @@ pub fn solve_accurately(
         };
         let remaining = criteria.max_iterations.saturating_sub(totals.iterations);
         // far from b only residuals in twice the digits show whether it is rounding that keeps it there
-        let may_be_near = left.relative <= NEAR || left.is_sharp || left.has_more_digits();
+        let may_be_near = left.is_near || left.is_sharp || left.has_more_digits();
         let rounding = may_be_near && matches!(result, Err(Breakdown::Stagnation { .. }));
         let ended = matches!(&result, Ok(report) if report.outcome == Outcome::Stopped)
             || (result.is_err() && !rounding)
@@ -103,10 +104,9 @@ pub fn solve_accurately(
         let stands =
             iterations == 0 || judged.stands && (!left.is_sharp || left.relative > GAIN * before);
         let mut is_last = ended || stands || remaining == 0;
-        let is_enough = |judged: &Judged, relative: f64| {
-            judged.worst() <= tolerance && relative <= NEAR && !ended
-        };
-        let is_doubtful = match is_enough(&judged, left.relative) {
+        let is_enough =
+            |judged: &Judged, is_near: bool| judged.worst() <= tolerance && is_near && !ended;
+        let is_doubtful = match is_enough(&judged, left.is_near) {
             true => left.is_rounding,
             false => (rounding || stands) && remaining > 0,
         };
@@ -116,7 +116,7 @@ pub fn solve_accurately(
             judged = left.judged(x, &mut judge, totals.smallest_ritz);
             is_last = remaining == 0;
         }
-        let is_enough = is_enough(&judged, left.relative);
+        let is_enough = is_enough(&judged, left.is_near);
         if is_enough || is_last {
             let is_met =
                 matches!(&result, Ok(report) if report.outcome == Outcome::Converged) || rounding;
@@ -124,7 +124,7 @@ pub fn solve_accurately(
                 _ if is_enough => Ok(totals.report(Outcome::Converged, left.relative)),
                 // b is not met even in twice the digits, or the error is small beside a large residual: A may be singular
                 Err(Breakdown::Stagnation { .. })
-                    if left.relative > NEAR || judged.worst() <= tolerance =>
+                    if !left.is_near || judged.worst() <= tolerance =>
                 {
                     Err(Breakdown::Stagnation {
                         method: method.name(),
@@ -170,6 +170,10 @@ struct Remainder<'a> {
     relative: f64,
     /// Residuals are had in twice the digits.
     is_sharp: bool,
+    /// ‖r‖ or M⁻¹r is small beside that of b.
+    is_near: bool,
+    /// ‖M⁻¹b‖ in the energy norm of all fields, once it was asked for.
+    of_b: Option<f64>,
     /// The residual may be mostly rounding.
     is_rounding: bool,
 }
@@ -183,6 +187,8 @@ impl<'a> Remainder<'a> {
             r: Vec::new(),
             relative: f64::NAN,
             is_sharp: false,
+            is_near: false,
+            of_b: None,
             is_rounding: false,
         }
     }
@@ -229,6 +235,18 @@ impl<'a> Remainder<'a> {
         };
         let mut e = vec![0.0; self.r.len()];
         preconditioner.solve(&self.r, &mut e, &mut work);
+        let energy = |e: &[f64]| {
+            let fields = self.norms.error(e);
+            fields.iter().fold(0.0f64, |sum, (_, e)| sum.hypot(e))
+        };
+        self.is_near = self.relative <= NEAR || {
+            let of_b = *self.of_b.get_or_insert_with(|| {
+                let mut x = vec![0.0; rhs.len()];
+                preconditioner.solve(rhs, &mut x, &mut work);
+                energy(&x)
+            });
+            energy(&e) <= NEAR * of_b
+        };
         judge.judge(self.norms, (&e, x), self.norms.solution(x), ritz)
     }
 
