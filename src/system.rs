@@ -180,6 +180,7 @@ impl Body {
     pub fn jump_stabilization(&self) -> JumpStabilization {
         JumpStabilization {
             lengths: self.solver.stabilization,
+            junctions: self.solver.junctions,
             ..JumpStabilization::default()
         }
     }

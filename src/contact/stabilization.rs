@@ -1,5 +1,6 @@
 //! The jump stabilization H that balances the checkerboard modes of piecewise-constant tractions.
 
+mod junctions;
 mod lengths;
 
 use super::ContactState;
@@ -8,6 +9,7 @@ use crate::mesh::{FaceSide, FractureEdge, FractureFace, FractureMesh, HexMesh, I
 use fracas_operators::sparse::SparseMatrix;
 use rayon::prelude::*;
 
+pub use junctions::Junctions;
 pub use lengths::{Lengths, Side, side_stiffness};
 
 /// `H(μ, t) = Σ_e [[μ]]_e · Y⁽ᵉ⁾ · [[t]]_e` over the inner edges e of every fracture.
@@ -21,10 +23,11 @@ pub use lengths::{Lengths, Side, side_stiffness};
 /// ```
 /// On a planar fracture R_K = R_L, which is the published form; across a bend the jump is taken of the traction vector,
 /// so a constant vector is never penalised. Where the element is thin across the fracture it is taken as deep as
-/// the face is wide ([`Lengths::Deep`]); [`Lengths::Box`] gives the published weights.
+/// the face is wide ([`Lengths::Deep`]); [`Lengths::Box`] gives the published weights. What becomes of edges at which fractures meet
+/// say [`Junctions`].
 ///
 /// # Shape
-/// (3 · faces) × (3 · faces), symmetric positive semi-definite; kernel: constants on each fracture.
+/// (3 · faces) × (3 · faces), symmetric positive semi-definite; kernel: constants on each fracture, or on each of its parts between junctions.
 /// # Units
 /// m³/Pa.
 /// # Source
@@ -35,6 +38,8 @@ pub struct JumpStabilization {
     pub scale: f64,
     /// What k is made of.
     pub lengths: Lengths,
+    /// Edges at which fractures meet.
+    pub junctions: Junctions,
 }
 
 impl JumpStabilization {
@@ -42,6 +47,7 @@ impl JumpStabilization {
     pub const PUBLISHED: Self = Self {
         scale: 1.0,
         lengths: Lengths::Box,
+        junctions: Junctions::Apart,
     };
 }
 
@@ -50,6 +56,7 @@ impl Default for JumpStabilization {
         Self {
             scale: 1.0,
             lengths: Lengths::default(),
+            junctions: Junctions::default(),
         }
     }
 }
@@ -66,7 +73,7 @@ impl JumpStabilization {
     }
 
     /// Assembles H for faces in given states: an edge couples the components that both of its faces constrain (all
-    /// three between sticking faces, the normal one beside a slipping face, none beside an open face).
+    /// three between sticking faces, the normal one beside a slipping face, none beside an open face; at junctions as [`Junctions`] say).
     ///
     /// H stays symmetric positive semi-definite, and on a plane fracture it penalises no constant.
     pub fn assemble_for(
@@ -78,18 +85,20 @@ impl JumpStabilization {
     ) -> SparseMatrix<f64> {
         let faces = &fractures.faces;
         let beside = self.beside(mesh, faces, materials);
+        let edges: Vec<(&FractureEdge, &[u32])> = self.junctions.edges(fractures).collect();
         let edges_of = Incidence::new(faces.len(), || {
-            let ends = fractures.edges.iter().enumerate();
-            ends.flat_map(|(e, edge)| edge.faces.map(|f| (f as usize, e as u32)))
+            let ends = edges.iter().enumerate();
+            ends.flat_map(|(e, (edge, _))| edge.faces.map(|f| (f as usize, e as u32)))
         });
         // 3×3 blocks (column face, block) of the rows of a face, by column
         let blocks_of = |f: usize| {
             let mut row: Vec<(usize, [[f64; 3]; 3])> = Vec::with_capacity(8);
             for edge in edges_of.row(f) {
-                let edge = &fractures.edges[*edge as usize];
+                let (edge, others) = edges[*edge as usize];
                 let ends = edge.faces.map(|f| f as usize);
                 let shared = ends.map(|f| state(f).constrained());
-                let shared = shared[0].min(shared[1]);
+                let through = others.iter().all(|f| state(*f as usize).constrained() == 3);
+                let shared = if through { shared[0].min(shared[1]) } else { 0 };
                 let y = self.weight(edge, fractures, &beside);
                 for g in ends {
                     let sign = if f == g { 1.0 } else { -1.0 };

@@ -41,6 +41,15 @@ pub struct FractureEdge {
     pub nodes_l: [u8; 2],
 }
 
+/// An edge at which a fracture goes through others, or past the end of one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Crossing {
+    /// Its two faces there.
+    pub edge: FractureEdge,
+    /// Those of the other fractures.
+    pub others: Box<[u32]>,
+}
+
 /// All fractures of a body.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FractureMesh {
@@ -48,8 +57,10 @@ pub struct FractureMesh {
     pub names: Vec<String>,
     /// Faces, grouped by fracture.
     pub faces: Vec<FractureFace>,
-    /// Inner edges; those with more than two faces (junctions) are left out.
+    /// Inner edges, without those where more than two faces meet.
     pub edges: Vec<FractureEdge>,
+    /// What goes on where they meet (junctions), per fracture that has two faces there.
+    pub crossings: Vec<Crossing>,
 }
 
 impl FractureMesh {
@@ -73,10 +84,12 @@ impl FractureMesh {
             }
         };
         let faces: Vec<FractureFace> = cuts.iter().zip(sides).map(face).collect();
+        let (edges, crossings) = fracture_edges(&faces, &mesh.origin);
         Self {
             names,
-            edges: fracture_edges(&faces, &mesh.origin),
             faces,
+            edges,
+            crossings,
         }
     }
 }

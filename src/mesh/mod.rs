@@ -35,7 +35,7 @@ pub use disc::Disc;
 pub use error::{MAX_NODES, MeshError};
 pub use face_geometry::{FaceGeometry, face_geometry};
 pub use fracture_edges::fracture_edges;
-pub use fracture_mesh::{FaceSide, FractureEdge, FractureFace, FractureMesh};
+pub use fracture_mesh::{Crossing, FaceSide, FractureEdge, FractureFace, FractureMesh};
 pub use gmsh::{
     GmshDefect, GmshError, GmshFile, GmshMesh, GroupName, Spot, Surface, SurfaceFracture,
     SurfaceUse,

@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::rounds::Rounds;
-use crate::contact::Lengths;
+use crate::contact::{Junctions, Lengths};
 use crate::units::{Duration, Measure};
 
 /// Steps after the equilibrium at time 0.
@@ -98,6 +98,8 @@ pub struct SolverSection {
     /// Lengths that the jump stabilization H is made of: `deep`, or `box` as published, which lets more shear and
     /// less overlap through where cells are thin across fractures. Where none is thin they are the same.
     pub stabilization: Lengths,
+    /// Whether H acts across the junctions of fractures: `joined`, while the faces that cross stick, or `apart`, as published.
+    pub junctions: Junctions,
     /// How contact states are searched for.
     #[serde(deserialize_with = "fracas_solvers::steering::in_range")]
     pub rounds: Rounds,
@@ -162,6 +164,7 @@ impl Default for SolverSection {
             unstable: Unstable::Stop,
             method: Method::Lagrange,
             stabilization: Lengths::default(),
+            junctions: Junctions::default(),
             rounds: Rounds::default(),
             inner: RunInner::Auto,
             racp: None,

@@ -87,18 +87,40 @@ pub(super) fn stress(x: [f64; 3]) -> [[f64; 3]; 3] {
 pub(super) struct Solved {
     pub(super) built: BuiltMesh,
     pub(super) n_u: usize,
-    /// t_N per face [Pa].
-    pub(super) normal: Vec<f64>,
+    /// (t_N, t_1, t_2) per face [Pa].
+    pub(super) tractions: Vec<f64>,
     /// Root mean square of the nodal errors of u over that of u.
     pub(super) u_error: f64,
     pub(super) iterations: usize,
 }
 
-/// The block [0, 1]² × [−½, ½] of n³ cells, cut through at z = 0, its nodes shifted at random (those on the cut within its
+impl Solved {
+    /// Traction less the closed form per face [Pa].
+    pub(super) fn errors(&self) -> impl Iterator<Item = [f64; 3]> {
+        let faces = self.built.fractures.faces.iter();
+        faces
+            .zip(self.tractions.as_chunks::<3>().0)
+            .map(|(face, t)| {
+                let sigma = stress(face.center);
+                let [n, ..] = face.frame;
+                let exact = sigma.map(|row| (0..3).map(|j| row[j] * n[j]).sum::<f64>());
+                std::array::from_fn(|k| {
+                    let along: f64 = (0..3).map(|j| face.frame[k][j] * exact[j]).sum();
+                    t[k] - along
+                })
+            })
+    }
+}
+
+/// The block [0, 1]² × [−½, ½] of n³ cells with these fractures, its nodes shifted at random (those on a cut within its
 /// plane); displacements given below and above, tractions on the sides, every face in stick.
-pub(super) fn solve(n: usize, stabilization: Option<JumpStabilization>) -> anyhow::Result<Solved> {
+pub(super) fn solve(
+    n: usize,
+    fractures: Vec<PlaneFracture>,
+    stabilization: Option<JumpStabilization>,
+) -> anyhow::Result<Solved> {
     let mut grid = BoxGrid::uniform([0.0, 0.0, -0.5], [1.0, 1.0, 0.5], [n, n, n]);
-    grid.fractures.push(PlaneFracture::through("cut", 2, 0.0));
+    grid.fractures = fractures;
     grid.warps.push(Box::new(Distort {
         amplitude: DISTORTION,
         seed: 1,
@@ -162,7 +184,7 @@ pub(super) fn solve(n: usize, stabilization: Option<JumpStabilization>) -> anyho
     }
     Ok(Solved {
         n_u,
-        normal: t.iter().step_by(3).map(|t| unit * t).collect(),
+        tractions: t.iter().map(|t| unit * t).collect(),
         u_error: f64::sqrt(error / norm),
         iterations,
         built,

@@ -3,7 +3,7 @@ use crate::mesh::{BoxGrid, Incline, PlaneFracture};
 
 /// The same sum, edge by edge, into a dense matrix.
 fn oracle(
-    lengths: Lengths,
+    (lengths, junctions): (Lengths, Junctions),
     mesh: &HexMesh,
     fractures: &FractureMesh,
     rocks: &[Elastic],
@@ -11,7 +11,11 @@ fn oracle(
 ) -> Vec<Vec<f64>> {
     let n = 3 * fractures.faces.len();
     let mut h = vec![vec![0.0; n]; n];
-    for edge in &fractures.edges {
+    let crossings = fractures.crossings.iter().filter(|crossing| {
+        let sticks = |f: &u32| state(*f as usize) == ContactState::Stick;
+        junctions == Junctions::Joined && crossing.others.iter().all(sticks)
+    });
+    for edge in fractures.edges.iter().chain(crossings.map(|c| &c.edge)) {
         let ends = edge.faces.map(|f| f as usize);
         let [k, l] = ends.map(|f| &fractures.faces[f]);
         let of = |face: &FractureFace, side: FaceSide| {
@@ -72,15 +76,24 @@ fn rows_gathered_face_by_face_are_the_sum_over_edges() {
     let mixed = |f: usize| ContactState::ALL[[0, 0, 0, 2, 0, 3, 1][f % 7]];
     let stick = |_: usize| ContactState::Stick;
     let states: [&(dyn Fn(usize) -> ContactState + Sync); 2] = [&stick, &mixed];
-    for (lengths, state) in [Lengths::Deep, Lengths::Box].into_iter().zip(states) {
+    let mut entries = Vec::new();
+    for (choice, state) in [
+        ((Lengths::Deep, Junctions::Joined), states[0]),
+        ((Lengths::Deep, Junctions::Apart), states[0]),
+        ((Lengths::Deep, Junctions::Joined), states[1]),
+        ((Lengths::Box, Junctions::Apart), states[1]),
+    ] {
+        let (lengths, junctions) = choice;
         let stabilization = JumpStabilization {
             lengths,
+            junctions,
             ..JumpStabilization::default()
         };
         let h = stabilization.assemble_for(&built.mesh, &built.fractures, &rocks, state);
-        let dense = oracle(lengths, &built.mesh, &built.fractures, &rocks, state);
+        let dense = oracle(choice, &built.mesh, &built.fractures, &rocks, state);
         let size = dense.iter().flatten().fold(0.0f64, |m, v| m.max(v.abs()));
         assert!(size > 0.0 && h.nnz() > h.rows() / 2);
+        entries.push(h.nnz());
         for (i, row) in dense.iter().enumerate() {
             for (j, expected) in row.iter().enumerate() {
                 let found = h.get(i, j).copied().unwrap_or(0.0);
@@ -92,6 +105,42 @@ fn rows_gathered_face_by_face_are_the_sum_over_edges() {
             }
         }
     }
+    // two fractures meet along five edges, each of them with two pairs of neighbours
+    assert_eq!(built.fractures.crossings.len(), 2 * 5);
+    assert!(entries[0] > entries[1], "{entries:?}");
+}
+
+#[test]
+fn faces_are_neighbours_across_a_fracture_while_it_sticks() {
+    let mut grid = BoxGrid::uniform([0.0; 3], [4.0, 1.0, 4.0], [4, 1, 4]);
+    grid.fractures = vec![
+        PlaneFracture::through("F", 0, 2.0),
+        PlaneFracture::through("G", 2, 2.0),
+    ];
+    let built = grid.build().unwrap();
+    let rocks = [Elastic {
+        young: 3.0,
+        poisson: 0.2,
+    }];
+    let of = |f: usize| built.fractures.faces[f].fracture;
+    let coupled = |state: ContactState| {
+        let h =
+            JumpStabilization::default().assemble_for(&built.mesh, &built.fractures, &rocks, |f| {
+                if of(f) == 1 {
+                    state
+                } else {
+                    ContactState::Stick
+                }
+            });
+        // F is coupled along all of its height, or falls apart at G
+        let faces = (0..built.fractures.faces.len()).filter(|f| of(*f) == 0);
+        let blocks = faces.map(|f| h.outer_view(3 * f).unwrap().nnz());
+        blocks.sum::<usize>()
+    };
+    let [stick, slip, open] =
+        [ContactState::Stick, ContactState::Slip, ContactState::Open].map(coupled);
+    // four faces in a row: 4 + 2·3 entries of t_N, and 4 + 2·2 without the pair in the middle
+    assert_eq!([stick, slip, open], [10, 8, 8]);
 }
 
 #[test]
