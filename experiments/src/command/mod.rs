@@ -8,6 +8,7 @@ mod check;
 mod compare;
 mod explain;
 mod export;
+mod faces;
 mod fault;
 mod interrupt;
 mod list;

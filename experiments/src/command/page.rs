@@ -1,13 +1,20 @@
-//! The history of a run as curves and as a page.
+//! The history of a run as curves, and its fractures at the end, as a page.
 
+use super::faces;
 use crate::plot::{Axis, Figure, Mark, Series};
 use crate::report::{Findings, Sheet, Table};
-use fracas::run::History;
+use fracas::run::{History, Running};
 use fracas::scene::Scene;
 use std::path::Path;
 
 /// Writes `figures/` and `report.html`.
-pub(super) fn write(scene: &Scene, lead: &str, rows: &History, out: &Path) -> anyhow::Result<()> {
+pub(super) fn write(
+    scene: &Scene,
+    lead: &str,
+    run: &Running<'_>,
+    out: &Path,
+) -> anyhow::Result<()> {
+    let rows = run.history();
     let mut findings = Findings::default();
     let sections = serde_json::to_value(scene.sections())?;
     if let serde_json::Value::Object(sections) = sections {
@@ -16,7 +23,12 @@ pub(super) fn write(scene: &Scene, lead: &str, rows: &History, out: &Path) -> an
     if rows.is_empty() {
         findings.notes.push("No step was accepted.".into());
     } else {
-        findings.figures = vec![states(rows), iterations(rows), slip(rows)];
+        if rows.len() > 1 {
+            findings.figures = vec![states(rows), iterations(rows), slip(rows)];
+        }
+        let (maps, notes) = faces::figures(run);
+        findings.figures.extend(maps);
+        findings.notes = notes;
         findings.tables.push(totals(rows));
     }
     let sheet = Sheet {
@@ -80,32 +92,26 @@ fn totals(rows: &History) -> Table {
     let mut table = Table::new(
         "totals",
         "The whole run; history.csv has a row per step, solver.csv one per linear solve.",
-        &[
-            "steps",
-            "active set",
-            "Newton",
-            "Krylov",
-            "step cuts",
-            "largest relative residual of a linear solve",
-            "largest penetration [m]",
-            "largest excess of shear [Pa]",
-            "largest slip [m]",
-            "largest jump by the stabilization [m]",
-            "largest overlap by it [m]",
-        ],
+        &["over all steps", "value"],
     );
-    table.push([
-        rows.len().into(),
-        sum("active_it").into(),
-        sum("newton_it").into(),
-        sum("lin_it").into(),
-        sum("cuts").into(),
-        most("lin_res").into(),
-        most("max_pen").into(),
-        most("max_tau_viol").into(),
-        most("slip_max_m").into(),
-        most("h_jump_max_m").into(),
-        most("h_overlap_max_m").into(),
-    ]);
+    for (what, count) in [
+        ("steps", rows.len()),
+        ("rounds of the active set", sum("active_it")),
+        ("Newton steps", sum("newton_it")),
+        ("Krylov iterations", sum("lin_it")),
+        ("step cuts", sum("cuts")),
+    ] {
+        table.push([what.into(), count.into()]);
+    }
+    for (what, name) in [
+        ("largest relative residual of a linear solve", "lin_res"),
+        ("largest penetration [m]", "max_pen"),
+        ("largest excess of shear [Pa]", "max_tau_viol"),
+        ("largest slip [m]", "slip_max_m"),
+        ("largest jump by the stabilization [m]", "h_jump_max_m"),
+        ("largest overlap by it [m]", "h_overlap_max_m"),
+    ] {
+        table.push([what.into(), most(name).into()]);
+    }
     table
 }

@@ -65,7 +65,7 @@ impl Run {
         if let Some(reason) = &ended.reason {
             progress.say(reason);
         }
-        page::write(&scene, &ended.to_string(), run.history(), &path)?;
+        page::write(&scene, &ended.to_string(), &run, &path)?;
         run.close(&ended)?;
         writeln!(out, "{}", path.join("report.html").display())?;
         Ok(match (ended.outcome, interrupt::asked()) {
