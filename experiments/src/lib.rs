@@ -17,6 +17,6 @@ pub mod fault;
 pub mod list;
 pub mod plot;
 pub mod report;
-mod scenes;
-mod sentence;
+pub mod scenes;
+pub mod sentence;
 pub mod study;

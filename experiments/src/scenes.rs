@@ -24,7 +24,10 @@ pub(crate) fn is_file(name: &str) -> bool {
 }
 
 /// Reads a scene file, or a scene of the gallery.
-pub(crate) fn load(name: &str) -> anyhow::Result<Scene> {
+///
+/// # Errors
+/// A name that is neither; what is wrong with the file.
+pub fn load(name: &str) -> anyhow::Result<Scene> {
     if is_file(name) {
         return Ok(Scene::load(name)?);
     }

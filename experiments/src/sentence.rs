@@ -1,7 +1,12 @@
 //! From a chain of errors to one sentence, and from settings to flags.
 
-/// The error and its causes, without those that the error itself already quotes.
+/// [`in_full`], with settings as flags.
 pub(crate) fn of(error: &anyhow::Error) -> String {
+    with_flags(&in_full(error))
+}
+
+/// The error and its causes, without those that the error itself already quotes.
+pub fn in_full(error: &anyhow::Error) -> String {
     let mut text = error.to_string();
     for cause in error.chain().skip(1) {
         let cause = cause.to_string();
@@ -9,7 +14,7 @@ pub(crate) fn of(error: &anyhow::Error) -> String {
             text = format!("{text}: {cause}");
         }
     }
-    with_flags(&text)
+    text
 }
 
 /// Settings that are flags of the command line, too.

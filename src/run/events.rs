@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 const PROJECTION: &str = "proximal iterations towards tractions in Coulomb's cones";
 
 /// Name and members of an event in `log.jsonl`.
-pub(super) fn event(event: &Event) -> (&'static str, Value) {
+pub fn event(event: &Event) -> (&'static str, Value) {
     match event {
         Event::Cycle {
             round,

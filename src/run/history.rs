@@ -111,6 +111,14 @@ pub(super) fn flow_row(record: &StepRecord, f: &FlowRecord) -> String {
 pub struct History(Vec<[f64; NUMBERS]>);
 
 impl History {
+    /// First line of `history.csv`, with its line break.
+    pub const HEADING: &str = HISTORY;
+
+    /// The line of a step without the time that it took, with its line break.
+    pub fn line(record: &StepRecord) -> String {
+        row(record, None)
+    }
+
     /// Of the lines of a file, without its heading.
     pub(super) fn read(lines: &[String]) -> Self {
         Self(lines.iter().filter_map(|row| numbers(row)).collect())

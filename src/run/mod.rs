@@ -51,6 +51,7 @@ mod settings;
 mod tree;
 
 pub use error::RunError;
+pub use events::event;
 pub use folder::RunFolder;
 pub use history::History;
 pub use lines::Unreadable;

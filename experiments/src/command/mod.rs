@@ -36,6 +36,8 @@ use crate::allocation::exit_on_refusal;
 use crate::sentence;
 use clap::{Parser, Subcommand};
 use interrupt::Signal;
+pub use page::write as write_page;
+pub use residuals::Residuals;
 use std::io::{self, Write};
 use std::process::ExitCode;
 

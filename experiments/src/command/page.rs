@@ -7,8 +7,11 @@ use fracas::run::{History, Running};
 use fracas::scene::Scene;
 use std::path::Path;
 
-/// Writes `figures/` and `report.html`.
-pub(super) fn write(
+/// Writes `figures/` and `report.html` of a run.
+///
+/// # Errors
+/// Those of the files.
+pub fn write(
     scene: &Scene,
     lead: &str,
     run: &Running<'_>,

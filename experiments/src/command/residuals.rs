@@ -5,7 +5,7 @@ use std::fmt::{Display, Write};
 use std::ops::ControlFlow;
 
 /// Passes everything on and keeps the residuals.
-pub(super) struct Residuals<'a> {
+pub struct Residuals<'a> {
     watching: &'a mut dyn Observer,
     /// `‖r_k‖ / ‖b‖` of iteration k.
     kept: Vec<(usize, f64)>,
@@ -15,7 +15,7 @@ pub(super) struct Residuals<'a> {
 
 impl<'a> Residuals<'a> {
     /// None yet.
-    pub(super) fn around(watching: &'a mut dyn Observer) -> Self {
+    pub fn around(watching: &'a mut dyn Observer) -> Self {
         Self {
             watching,
             kept: Vec::new(),
@@ -23,7 +23,12 @@ impl<'a> Residuals<'a> {
         }
     }
 
-    /// `iteration,residual`, iterations counted over all passes; a pass that goes on begins with its own residual.
+    /// Iteration, counted over all passes, and residual; a pass that goes on begins with its own residual.
+    pub fn kept(&self) -> &[(usize, f64)] {
+        &self.kept
+    }
+
+    /// `iteration,residual`.
     pub(super) fn to_csv(&self) -> String {
         let mut csv = String::from("iteration,residual\n");
         for (iteration, residual) in &self.kept {

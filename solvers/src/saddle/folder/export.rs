@@ -7,7 +7,10 @@ use crate::saddle::SaddleBlocks;
 use fracas_operators::matrix_market::{Symmetry, write_dense, write_sparse, write_vector};
 use std::path::Path;
 
-/// Writes blocks and manifest; sizes, blocks and version of the manifest are filled in.
+/// What a manifest of ours says of who wrote it.
+const OURS: &str = concat!("fracas ", env!("CARGO_PKG_VERSION"));
+
+/// Writes blocks and manifest; sizes and blocks of the manifest are filled in, and the version unless it names another program.
 ///
 /// The folder is created if needed. Files of an earlier system that this one does not have (say `H.mtx`) are removed,
 /// since their presence has a meaning.
@@ -62,7 +65,7 @@ pub fn write_folder(
         write_dense(&at("coords.mtx"), &coordinates::to_table(c))?;
     }
     let mut manifest = Manifest {
-        version: Some(concat!("fracas ", env!("CARGO_PKG_VERSION")).into()),
+        version: Some(manifest.version.clone().unwrap_or_else(|| OURS.into())),
         n_u: Some(blocks.n_u()),
         n_t: Some(blocks.n_t()),
         n_p: Some(blocks.n_p()),

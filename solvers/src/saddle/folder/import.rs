@@ -5,7 +5,8 @@ use super::manifest::Manifest;
 use super::{FolderError, announced, coordinates, inspect, rigid_body, sizes};
 use crate::saddle::{FlowBlocks, SaddleBlocks};
 use fracas_operators::Shape;
-use fracas_operators::matrix_market::{SparseFile, read_dense, read_sparse, read_vector};
+use fracas_operators::matrix_market::{SparseFile, Symmetry, read_dense, read_sparse, read_vector};
+use fracas_operators::sparse::SparseMatrix;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -127,6 +128,48 @@ pub fn read_folder(folder: &Path) -> Result<Imported, FolderError> {
         findings: reader.findings,
         has_rhs,
     })
+}
+
+/// The same for blocks that are in memory already: checked and remarked as if they came from a folder, a B2 that repeats B1ᵀ and an H of
+/// zeros are left out.
+///
+/// # Errors
+/// [`FolderError::Sizes`], [`FolderError::NotSquare`], [`FolderError::Empty`], [`FolderError::Asymmetric`].
+pub fn inspect_blocks(mut blocks: SaddleBlocks) -> Result<(SaddleBlocks, Vec<Finding>), FolderError> {
+    let mut findings = Vec::new();
+    let shape = |matrix: &SparseMatrix<f64>| Shape::new(matrix.rows(), matrix.cols());
+    let from_a = ("A.mtx", shape(&blocks.a));
+    let from_b1 = ("B1.mtx", shape(&blocks.b1));
+    let (n_u, n_t) = (from_a.1.rows, from_b1.1.cols);
+    square("A.mtx", from_a.1)?;
+    for (file, found) in [from_a, from_b1] {
+        if found.rows == 0 || found.cols == 0 {
+            return Err(FolderError::Empty { file, found });
+        }
+    }
+    expect("B1.mtx", from_b1.1, Shape::new(n_u, n_t), from_a)?;
+    inspect::stiffness(&blocks.a, Symmetry::General, &blocks.b1, &mut findings)?;
+    inspect::coupling(&blocks.b1, &mut findings);
+    if let Some(b2) = blocks.b2.take() {
+        expect("B2.mtx", shape(&b2), Shape::new(n_t, n_u), from_b1)?;
+        blocks.b2 = inspect::consistency(b2, &blocks.b1, &mut findings);
+    }
+    if let Some(h) = blocks.h.take() {
+        expect("H.mtx", shape(&h), Shape::square(n_t), from_b1)?;
+        blocks.h = inspect::stabilization(h, &mut findings);
+    }
+    if let Some(flow) = &mut blocks.flow {
+        let n_p = flow.t.rows();
+        let from_t = ("T.mtx", shape(&flow.t));
+        square("T.mtx", from_t.1)?;
+        expect("Q1.mtx", shape(&flow.q1), Shape::new(n_u, n_p), from_t)?;
+        expect("Q2.mtx", shape(&flow.q2), Shape::new(n_p, n_u), from_t)?;
+        inspect::flow(flow, &mut findings);
+    }
+    if let Some(coordinates) = &blocks.coordinates {
+        rigid_body::coordinates(&blocks.a, coordinates, &mut findings);
+    }
+    Ok((blocks, findings))
 }
 
 fn shape_of(file: &SparseFile) -> Shape {

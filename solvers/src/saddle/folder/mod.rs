@@ -34,7 +34,7 @@ mod tests;
 pub use error::FolderError;
 pub use export::write_folder;
 pub use finding::{Finding, Remark};
-pub use import::{Imported, read_folder};
+pub use import::{Imported, inspect_blocks, read_folder};
 pub use manifest::Manifest;
 pub(crate) use rigid_body::rigid_motions;
 

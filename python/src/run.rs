@@ -1,0 +1,258 @@
+//! A run as an iterator over steps: the work has its own thread, which waits while nobody asks for the next step.
+
+use crate::arrays::{given, table};
+use crate::running::{self, Line};
+use crate::work::{in_pool, mind, of_panic};
+use fracas::nonlinear::FaceFields;
+use fracas::run::History;
+use fracas::scene::Scene;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+
+/// What is asked of a run.
+pub(crate) struct Asked {
+    pub(crate) scene: Scene,
+    pub(crate) name: String,
+    pub(crate) out: Option<PathBuf>,
+    pub(crate) restart: Option<PathBuf>,
+    pub(crate) steps: Option<usize>,
+    pub(crate) fields_every: usize,
+    pub(crate) clock: bool,
+    /// False leaves fields out of the steps that are handed over.
+    pub(crate) fields: bool,
+    pub(crate) observer: Option<Py<PyAny>>,
+}
+
+impl Asked {
+    /// True where no file is written.
+    pub(crate) fn in_memory(&self) -> bool {
+        self.out.is_none() && self.restart.is_none()
+    }
+}
+
+/// What a state shows.
+pub(crate) struct Fields {
+    pub(crate) displacement: Vec<f64>,
+    pub(crate) faces: FaceFields,
+    pub(crate) states: Vec<i8>,
+}
+
+/// A step that is done.
+pub(crate) struct Step {
+    /// Its line of `history.csv`.
+    pub(crate) line: String,
+    /// `[name, members]` each, as JSON.
+    pub(crate) events: Vec<String>,
+    pub(crate) fields: Option<Fields>,
+}
+
+/// How a run ended.
+pub(crate) struct Ended {
+    pub(crate) outcome: &'static str,
+    pub(crate) reason: Option<String>,
+    pub(crate) path: Option<PathBuf>,
+}
+
+/// From the thread of the run.
+pub(crate) enum Message {
+    Step(Box<Step>),
+    Ended(Ended),
+    Failed(PyErr),
+}
+
+/// The steps of a run.
+#[pyclass(frozen, module = "fracas._core")]
+pub(crate) struct Steps {
+    line: Mutex<Ends>,
+    stop: Arc<AtomicBool>,
+}
+
+/// The iterator's ends of the line.
+struct Ends {
+    asks: Option<Sender<()>>,
+    tells: Receiver<Message>,
+    thread: Option<JoinHandle<()>>,
+    ended: Option<Ended>,
+}
+
+impl Steps {
+    /// Begins when the first step is asked for.
+    pub(crate) fn new(asked: Asked) -> Self {
+        let stop = Arc::new(AtomicBool::new(false));
+        let (ask, asks) = mpsc::channel();
+        let (tell, tells) = mpsc::channel();
+        let line = Line { asks, tells: tell };
+        let of_thread = stop.clone();
+        let thread = std::thread::spawn(move || in_pool(move || running::run(asked, &line, &of_thread)));
+        Self {
+            stop,
+            line: Mutex::new(Ends {
+                asks: Some(ask),
+                tells,
+                thread: Some(thread),
+                ended: None,
+            }),
+        }
+    }
+}
+
+impl Ends {
+    /// Asks for a step and waits for it; the exception of a signal that came before it.
+    fn ask(&mut self, stop: &AtomicBool) -> (Option<Message>, Option<PyErr>) {
+        if let Some(asks) = &self.asks {
+            // where the thread is gone, it has left a message
+            let _ = asks.send(());
+        }
+        let mut message = None;
+        let signal = mind(stop, |patience| match self.tells.recv_timeout(patience) {
+            Ok(told) => {
+                message = Some(told);
+                true
+            }
+            Err(RecvTimeoutError::Timeout) => false,
+            Err(RecvTimeoutError::Disconnected) => true,
+        });
+        // a step that was done all the same: the run ends with the next wish, which a stop answers
+        while signal.is_some() && matches!(message, Some(Message::Step(_))) {
+            let _ = self.asks.as_ref().map(|asks| asks.send(()));
+            message = self.tells.recv().ok();
+        }
+        (message, signal)
+    }
+
+    /// Waits for the thread, whose files are then whole.
+    fn join(&mut self) -> Option<PyErr> {
+        self.asks = None;
+        let joined = self.thread.take()?.join();
+        joined.err().map(|panic| of_panic(&*panic))
+    }
+}
+
+#[pymethods]
+impl Steps {
+    /// First line of `history.csv`.
+    #[classattr]
+    const HEADING: &'static str = History::HEADING;
+
+    /// The next step as a dictionary; None at the end.
+    fn advance<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let (message, signal) = py.detach(|| {
+            let mut ends = self.line.lock().unwrap_or_else(PoisonError::into_inner);
+            if ends.ended.is_some() || ends.thread.is_none() {
+                return (None, None);
+            }
+            let (message, signal) = ends.ask(&self.stop);
+            let (message, panic) = match message {
+                Some(Message::Step(step)) => (Some(Message::Step(step)), None),
+                last => (last, ends.join()),
+            };
+            (panic.map(Message::Failed).or(message), signal)
+        });
+        let message = match message {
+            Some(Message::Ended(ended)) => {
+                let failure = running::failure(&ended);
+                let mut ends = self.line.lock().unwrap_or_else(PoisonError::into_inner);
+                ends.ended = Some(ended);
+                failure.map(Message::Failed)
+            }
+            other => other,
+        };
+        if let Some(signal) = signal {
+            return Err(signal);
+        }
+        match message {
+            Some(Message::Step(step)) => step.to_dict(py).map(Some),
+            Some(Message::Failed(error)) => Err(error),
+            Some(Message::Ended(_)) | None => Ok(None),
+        }
+    }
+
+    /// Stops after the step at hand; what is written can be restarted.
+    fn close(&self, py: Python<'_>) -> PyResult<()> {
+        self.stop.store(true, Ordering::Relaxed);
+        let (panic, last) = py.detach(|| {
+            let mut ends = self.line.lock().unwrap_or_else(PoisonError::into_inner);
+            let was_open = ends.thread.is_some();
+            let panic = ends.join();
+            let last = ends.tells.try_iter().last().filter(|_| was_open);
+            (panic, last)
+        });
+        if let Some(panic) = panic {
+            return Err(panic);
+        }
+        match last {
+            Some(Message::Failed(error)) => Err(error),
+            Some(Message::Ended(ended)) => {
+                let mut ends = self.line.lock().unwrap_or_else(PoisonError::into_inner);
+                ends.ended = Some(ended);
+                Ok(())
+            }
+            Some(Message::Step(_)) | None => Ok(()),
+        }
+    }
+
+    /// `(outcome, reason, folder)`; the outcome is `running` before the end.
+    #[getter]
+    fn ended(&self, py: Python<'_>) -> PyResult<(String, Option<String>, Option<PathBuf>)> {
+        let ends = py.detach(|| {
+            let ends = self.line.lock().unwrap_or_else(PoisonError::into_inner);
+            let ended = ends.ended.as_ref();
+            ended.map(|e| (e.outcome.to_owned(), e.reason.clone(), e.path.clone()))
+        });
+        Ok(ends.unwrap_or_else(|| ("running".into(), None, None)))
+    }
+}
+
+impl Drop for Steps {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        let line = self.line.get_mut().unwrap_or_else(PoisonError::into_inner);
+        // the thread may wait for the interpreter's lock
+        let panic = Python::attach(|py| py.detach(|| line.join()));
+        if let Some(panic) = panic {
+            Python::attach(|py| panic.write_unraisable(py, None));
+        }
+    }
+}
+
+impl Step {
+    /// Numbers of the row, events, fields as arrays that take over their memory.
+    fn to_dict(self, py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+        let step = PyDict::new(py);
+        step.set_item("line", self.line)?;
+        step.set_item("events", self.events)?;
+        let Some(Fields {
+            displacement,
+            faces,
+            states,
+        }) = self.fields
+        else {
+            return Ok(step);
+        };
+        let flows = !faces.flux.is_empty();
+        step.set_item("displacement", table(py, displacement, 3)?)?;
+        step.set_item("traction", table(py, faces.traction, 3)?)?;
+        step.set_item("jump", table(py, faces.jump, 3)?)?;
+        step.set_item("stabilization_jump", table(py, faces.stabilization_jump, 3)?)?;
+        step.set_item("state", given(py, states))?;
+        for (name, values) in [
+            ("slip", faces.slip),
+            ("aperture", faces.aperture),
+            ("criticality", faces.criticality),
+            ("tau_limit", faces.tau_limit),
+            ("pressure", faces.pressure),
+        ] {
+            step.set_item(name, given(py, values))?;
+        }
+        if flows {
+            step.set_item("conductivity", given(py, faces.conductivity))?;
+            step.set_item("flux", table(py, faces.flux, 3)?)?;
+        }
+        Ok(step)
+    }
+}

@@ -1,0 +1,143 @@
+//! A system and its preconditioner, ready for right-hand sides.
+
+use crate::arrays::{given, vector};
+use crate::error::{Kind, Raise, raise};
+use crate::parts;
+use crate::settings::Settings;
+use crate::watch::Watch;
+use crate::work::apart;
+use fracas::solve::{Problem, Solve, Solved, Solver as Ready};
+use fracas_experiments::command::Residuals;
+use fracas_solvers::Observer;
+use numpy::PyReadonlyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+use std::sync::atomic::AtomicBool;
+use std::sync::{Mutex, PoisonError};
+
+/// Iteration and residual.
+type History = Vec<(usize, f64)>;
+
+/// `(JSON, x, iterations, residuals)`.
+fn packed(py: Python<'_>, solved: Solved, history: History) -> PyResult<Bound<'_, PyTuple>> {
+    let json = serde_json::to_string(&solved);
+    let json = json.map_err(|error| raise(Kind::Plain, error.to_string()))?;
+    let (iterations, residuals): (Vec<u64>, Vec<f64>) =
+        history.into_iter().map(|(i, r)| (i as u64, r)).unzip();
+    (json, given(py, solved.x), given(py, iterations), given(py, residuals)).into_pyobject(py)
+}
+
+/// Runs `work` under an observer that keeps residuals.
+fn watched(
+    py: Python<'_>,
+    lent: &[parts::Lent],
+    observer: Option<Py<PyAny>>,
+    work: impl FnOnce(&mut dyn Observer) -> PyResult<Solved> + Send,
+) -> PyResult<(Solved, History)> {
+    let stop = AtomicBool::new(false);
+    let result = apart(py, &stop, || {
+        let mut watch = Watch::new(&stop, observer);
+        let mut residuals = Residuals::around(&mut watch);
+        let solved = work(&mut residuals);
+        let history = residuals.kept().to_vec();
+        watch.end(solved.map(|solved| (solved, history)))
+    });
+    parts::end(lent, result)
+}
+
+/// The right-hand side, of the length that the system has.
+fn with_rhs(solver: &mut Ready, b: Vec<f64>) -> PyResult<()> {
+    if b.len() != solver.unknowns() {
+        return Err(raise(
+            Kind::Input,
+            format!("rhs has {} entries, expected {}", b.len(), solver.unknowns()),
+        ));
+    }
+    solver.set_rhs(b);
+    Ok(())
+}
+
+/// Sets up and solves.
+pub(crate) fn solve<'py>(
+    py: Python<'py>,
+    settings: &Settings,
+    problem: &Problem,
+    b: Option<PyReadonlyArray1<'py, f64>>,
+    observer: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyTuple>> {
+    let b = b.map(|b| vector("rhs", &b, b.len().unwrap_or(0))).transpose()?;
+    let how: &Solve = &settings.solve;
+    let (solved, history) = watched(py, &settings.lent, observer, |observer| {
+        let mut solver = how.set_up(problem, observer).raised()?;
+        if let Some(b) = b {
+            with_rhs(&mut solver, b)?;
+        }
+        solver.solve(observer).raised()
+    })?;
+    packed(py, solved, history)
+}
+
+/// What `set_up` gives.
+#[pyclass(frozen, module = "fracas._core")]
+pub(crate) struct Solver {
+    ready: Mutex<Ready>,
+    lent: Vec<parts::Lent>,
+}
+
+impl Solver {
+    pub(crate) fn new(
+        py: Python<'_>,
+        settings: Settings,
+        problem: &Problem,
+        observer: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
+        let stop = AtomicBool::new(false);
+        let how = &settings.solve;
+        let result = apart(py, &stop, || {
+            let mut watch = Watch::new(&stop, observer);
+            let ready = how.set_up(problem, &mut watch).raised();
+            watch.end(ready)
+        });
+        let ready = parts::end(&settings.lent, result)?;
+        Ok(Self {
+            ready: Mutex::new(ready),
+            lent: settings.lent,
+        })
+    }
+}
+
+#[pymethods]
+impl Solver {
+    /// `(JSON, x, iterations, residuals)`.
+    #[pyo3(signature = (b=None, observer=None))]
+    fn solve<'py>(
+        &self,
+        py: Python<'py>,
+        b: Option<PyReadonlyArray1<'py, f64>>,
+        observer: Option<Py<PyAny>>,
+    ) -> PyResult<Bound<'py, PyTuple>> {
+        let b = b.map(|b| vector("rhs", &b, b.len().unwrap_or(0))).transpose()?;
+        let (solved, history) = watched(py, &self.lent, observer, |observer| {
+            let mut ready = self.ready.lock().unwrap_or_else(PoisonError::into_inner);
+            if let Some(b) = b {
+                with_rhs(&mut ready, b)?;
+            }
+            ready.solve(observer).raised()
+        })?;
+        packed(py, solved, history)
+    }
+
+    /// Entries of b and x.
+    #[getter]
+    fn unknowns(&self) -> usize {
+        let ready = self.ready.lock().unwrap_or_else(PoisonError::into_inner);
+        ready.unknowns()
+    }
+
+    /// Wall time of the set-up [s].
+    #[getter]
+    fn setup_s(&self) -> f64 {
+        let ready = self.ready.lock().unwrap_or_else(PoisonError::into_inner);
+        ready.setup_s()
+    }
+}
