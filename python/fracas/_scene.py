@@ -213,9 +213,9 @@ class Scene:
         """As `fracas solve SCENE`: A is not assembled where that serves. Settings as of `System.solve`; a C or a preconditioner that is an
         object sees the blocks, so that A is assembled."""
         name, b = _right_hand_side(rhs)
-        given = settings.get("preconditioner", "racp")
-        if not isinstance(given, (str, dict)) and not callable(getattr(given, "prepare", None)):
-            # the units of M⁻¹ are those of the blocks
+        parts = (settings.get(part, "") for part in ("preconditioner", "augmentation", "inner"))
+        if not all(part is None or isinstance(part, (str, dict)) for part in parts):
+            # they see blocks, and count in their units
             return self.system(stabilization=stabilization).solve(rhs=rhs, observer=observer, **settings)
         return Solution._of(self._core.solve(_asked(rhs=name, **settings), float(stabilization), b, observer))
 

@@ -66,7 +66,7 @@ struct Slot {
     part: Mutex<Option<Py<Part>>>,
     /// The first exception since it was asked for.
     failure: Mutex<Option<PyErr>>,
-    /// Of the tractions while iterating.
+    /// Of the tractions while iterating, in those that Python counts them in.
     unit: Mutex<f64>,
     /// The system that is solved: it is not copied where it is asked for as it is.
     of: Mutex<Weak<SaddleBlocks>>,
@@ -113,19 +113,27 @@ impl Slot {
         held(&self.failure).get_or_insert(error);
     }
 
-    /// The blocks as Python sees them; a copy only where they are not those of the system.
+    /// The blocks as Python sees them, in the units that it has given them in; a copy only where they are not those of the system.
     fn system(&self, blocks: &SaddleBlocks) -> System {
+        let unit = *held(&self.unit);
+        if unit != 1.0 {
+            // a power of two: to the last bit
+            let own = blocks.clone().into_traction_unit(1.0 / unit);
+            return System::of_blocks(own.into());
+        }
         let own = held(&self.of).upgrade();
         let own = own.filter(|own| std::ptr::eq(&**own, blocks));
         System::of_blocks(own.unwrap_or_else(|| Arc::new(blocks.clone())))
     }
 
-    fn inverse(&'static self, f: Py<PyAny>, n: usize, linear: bool) -> Inverse {
+    /// A function of Python's as M⁻¹, of a vector with this layout in the units of Python where it has tractions.
+    fn inverse(&'static self, f: Py<PyAny>, n: usize, linear: bool, layout: Option<Layout>) -> Inverse {
+        let unit = *held(&self.unit);
         Inverse {
             f,
             n,
             linear,
-            scaled: None,
+            scaled: layout.map(|layout| (layout, unit)).filter(|_| unit != 1.0),
             slot: self,
         }
     }
@@ -157,7 +165,7 @@ impl AugmentationRule for Slot {
             let answer = part.f.bind(py).call1((self.system(blocks),))?;
             Entries::of(&answer)
         })?;
-        entries.matrix()
+        entries.matrix(held(&self.unit).powi(2))
     }
 }
 
@@ -188,7 +196,14 @@ impl Entries {
         })
     }
 
-    fn matrix(self) -> Result<AugmentationMatrix, SetupError> {
+    /// C times a factor.
+    fn matrix(mut self, factor: f64) -> Result<AugmentationMatrix, SetupError> {
+        let scale = |v: &mut f64| *v *= factor;
+        match &mut self {
+            Self::Diagonal(c) | Self::Faces(c) => c.iter_mut().for_each(scale),
+            Self::Dense(c) => *c *= faer::Scale(factor),
+            Self::Sparse(c) => c.data_mut().iter_mut().for_each(scale),
+        }
         match self {
             Self::Diagonal(c) => AugmentationMatrix::from_diagonal(c),
             Self::Faces(c) => {
@@ -205,15 +220,11 @@ impl CustomMethod for Slot {
     fn prepare(&self, blocks: &SaddleBlocks) -> Result<Box<dyn Preconditioner<f64>>, SetupError> {
         let slot = alive(self)?;
         let inverse = self.with(|py, part| {
-            let n = blocks.size();
-            if part.family == Family::Operator {
-                let unit = *held(&self.unit);
-                let scaled = (unit != 1.0).then(|| (blocks.layout(), unit));
-                let inverse = slot.inverse(part.f.clone_ref(py), n, part.linear);
-                return Ok(Inverse { scaled, ..inverse });
-            }
-            let f = part.f.bind(py).call1((self.system(blocks),))?;
-            Ok(slot.inverse(f.unbind(), n, part.linear))
+            let f = match part.family {
+                Family::Operator => part.f.clone_ref(py),
+                _ => part.f.bind(py).call1((self.system(blocks),))?.unbind(),
+            };
+            Ok(slot.inverse(f, blocks.size(), part.linear, Some(blocks.layout())))
         })?;
         Ok(Box::new(inverse))
     }
@@ -246,7 +257,7 @@ impl InnerSolver for Slot {
             );
             let places = coordinates.map(|c| crate::system::places(py, c)).transpose()?;
             let f = part.f.bind(py).call1((rows, places))?;
-            Ok(slot.inverse(f.unbind(), a.rows(), part.linear))
+            Ok(slot.inverse(f.unbind(), a.rows(), part.linear, None))
         })?;
         Ok(Box::new(inverse))
     }
@@ -344,8 +355,9 @@ impl Lent {
         Ok(Self(slot))
     }
 
-    pub(crate) fn augmentation(part: &Py<Part>) -> PyResult<(Self, AugmentationChoice)> {
+    pub(crate) fn augmentation(part: &Py<Part>, unit: f64) -> PyResult<(Self, AugmentationChoice)> {
         let lent = Self::new(part, &[Family::Augmentation], "augmentation")?;
+        *held(&lent.0.unit) = unit;
         let choice = AugmentationChoice::Other(Registered(lent.0));
         Ok((lent, choice))
     }

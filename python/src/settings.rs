@@ -69,7 +69,7 @@ impl Asked {
             None => None,
             Some(Named::Text(text)) => Some(augmentation(text)?),
             Some(Named::Object(part)) => {
-                let part = Lent::augmentation(part)?;
+                let part = Lent::augmentation(part, unit.unwrap_or(1.0))?;
                 lent.push(part.0);
                 Some(part.1)
             }

@@ -122,7 +122,8 @@ impl System {
         }
         let stop = AtomicBool::new(false);
         apart(py, &stop, move || {
-            blocks.check().raised()?;
+            let wrong = |error: fracas_solvers::SetupError| raise(Kind::System, error.to_string());
+            blocks.check().map_err(wrong)?;
             let (blocks, findings) = inspect_blocks(blocks).map_err(|error| {
                 raise(Kind::System, without_files(&error.to_string()))
             })?;
