@@ -1,4 +1,4 @@
-//! `fracas._core`: what the Python package `fracas` is made on. Shapes and kinds of arrays are settled in `python/fracas`, which
+//! `fracas._core`: what the Python package `fracas` is made on. Shapes and kinds of arrays are settled in `python/lib/fracas`, which
 //! wraps every class here; nothing is computed that the library does not compute.
 //!
 //! | file | what it brings |

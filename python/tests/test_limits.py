@@ -157,7 +157,7 @@ def test_stubs_serve_a_strict_user_and_describe_the_module(tmp_path):
     assert own.returncode == 0, own.stdout
     from fracas import _core
 
-    stub = (ROOT / "python" / "fracas" / "_core.pyi").read_text()
+    stub = (ROOT / "python" / "lib" / "fracas" / "_core.pyi").read_text()
     for name in dir(_core):
         public = not name.startswith("_")
         assert not public or f"class {name}:" in stub or f"def {name}(" in stub or f"{name}:" in stub, name

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._errors import InputError, SystemInputError, WrongType
+from ._errors import Error, InputError, SystemInputError, WrongType
 
 Vector = NDArray[np.float64]
 Rows = tuple[int, int, NDArray[np.int64], NDArray[np.int32], Vector]
@@ -44,17 +44,31 @@ def vector(name: str, value: Any, n: int | None = None) -> Vector:
     return array
 
 
+def sparse() -> Any:
+    """scipy.sparse, without which only what needs no matrix of Python's works."""
+    try:
+        import scipy.sparse
+    except ImportError as error:
+        raise Error("this needs scipy, which is not installed: pip install scipy") from error
+    return scipy.sparse
+
+
+def _rows_of_dense(name: str, value: Any) -> Rows:
+    table = numbers(name, value)
+    if table.ndim != 2:
+        raise SystemInputError(f"{name}: expected a matrix, not shape {table.shape}")
+    at = np.nonzero(table)
+    starts = np.zeros(table.shape[0] + 1, np.int64)
+    np.cumsum(np.count_nonzero(table, axis=1), out=starts[1:])
+    return table.shape[0], table.shape[1], starts, at[1].astype(np.int32), table[at]
+
+
 def rows(name: str, value: Any) -> Rows:
     """Compressed rows of a scipy.sparse matrix, of a dense array, or of anything with `tocsr`."""
     if hasattr(value, "tocsr"):
         csr = value.tocsr()
     elif isinstance(value, (np.ndarray, list, tuple)):
-        from scipy.sparse import csr_array
-
-        table = numbers(name, value)
-        if table.ndim != 2:
-            raise SystemInputError(f"{name}: expected a matrix, not shape {table.shape}")
-        csr = csr_array(table)
+        return _rows_of_dense(name, value)
     else:
         raise WrongType(f"{name}: expected a scipy.sparse matrix or a 2-D array, not {kind(value)}")
     if csr.data.dtype.kind not in "iuf":
@@ -78,8 +92,7 @@ def matrix(found: Any) -> Any:
     """A scipy.sparse.csr_array over memory of the extension module: entries and columns are shared and read-only."""
     if found is None:
         return None
-    from scipy.sparse import csr_array
-
+    csr_array = sparse().csr_array
     n, m, starts, columns, values = found
     if columns.dtype != np.int32:
         columns = columns.view(np.int32)

@@ -363,8 +363,7 @@ class System:
 
     def assembled(self) -> Any:
         """𝒜 as one scipy.sparse.csr_array: a copy."""
-        from scipy.sparse import block_array
-
+        block_array = _convert.sparse().block_array
         a, b1, b2, h = self.A, self.B1, self.B2, self.H
         grid = [[a, b1], [b2, None if h is None else -h]]
         if self.flow is not None:
@@ -417,12 +416,14 @@ class System:
     @property
     def operator(self) -> Operator:
         """𝒜 as scipy.sparse.linalg.LinearOperator."""
+        _convert.sparse()
         from ._operators import Operator
 
         return Operator(self._core.operator())
 
     def preconditioner(self, preconditioner: Any = "racp", augmentation: Any = None, inner: Any = "auto") -> Preconditioner:
         """M⁻¹ as scipy.sparse.linalg.LinearOperator, in the units of the system."""
+        _convert.sparse()
         from ._operators import Preconditioner
 
         return Preconditioner(self._core.preconditioner(_asked(preconditioner, augmentation, inner)))
