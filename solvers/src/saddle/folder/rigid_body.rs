@@ -82,7 +82,7 @@ pub(crate) fn rigid_motions(a: &SparseMatrix<f64>, coordinates: &[DofCoordinate]
     }
 }
 
-/// True for the unknowns at positions where all three components are unknown.
+/// True for the unknowns at positions where every component is unknown that is unknown anywhere: two of them in a plane problem.
 fn whole_nodes(coordinates: &[DofCoordinate]) -> Vec<bool> {
     // + 0.0 makes one zero of two
     let key = |c: &DofCoordinate| c.position.map(|x| (x + 0.0).to_bits());
@@ -90,7 +90,8 @@ fn whole_nodes(coordinates: &[DofCoordinate]) -> Vec<bool> {
     for c in coordinates {
         *components.entry(key(c)).or_default() |= 1 << c.component;
     }
-    let is_whole = |c| components.get(&key(c)) == Some(&0b111);
+    let all = components.values().fold(0, |all, here| all | here);
+    let is_whole = |c| components.get(&key(c)) == Some(&all);
     coordinates.iter().map(is_whole).collect()
 }
 
@@ -118,6 +119,7 @@ pub(super) fn coordinates(
 mod tests {
     use super::*;
     use crate::elastic_sample::clamped_box;
+    use fracas_operators::sparse::Triplets;
 
     fn said(a: &SparseMatrix<f64>, at: &[DofCoordinate]) -> Vec<Remark> {
         let mut findings = Vec::new();
@@ -138,6 +140,41 @@ mod tests {
         };
         assert_eq!(said(&a, &moved(&|x| 1e3 * x + 1e5)), []);
         assert_eq!(said(&a, &moved(&|x| (x * 1e6).round() * 1e-6 + 7e-7)), []);
+    }
+
+    #[test]
+    fn a_plane_problem_has_two_components_everywhere() {
+        // out of the plane a clamped box is held by springs of its own: the rows and columns of x and y alone, on a mesh one cell thick,
+        // are those of plane strain where the sides do not move in z
+        let (a, at) = clamped_box([9, 8, 1], [1.0, 0.5, 1.0], |_| 1.0);
+        let low = at.iter().map(|c| c.position[2]).fold(f64::INFINITY, f64::min);
+        // u_z = 0, u_x and u_y the same on both sides: the sum over pairs of nodes
+        let in_plane: Vec<usize> = (0..at.len())
+            .filter(|i| at[*i].component < 2 && at[*i].position[2] == low)
+            .collect();
+        let pair = |i: usize| {
+            let same = |j: &usize| {
+                at[*j].component == at[i].component && at[*j].position[..2] == at[i].position[..2]
+            };
+            (0..at.len()).filter(same).collect::<Vec<_>>()
+        };
+        let mut triplets = Triplets::new((in_plane.len(), in_plane.len()));
+        for (row, i) in in_plane.iter().enumerate() {
+            for (column, j) in in_plane.iter().enumerate() {
+                for (i, j) in pair(*i).iter().flat_map(|i| pair(*j).into_iter().map(move |j| (*i, j))) {
+                    if let Some(value) = a.get(i, j) {
+                        triplets.add_triplet(row, column, *value);
+                    }
+                }
+            }
+        }
+        let places: Vec<DofCoordinate> = in_plane.iter().map(|i| at[*i]).collect();
+        let plane: SparseMatrix<f64> = triplets.to_csr();
+        let found = rigid_motions(&plane, &places);
+        assert!(found.free > 20 && found.wrong == 0, "{found:?}");
+        let mut stretched = places.clone();
+        stretched.iter_mut().for_each(|c| c.position[1] *= 2.0);
+        assert!(rigid_motions(&plane, &stretched).wrong > 20);
     }
 
     #[test]
