@@ -46,10 +46,9 @@ def solve(folder: Path) -> None:
     vectors = np.load(folder / "vectors.npz")
     rhs, coordinates = vectors["rhs"], vectors["coordinates"]
     begin = time.perf_counter()
-    system = fracas.System(A, B1, H=H, rhs=rhs, coordinates=coordinates)
+    share = bool(os.environ.get("SHARE"))
+    system = fracas.System(A, B1, H=H, rhs=rhs, coordinates=coordinates, share=share)
     taken = time.perf_counter() - begin
-    if os.environ.get("LET_GO"):
-        del A, B1, H, vectors, rhs, coordinates
     solution = system.solve(inner="amg")
     told = {
         "unknowns": system.n,
@@ -87,9 +86,9 @@ def main() -> None:
             told = json.loads(Path(report).read_text())
             keys = ("iterations", "setup_s", "solve_s")
             print(f"program   {wall:7.2f} s {memory:7.0f} MB", {key: told[key] for key in keys}, flush=True)
-            for let_go in ("", "1"):
-                _, memory, out = peak([sys.executable, __file__, "solve", folder], LET_GO=let_go)
-                what = "let go " if let_go else "kept   "
+            for share in ("", "1"):
+                _, memory, out = peak([sys.executable, __file__, "solve", folder], SHARE=share)
+                what = "shared " if share else "copied "
                 print(f"{what}   {json.loads(out)['whole_s']:7.2f} s {memory:7.0f} MB", out.strip(), flush=True)
 
 

@@ -125,7 +125,13 @@ fn algebraic_multigrid_makes_levels_and_multigrid_does_not_know() {
 #[test]
 fn files_are_small_and_finished() {
     let mut lengths = Vec::new();
-    for folder in ["operators/src", "solvers/src", "src", "experiments/src"] {
+    for folder in [
+        "operators/src",
+        "solvers/src",
+        "src",
+        "experiments/src",
+        "python/src",
+    ] {
         for (path, text) in sources(folder) {
             // a list of claims may be long: unit tests are not counted
             if path.ends_with("tests.rs") {
@@ -160,7 +166,13 @@ fn files_are_small_and_finished() {
 /// What a library may not do: read the environment, write to the terminal.
 #[test]
 fn every_file_is_compiled_and_libraries_are_silent() {
-    for folder in ["operators/src", "solvers/src", "src", "experiments/src"] {
+    for folder in [
+        "operators/src",
+        "solvers/src",
+        "src",
+        "experiments/src",
+        "python/src",
+    ] {
         let files = sources(folder);
         let all: String = files.iter().map(|(_, text)| code(text)).collect();
         for (path, text) in &files {

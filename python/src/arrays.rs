@@ -48,7 +48,9 @@ impl Rows<'_> {
 
 /// A vector of n entries, all of them numbers.
 pub(crate) fn vector(name: &str, v: &PyReadonlyArray1<'_, f64>, n: usize) -> PyResult<Vec<f64>> {
-    let v = v.to_vec().map_err(|error| raise(Kind::Input, error.to_string()))?;
+    let v = v
+        .to_vec()
+        .map_err(|error| raise(Kind::Input, error.to_string()))?;
     if v.len() != n {
         return Err(raise(
             Kind::Input,
@@ -73,7 +75,10 @@ pub(crate) fn coordinates(table: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<Dof
         let wrong = || {
             raise(
                 Kind::System,
-                format!("coordinates: component {} in row {i} (counted from 0): it is 0, 1 or 2", row[3]),
+                format!(
+                    "coordinates: component {} in row {i} (counted from 0): it is 0, 1 or 2",
+                    row[3]
+                ),
             )
         };
         Ok(DofCoordinate {

@@ -54,7 +54,8 @@ pub(crate) fn raise(kind: Kind, sentence: impl Into<String>) -> PyErr {
     let sentence = sentence.into();
     Python::attach(|py| {
         let module = py.import("fracas._errors");
-        let class = module.and_then(|module| Ok(module.getattr(kind.class())?.cast_into::<PyType>()?));
+        let class =
+            module.and_then(|module| Ok(module.getattr(kind.class())?.cast_into::<PyType>()?));
         match class {
             Ok(class) => PyErr::from_type(class, (sentence,)),
             Err(error) => error,

@@ -34,7 +34,9 @@ fn product<'py>(
     flops: u64,
     work: impl FnOnce(&[f64], &mut [f64]) + Send,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let x = x.as_slice().map_err(|error| raise(Kind::Input, error.to_string()))?;
+    let x = x
+        .as_slice()
+        .map_err(|error| raise(Kind::Input, error.to_string()))?;
     if x.len() != columns {
         return Err(raise(
             Kind::Input,
@@ -197,7 +199,10 @@ impl Preconditioner {
                 && blocks.b2.is_none()
                 && blocks.flow.is_none()
                 && linear,
-            name: inner.map_or_else(|| method.to_string(), |inner| format!("{method}, inner {inner}")),
+            name: inner.map_or_else(
+                || method.to_string(),
+                |inner| format!("{method}, inner {inner}"),
+            ),
             ready,
             lent: settings.lent,
             work: Mutex::new(Vec::new()),
@@ -251,7 +256,9 @@ impl Preconditioner {
         let inverse = &*self.ready.inverse;
         let n = inverse.size();
         let result = product(py, &r, (n, n), inverse.flops(), |r, z| {
-            with_work(&self.work, inverse.work_len(), |work| inverse.solve(r, z, work));
+            with_work(&self.work, inverse.work_len(), |work| {
+                inverse.solve(r, z, work)
+            });
         });
         parts::end(&self.lent, result)
     }

@@ -93,7 +93,10 @@ impl Slot {
         }))
     }
 
-    fn with<T>(&self, work: impl FnOnce(Python<'_>, &Part) -> PyResult<T>) -> Result<T, SetupError> {
+    fn with<T>(
+        &self,
+        work: impl FnOnce(Python<'_>, &Part) -> PyResult<T>,
+    ) -> Result<T, SetupError> {
         let result = Python::attach(|py| {
             let part = held(&self.part).as_ref().map(|part| part.clone_ref(py));
             let part = part.ok_or_else(|| raise(Kind::Plain, "a part whose solver is gone"))?;
@@ -127,7 +130,13 @@ impl Slot {
     }
 
     /// A function of Python's as M⁻¹, of a vector with this layout in the units of Python where it has tractions.
-    fn inverse(&'static self, f: Py<PyAny>, n: usize, linear: bool, layout: Option<Layout>) -> Inverse {
+    fn inverse(
+        &'static self,
+        f: Py<PyAny>,
+        n: usize,
+        linear: bool,
+        layout: Option<Layout>,
+    ) -> Inverse {
         let unit = *held(&self.unit);
         Inverse {
             f,
@@ -153,7 +162,11 @@ impl Named for Slot {
 
 impl AugmentationRule for Slot {
     fn is_local(&self) -> bool {
-        Python::attach(|_| held(&self.part).as_ref().is_some_and(|part| part.get().local))
+        Python::attach(|_| {
+            held(&self.part)
+                .as_ref()
+                .is_some_and(|part| part.get().local)
+        })
     }
 
     fn compute(
@@ -190,7 +203,9 @@ impl Entries {
             "dense" => {
                 let table: PyReadonlyArray2<'_, f64> = entries.extract()?;
                 let table = table.as_array();
-                Self::Dense(Mat::from_fn(table.nrows(), table.ncols(), |i, j| table[[i, j]]))
+                Self::Dense(Mat::from_fn(table.nrows(), table.ncols(), |i, j| {
+                    table[[i, j]]
+                }))
             }
             _ => Self::Sparse(entries.extract::<Rows<'_>>()?.matrix("C")?),
         })
@@ -207,7 +222,8 @@ impl Entries {
         match self {
             Self::Diagonal(c) => AugmentationMatrix::from_diagonal(c),
             Self::Faces(c) => {
-                let block = |c: &[f64; 9]| [[c[0], c[1], c[2]], [c[3], c[4], c[5]], [c[6], c[7], c[8]]];
+                let block =
+                    |c: &[f64; 9]| [[c[0], c[1], c[2]], [c[3], c[4], c[5]], [c[6], c[7], c[8]]];
                 AugmentationMatrix::from_face_blocks(c.as_chunks().0.iter().map(block).collect())
             }
             Self::Dense(c) => AugmentationMatrix::from_dense(c),
@@ -255,7 +271,9 @@ impl InnerSolver for Slot {
                 PyArray1::<i32>::from_vec(py, columns),
                 PyArray1::from_slice(py, a.data()),
             );
-            let places = coordinates.map(|c| crate::system::places(py, c)).transpose()?;
+            let places = coordinates
+                .map(|c| crate::system::places(py, c))
+                .transpose()?;
             let f = part.f.bind(py).call1((rows, places))?;
             Ok(slot.inverse(f.unbind(), a.rows(), part.linear, None))
         })?;
@@ -266,10 +284,17 @@ impl InnerSolver for Slot {
 /// The same slot, known to live as long as the process.
 fn alive(slot: &Slot) -> Result<&'static Slot, SetupError> {
     let all = held(&NAMED);
-    let found = all.iter().find(|known| std::ptr::eq(**known, slot)).copied();
+    let found = all
+        .iter()
+        .find(|known| std::ptr::eq(**known, slot))
+        .copied();
     drop(all);
     let lent = held(&LENT);
-    let found = found.or_else(|| lent.iter().find(|known| std::ptr::eq(**known, slot)).copied());
+    let found = found.or_else(|| {
+        lent.iter()
+            .find(|known| std::ptr::eq(**known, slot))
+            .copied()
+    });
     found.ok_or_else(|| SetupError::NotApplicable {
         method: slot.name,
         reason: "its solver is gone".into(),

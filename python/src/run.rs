@@ -88,7 +88,8 @@ impl Steps {
         let (tell, tells) = mpsc::channel();
         let line = Line { asks, tells: tell };
         let of_thread = stop.clone();
-        let thread = std::thread::spawn(move || in_pool(move || running::run(asked, &line, &of_thread)));
+        let thread =
+            std::thread::spawn(move || in_pool(move || running::run(asked, &line, &of_thread)));
         Self {
             stop,
             line: Mutex::new(Ends {
@@ -238,7 +239,10 @@ impl Step {
         step.set_item("displacement", table(py, displacement, 3)?)?;
         step.set_item("traction", table(py, faces.traction, 3)?)?;
         step.set_item("jump", table(py, faces.jump, 3)?)?;
-        step.set_item("stabilization_jump", table(py, faces.stabilization_jump, 3)?)?;
+        step.set_item(
+            "stabilization_jump",
+            table(py, faces.stabilization_jump, 3)?,
+        )?;
         step.set_item("state", given(py, states))?;
         for (name, values) in [
             ("slip", faces.slip),

@@ -78,7 +78,7 @@ fn in_folder(
             Taken::Ended(ended) => break ended,
         }
     };
-    let page = write_page(&scene, &ended.to_string(), run.history(), &path);
+    let page = write_page(&scene, &ended.to_string(), &run, &path);
     page.map_err(|error| of_any(Kind::Run, &error))?;
     run.close(&ended).raised()?;
     Ok(Ended {
@@ -154,7 +154,11 @@ fn fields(simulation: &Simulation<'_>, state: &State) -> Fields {
     Fields {
         displacement: simulation.displacement(state),
         faces: simulation.face_fields(state),
-        states: state.states.iter().map(|s: &ContactState| s.code() as i8).collect(),
+        states: state
+            .states
+            .iter()
+            .map(|s: &ContactState| s.code() as i8)
+            .collect(),
     }
 }
 

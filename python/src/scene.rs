@@ -105,7 +105,12 @@ impl Scene {
     }
 
     /// The system with every face in stick.
-    fn system(&self, py: Python<'_>, stabilization: f64, observer: Option<Py<PyAny>>) -> PyResult<System> {
+    fn system(
+        &self,
+        py: Python<'_>,
+        stabilization: f64,
+        observer: Option<Py<PyAny>>,
+    ) -> PyResult<System> {
         let stuck = self.stuck(stabilization)?;
         let stop = AtomicBool::new(false);
         apart(py, &stop, || {
@@ -216,7 +221,10 @@ impl Scene {
         observer: Option<Py<PyAny>>,
     ) -> PyResult<Iterator> {
         if fields_every == 0 || steps == Some(0) {
-            return Err(raise(Kind::Input, "steps and fields_every are numbers from 1 on"));
+            return Err(raise(
+                Kind::Input,
+                "steps and fields_every are numbers from 1 on",
+            ));
         }
         Ok(Iterator::new(Steps {
             scene: self.scene.clone(),

@@ -48,7 +48,9 @@ where
     let refuse = |said: String| raise(Kind::Input, said);
     match text.starts_with('{') {
         true => serde_json::from_str(text).map_err(|error| refuse(format!("{error} in {text}"))),
-        false => text.parse().map_err(|error: T::Err| refuse(error.to_string())),
+        false => text
+            .parse()
+            .map_err(|error: T::Err| refuse(error.to_string())),
     }
 }
 
@@ -91,7 +93,9 @@ impl Asked {
         let solve = Solve {
             method,
             inner: rule,
-            krylov: (self.krylov.as_deref()).map(read::<KrylovChoice>).transpose()?,
+            krylov: (self.krylov.as_deref())
+                .map(read::<KrylovChoice>)
+                .transpose()?,
             measure: measure(&self.measure)?,
             tolerance: self.tol,
             max_iterations: self.max_iterations,

@@ -26,7 +26,10 @@ unsafe fn view<'py, T: Element>(owner: &Bound<'py, PyAny>, slice: &[T]) -> Bound
 }
 
 /// `(rows, columns, starts u64, columns u32, values f64)` of a matrix that a frozen object keeps, without a copy.
-pub(crate) fn rows<'py, K>(owner: &Bound<'py, K>, name: &str) -> PyResult<Option<Bound<'py, PyTuple>>>
+pub(crate) fn rows<'py, K>(
+    owner: &Bound<'py, K>,
+    name: &str,
+) -> PyResult<Option<Bound<'py, PyTuple>>>
 where
     K: pyo3::PyClass<Frozen = pyo3::pyclass::boolean_struct::True> + Keeps + Sync,
 {

@@ -24,7 +24,13 @@ fn packed(py: Python<'_>, solved: Solved, history: History) -> PyResult<Bound<'_
     let json = json.map_err(|error| raise(Kind::Plain, error.to_string()))?;
     let (iterations, residuals): (Vec<u64>, Vec<f64>) =
         history.into_iter().map(|(i, r)| (i as u64, r)).unzip();
-    (json, given(py, solved.x), given(py, iterations), given(py, residuals)).into_pyobject(py)
+    (
+        json,
+        given(py, solved.x),
+        given(py, iterations),
+        given(py, residuals),
+    )
+        .into_pyobject(py)
 }
 
 /// Runs `work` under an observer that keeps residuals.
@@ -50,7 +56,11 @@ fn with_rhs(solver: &mut Ready, b: Vec<f64>) -> PyResult<()> {
     if b.len() != solver.unknowns() {
         return Err(raise(
             Kind::Input,
-            format!("rhs has {} entries, expected {}", b.len(), solver.unknowns()),
+            format!(
+                "rhs has {} entries, expected {}",
+                b.len(),
+                solver.unknowns()
+            ),
         ));
     }
     solver.set_rhs(b);
@@ -65,7 +75,9 @@ pub(crate) fn solve<'py>(
     b: Option<PyReadonlyArray1<'py, f64>>,
     observer: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyTuple>> {
-    let b = b.map(|b| vector("rhs", &b, b.len().unwrap_or(0))).transpose()?;
+    let b = b
+        .map(|b| vector("rhs", &b, b.len().unwrap_or(0)))
+        .transpose()?;
     let how: &Solve = &settings.solve;
     let (solved, history) = watched(py, &settings.lent, observer, |observer| {
         let mut solver = how.set_up(problem, observer).raised()?;
@@ -116,7 +128,9 @@ impl Solver {
         b: Option<PyReadonlyArray1<'py, f64>>,
         observer: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyTuple>> {
-        let b = b.map(|b| vector("rhs", &b, b.len().unwrap_or(0))).transpose()?;
+        let b = b
+            .map(|b| vector("rhs", &b, b.len().unwrap_or(0)))
+            .transpose()?;
         let (solved, history) = watched(py, &self.lent, observer, |observer| {
             let mut ready = self.ready.lock().unwrap_or_else(PoisonError::into_inner);
             if let Some(b) = b {

@@ -90,7 +90,8 @@ impl System {
         places: Option<PyReadonlyArray2<'_, f64>>,
     ) -> PyResult<Self> {
         let (a, b1) = (a.matrix("A")?, b1.matrix("B1")?);
-        let optional = |rows: Option<Rows<'_>>, name| rows.map(|rows| rows.matrix(name)).transpose();
+        let optional =
+            |rows: Option<Rows<'_>>, name| rows.map(|rows| rows.matrix(name)).transpose();
         let (b2, h) = (optional(b2, "B2")?, optional(h, "H")?);
         let flow = match flow {
             None => None,
@@ -124,9 +125,8 @@ impl System {
         apart(py, &stop, move || {
             let wrong = |error: fracas_solvers::SetupError| raise(Kind::System, error.to_string());
             blocks.check().map_err(wrong)?;
-            let (blocks, findings) = inspect_blocks(blocks).map_err(|error| {
-                raise(Kind::System, without_files(&error.to_string()))
-            })?;
+            let (blocks, findings) = inspect_blocks(blocks)
+                .map_err(|error| raise(Kind::System, without_files(&error.to_string())))?;
             Ok(Self {
                 blocks: blocks.into(),
                 manifest: Manifest {
@@ -257,7 +257,12 @@ impl System {
 
     /// A preconditioner that is set up, for many right-hand sides.
     #[pyo3(signature = (asked, observer=None))]
-    fn set_up(&self, py: Python<'_>, asked: Asked, observer: Option<Py<PyAny>>) -> PyResult<Solver> {
+    fn set_up(
+        &self,
+        py: Python<'_>,
+        asked: Asked,
+        observer: Option<Py<PyAny>>,
+    ) -> PyResult<Solver> {
         let settings = asked.settings(self.unit())?;
         crate::parts::show(&settings.lent, &self.blocks);
         Solver::new(py, settings, &self.problem(), observer)
@@ -327,5 +332,7 @@ pub(crate) fn places<'py>(py: Python<'py>, known: &[DofCoordinate]) -> PyResult<
 
 /// What is a file of a folder is a matrix here.
 fn without_files(sentence: &str) -> String {
-    sentence.replace("coords.mtx", "coordinates").replace(".mtx", "")
+    sentence
+        .replace("coords.mtx", "coordinates")
+        .replace(".mtx", "")
 }

@@ -62,7 +62,10 @@ pub(crate) fn apart<T: Send>(
 }
 
 /// Waits until `has_ended`, asked with how long it may wait; the exception of a signal that came before.
-pub(crate) fn mind(stop: &AtomicBool, mut has_ended: impl FnMut(Duration) -> bool) -> Option<PyErr> {
+pub(crate) fn mind(
+    stop: &AtomicBool,
+    mut has_ended: impl FnMut(Duration) -> bool,
+) -> Option<PyErr> {
     let mut signal = None;
     while !has_ended(PATIENCE) {
         if signal.is_none()
@@ -80,5 +83,8 @@ pub(crate) fn of_panic(panic: &(dyn Any + Send)) -> PyErr {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
     let text = text.unwrap_or("no message");
-    raise(Kind::Plain, format!("internal error, please report it: {text}"))
+    raise(
+        Kind::Plain,
+        format!("internal error, please report it: {text}"),
+    )
 }

@@ -71,6 +71,17 @@ def test_blocks_come_back_as_they_went_in_and_share_memory():
     assert (fracas.System(A, B1, H=H, B2=B2).assembled() != whole(A, B1, H, B2).tocsr()).nnz == 0
 
 
+def test_matrices_that_share_show_the_memory_of_the_library():
+    A, B1, H, _, rhs = random_blocks(4)
+    before = A.copy()
+    system = fracas.System(A, B1, H=H, rhs=rhs, share=True)
+    assert (A != before).nnz == 0
+    assert np.shares_memory(A.data, system.A.data) and np.shares_memory(A.indices, system.A.indices)
+    assert not A.data.flags.writeable and np.allclose(A @ np.ones(A.shape[0]), before @ np.ones(A.shape[0]))
+    other = before.tocsc()
+    assert (fracas.System(other, B1, share=True).A != before).nnz == 0 and other.data.flags.writeable
+
+
 def test_formats_kinds_and_duplicates_are_converted():
     A, B = laplacian(8, 4)
     expected = fracas.System(A, B).A

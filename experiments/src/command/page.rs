@@ -11,12 +11,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// Those of the files.
-pub fn write(
-    scene: &Scene,
-    lead: &str,
-    run: &Running<'_>,
-    out: &Path,
-) -> anyhow::Result<()> {
+pub fn write(scene: &Scene, lead: &str, run: &Running<'_>, out: &Path) -> anyhow::Result<()> {
     let rows = run.history();
     let mut findings = Findings::default();
     let sections = serde_json::to_value(scene.sections())?;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 const BEGIN: &str = "<!-- keys: begin -->\n";
 const END: &str = "<!-- keys: end -->";
-const PAGES: [&str; 7] = [
+const PAGES: [&str; 8] = [
     "README.md",
     "docs/scenes.md",
     "docs/runs.md",
@@ -14,6 +14,7 @@ const PAGES: [&str; 7] = [
     "docs/faults.md",
     "docs/performance.md",
     "docs/library.md",
+    "docs/python.md",
 ];
 const README_LINES: usize = 120;
 const PARAGRAPH_WORDS: usize = 75;

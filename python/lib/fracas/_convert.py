@@ -103,6 +103,15 @@ def matrix(found: Any) -> Any:
     return shared
 
 
+def share(given: Any, found: Any) -> None:
+    """Lets a matrix of the user's in compressed rows show memory of the extension module in place of its own, read-only."""
+    if found is None or getattr(given, "format", None) != "csr" or given.dtype != np.float64:
+        return
+    shared = matrix(found)
+    if given.shape == shared.shape and given.nnz == shared.nnz:
+        given.data, given.indices, given.indptr = shared.data, shared.indices, shared.indptr
+
+
 def coordinates(value: Any, n_u: int) -> Any:
     """`n_u` rows `x y z component`, or `n_u / 3` rows `x y z`."""
     if value is None:

@@ -226,8 +226,8 @@ class System:
     """A generalized saddle point ``[A B1; B2 −H]``, with flow ``[A B1 Q1; B2 −H 0; Q2 0 T]``.
 
     ``A`` (n_u × n_u, symmetric positive semi-definite), ``B1`` (n_u × n_t), ``B2`` (n_t × n_u; None is B1ᵀ), ``H`` (n_t × n_t; None is 0) and
-    ``flow=(Q1, Q2, T)`` are scipy.sparse matrices or 2-D arrays; they are copied once, since the library owns what it works on. Delete
-    yours and take ``system.A``, which shares its memory, where memory matters. ``rhs`` has n_u + n_t (+ n_p) entries; ``coordinates`` are
+    ``flow=(Q1, Q2, T)`` are scipy.sparse matrices or 2-D arrays; they are copied once, since the library owns what it works on. With
+    ``share=True`` your matrices in compressed rows then show its memory, read-only, and theirs is given back. ``rhs`` has n_u + n_t (+ n_p) entries; ``coordinates`` are
     n_u rows x y z component, or n_u/3 rows x y z [m]: multigrid needs them for rotations.
 
     >>> import numpy as np, scipy.sparse as sp, fracas
@@ -250,6 +250,8 @@ class System:
         rhs: Any = None,
         coordinates: Any = None,
         flow: tuple[Any, Any, Any] | None = None,
+        *,
+        share: bool = False,
     ):
         def optional(name: str, value: Any) -> Any:
             return None if value is None else rows(name, value)
@@ -271,6 +273,10 @@ class System:
             None if rhs is None else vector("rhs", rhs, n),
             _convert.coordinates(coordinates, a[0]),
         )
+        if share:
+            del a, b1
+            for name, given in (("A", A), ("B1", B1), ("H", H), ("B2", B2)):
+                _convert.share(given, self._core.block(name))
 
     @classmethod
     def _of(cls, core: CoreSystem) -> System:

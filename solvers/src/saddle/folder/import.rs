@@ -135,7 +135,9 @@ pub fn read_folder(folder: &Path) -> Result<Imported, FolderError> {
 ///
 /// # Errors
 /// [`FolderError::Sizes`], [`FolderError::NotSquare`], [`FolderError::Empty`], [`FolderError::Asymmetric`].
-pub fn inspect_blocks(mut blocks: SaddleBlocks) -> Result<(SaddleBlocks, Vec<Finding>), FolderError> {
+pub fn inspect_blocks(
+    mut blocks: SaddleBlocks,
+) -> Result<(SaddleBlocks, Vec<Finding>), FolderError> {
     let mut findings = Vec::new();
     let shape = |matrix: &SparseMatrix<f64>| Shape::new(matrix.rows(), matrix.cols());
     let from_a = ("A.mtx", shape(&blocks.a));

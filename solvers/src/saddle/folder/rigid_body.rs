@@ -147,7 +147,10 @@ mod tests {
         // out of the plane a clamped box is held by springs of its own: the rows and columns of x and y alone, on a mesh one cell thick,
         // are those of plane strain where the sides do not move in z
         let (a, at) = clamped_box([9, 8, 1], [1.0, 0.5, 1.0], |_| 1.0);
-        let low = at.iter().map(|c| c.position[2]).fold(f64::INFINITY, f64::min);
+        let low = at
+            .iter()
+            .map(|c| c.position[2])
+            .fold(f64::INFINITY, f64::min);
         // u_z = 0, u_x and u_y the same on both sides: the sum over pairs of nodes
         let in_plane: Vec<usize> = (0..at.len())
             .filter(|i| at[*i].component < 2 && at[*i].position[2] == low)
@@ -161,7 +164,10 @@ mod tests {
         let mut triplets = Triplets::new((in_plane.len(), in_plane.len()));
         for (row, i) in in_plane.iter().enumerate() {
             for (column, j) in in_plane.iter().enumerate() {
-                for (i, j) in pair(*i).iter().flat_map(|i| pair(*j).into_iter().map(move |j| (*i, j))) {
+                for (i, j) in pair(*i)
+                    .iter()
+                    .flat_map(|i| pair(*j).into_iter().map(move |j| (*i, j)))
+                {
                     if let Some(value) = a.get(i, j) {
                         triplets.add_triplet(row, column, *value);
                     }
