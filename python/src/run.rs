@@ -142,32 +142,32 @@ impl Steps {
 
     /// The next step as a dictionary; None at the end.
     fn advance<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        // nobody who has the interpreter's lock waits for this one
         let (message, signal) = py.detach(|| {
             let mut ends = self.line.lock().unwrap_or_else(PoisonError::into_inner);
             if ends.ended.is_some() || ends.thread.is_none() {
                 return (None, None);
             }
             let (message, signal) = ends.ask(&self.stop);
-            let (message, panic) = match message {
-                Some(Message::Step(step)) => (Some(Message::Step(step)), None),
-                last => (last, ends.join()),
-            };
-            (panic.map(Message::Failed).or(message), signal)
-        });
-        let message = match message {
-            Some(Message::Ended(ended)) => {
-                let failure = running::failure(&ended);
-                let mut ends = self.line.lock().unwrap_or_else(PoisonError::into_inner);
-                ends.ended = Some(ended);
-                failure.map(Message::Failed)
+            if matches!(message, Some(Message::Step(_))) {
+                return (message, signal);
             }
-            other => other,
-        };
+            let panic = ends.join().map(Message::Failed);
+            let message = match message {
+                Some(Message::Ended(ended)) => {
+                    let failure = running::failure(&ended);
+                    ends.ended = Some(ended);
+                    failure.map(Message::Failed)
+                }
+                other => other,
+            };
+            (panic.or(message), signal)
+        });
         if let Some(signal) = signal {
             return Err(signal);
         }
         match message {
-            Some(Message::Step(step)) => step.to_dict(py).map(Some),
+            Some(Message::Step(step)) => step.into_dict(py).map(Some),
             Some(Message::Failed(error)) => Err(error),
             Some(Message::Ended(_)) | None => Ok(None),
         }
@@ -176,25 +176,21 @@ impl Steps {
     /// Stops after the step at hand; what is written can be restarted.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         self.stop.store(true, Ordering::Relaxed);
-        let (panic, last) = py.detach(|| {
+        let failed = py.detach(|| {
             let mut ends = self.line.lock().unwrap_or_else(PoisonError::into_inner);
             let was_open = ends.thread.is_some();
             let panic = ends.join();
             let last = ends.tells.try_iter().last().filter(|_| was_open);
-            (panic, last)
-        });
-        if let Some(panic) = panic {
-            return Err(panic);
-        }
-        match last {
-            Some(Message::Failed(error)) => Err(error),
-            Some(Message::Ended(ended)) => {
-                let mut ends = self.line.lock().unwrap_or_else(PoisonError::into_inner);
-                ends.ended = Some(ended);
-                Ok(())
+            match last {
+                Some(Message::Failed(error)) => panic.or(Some(error)),
+                Some(Message::Ended(ended)) => {
+                    ends.ended = Some(ended);
+                    panic
+                }
+                Some(Message::Step(_)) | None => panic,
             }
-            Some(Message::Step(_)) | None => Ok(()),
-        }
+        });
+        failed.map_or(Ok(()), Err)
     }
 
     /// `(outcome, reason, folder)`; the outcome is `running` before the end.
@@ -223,7 +219,7 @@ impl Drop for Steps {
 
 impl Step {
     /// Numbers of the row, events, fields as arrays that take over their memory.
-    fn to_dict(self, py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    fn into_dict(self, py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
         let step = PyDict::new(py);
         step.set_item("line", self.line)?;
         step.set_item("events", self.events)?;

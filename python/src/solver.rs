@@ -93,6 +93,8 @@ pub(crate) fn solve<'py>(
 #[pyclass(frozen, module = "fracas._core")]
 pub(crate) struct Solver {
     ready: Mutex<Ready>,
+    unknowns: usize,
+    setup_s: f64,
     lent: Vec<parts::Lent>,
 }
 
@@ -112,6 +114,8 @@ impl Solver {
         });
         let ready = parts::end(&settings.lent, result)?;
         Ok(Self {
+            unknowns: ready.unknowns(),
+            setup_s: ready.setup_s(),
             ready: Mutex::new(ready),
             lent: settings.lent,
         })
@@ -144,14 +148,12 @@ impl Solver {
     /// Entries of b and x.
     #[getter]
     fn unknowns(&self) -> usize {
-        let ready = self.ready.lock().unwrap_or_else(PoisonError::into_inner);
-        ready.unknowns()
+        self.unknowns
     }
 
     /// Wall time of the set-up [s].
     #[getter]
     fn setup_s(&self) -> f64 {
-        let ready = self.ready.lock().unwrap_or_else(PoisonError::into_inner);
-        ready.setup_s()
+        self.setup_s
     }
 }

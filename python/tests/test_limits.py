@@ -153,6 +153,9 @@ def test_stubs_serve_a_strict_user_and_describe_the_module(tmp_path):
     (tmp_path / "user.py").write_text(USER.replace("solution.iterations", "solution.iteration"))
     done = subprocess.run([*command, "user.py"], cwd=tmp_path, capture_output=True, text=True, env=environment)
     assert done.returncode == 1 and "iteration" in done.stdout
+    (tmp_path / "user.py").write_text(USER.replace("tol=1e-8", "tolerance=1e-8"))
+    done = subprocess.run([*command, "user.py"], cwd=tmp_path, capture_output=True, text=True, env=environment)
+    assert done.returncode == 1 and "tolerance" in done.stdout
     own = subprocess.run(command, cwd=ROOT / "python", capture_output=True, text=True)
     assert own.returncode == 0, own.stdout
     from fracas import _core

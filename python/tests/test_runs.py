@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import csv
 import json
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -83,6 +86,19 @@ def test_a_run_that_is_forgotten_leaves_a_whole_folder(tmp_path):
     assert len(list(scene.run(restart=tmp_path / "out"))) > 3
     with pytest.raises(fracas.RunError, match="out"):
         next(scene.run(tmp_path / "out"))
+
+
+def test_a_run_that_is_open_where_python_ends_leaves_a_whole_folder(tmp_path):
+    program = "import fracas; run = fracas.Scene.gallery('cycle:small').run('out'); next(run)"
+    subprocess.run([sys.executable, "-c", program], cwd=tmp_path, check=True, timeout=60)
+    assert json.loads((tmp_path / "out" / "run.json").read_text())["outcome"] == "interrupted"
+
+
+def test_two_threads_may_ask_the_same_run():
+    run = fracas.Scene.gallery("cycle:small").run(observer=lambda event: None)
+    with ThreadPoolExecutor(2) as pool:
+        taken = list(pool.map(lambda _: [step.step for step in run], range(2)))
+    assert sorted(taken[0] + taken[1]) == list(range(len(taken[0]) + len(taken[1]))) and run.outcome == "finished"
 
 
 def test_a_step_that_does_not_converge_is_an_exception(tmp_path):

@@ -26,7 +26,7 @@ from ._errors import (
 from ._parts import register_augmentation, register_inner, register_preconditioner
 from ._scene import Mesh, Run, Scene, Step, gallery
 from ._study import Study, study
-from ._system import Part, Solution, Solver, Spectrum, System
+from ._system import Part, Settings, Solution, Solver, Spectrum, System
 
 __all__ = [
     "Error",
@@ -40,6 +40,7 @@ __all__ = [
     "RunError",
     "Scene",
     "SceneError",
+    "Settings",
     "SetupError",
     "Solution",
     "Solver",

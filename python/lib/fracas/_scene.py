@@ -5,15 +5,19 @@ from __future__ import annotations
 import csv
 import json
 import os
+import weakref
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from . import _convert, _core
 from ._convert import Vector, kind
-from ._errors import InputError, WrongType
-from ._system import Observer, Solution, Solver, Spectrum, System, _asked, _path, _right_hand_side
+from ._errors import InputError, SceneError, WrongType
+from ._system import Observer, Settings, Solution, Solver, Spectrum, System, _asked, _path, _right_hand_side
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
 @dataclass(frozen=True)
@@ -92,6 +96,8 @@ class Run(Iterator[Step]):
 
     def __init__(self, core: _core.Steps):
         self._core = core
+        # when it is let go, and where Python ends before it
+        weakref.finalize(self, core.close)
 
     def __iter__(self) -> Run:
         return self
@@ -146,8 +152,8 @@ class Scene:
     def from_file(cls, path: str | os.PathLike[str], overrides: Mapping[str, Any] | None = None) -> Scene:
         """A scene file (TOML); paths in it start at its folder."""
         name = _path("path", path)
-        if not os.path.isfile(name) and not name.endswith(".toml"):
-            name += ".toml"
+        if not os.path.isfile(name):
+            raise SceneError(f"cannot read {name}: no such file")
         return cls(_core.Scene.load(name)).with_overrides(overrides)
 
     @classmethod
@@ -208,7 +214,7 @@ class Scene:
         return System._of(self._core.system(float(stabilization), observer))
 
     def solve(
-        self, *, rhs: Any = None, stabilization: float = 1.0, observer: Observer | None = None, **settings: Any
+        self, *, rhs: Any = None, stabilization: float = 1.0, observer: Observer | None = None, **settings: Unpack[Settings]
     ) -> Solution:
         """As `fracas solve SCENE`: A is not assembled where that serves. Settings as of `System.solve`; a C or a preconditioner that is an
         object sees the blocks, so that A is assembled."""
@@ -219,7 +225,7 @@ class Scene:
             return self.system(stabilization=stabilization).solve(rhs=rhs, observer=observer, **settings)
         return Solution._of(self._core.solve(_asked(rhs=name, **settings), float(stabilization), b, observer))
 
-    def set_up(self, *, stabilization: float = 1.0, observer: Observer | None = None, **settings: Any) -> Solver:
+    def set_up(self, *, stabilization: float = 1.0, observer: Observer | None = None, **settings: Unpack[Settings]) -> Solver:
         """Everything that does not depend on a right-hand side."""
         return Solver(self._core.set_up(_asked(**settings), float(stabilization), observer))
 

@@ -6,7 +6,7 @@ import json
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 
@@ -16,7 +16,24 @@ from ._core import System as CoreSystem
 from ._errors import InputError, SystemInputError, WrongType
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from ._operators import Operator, Preconditioner
+
+class Settings(TypedDict, total=False):
+    """How a system is solved; `System.solve` says what each means."""
+
+    preconditioner: Any
+    augmentation: Any
+    inner: Any
+    krylov: str | dict[str, Any] | None
+    tol: float
+    measure: str
+    max_iterations: int
+    traction_unit: float | None
+    explain: bool
+    linear: bool
+
 
 #: Called with every `Event`; returning False stops the iteration.
 Observer = Callable[[_core.Event], Any]
@@ -381,7 +398,7 @@ class System:
         """C of that name as a scipy.sparse.csr_array."""
         return _convert.matrix(self._core.augmentation(name).rows())
 
-    def solve(self, *, rhs: Any = None, observer: Observer | None = None, **settings: Any) -> Solution:
+    def solve(self, *, rhs: Any = None, observer: Observer | None = None, **settings: Unpack[Settings]) -> Solution:
         """Sets up and solves. Settings, as of `fracas solve`:
 
         ``preconditioner="racp"`` (or mcp, direct, simple, …, settings such as ``{"racp": {"inner": "amg"}}``, or your own M⁻¹: a function of
@@ -396,7 +413,7 @@ class System:
         name, b = _right_hand_side(rhs)
         return Solution._of(self._core.solve(_asked(rhs=name, **settings), b, observer))
 
-    def set_up(self, *, observer: Observer | None = None, **settings: Any) -> Solver:
+    def set_up(self, *, observer: Observer | None = None, **settings: Unpack[Settings]) -> Solver:
         """Everything that does not depend on a right-hand side; settings as of `solve`."""
         return Solver(self._core.set_up(_asked(**settings), observer))
 
@@ -448,4 +465,4 @@ def _path(name: str, value: Any) -> str:
     return path
 
 
-__all__ = ["Observer", "Part", "Solution", "Solver", "Spectrum", "System", "SystemInputError"]
+__all__ = ["Observer", "Part", "Settings", "Solution", "Solver", "Spectrum", "System", "SystemInputError"]
