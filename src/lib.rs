@@ -1,6 +1,6 @@
 //! The model: from a fractured scene to the blocks of its saddle point, to their solution, and through its load steps.
 //!
-//! Rooms, each importing only those before it: `units` ◄ `mesh` ◄ `elasticity` ◄ `contact` ◄ `flow` ◄ `scene` ◄ `system` ◄ {`undetermined`,
+//! Rooms, each importing only those before it: `units` ◄ `mesh` ◄ `elasticity` ◄ {`creep`, `contact` ◄ `flow`} ◄ `scene` ◄ `system` ◄ {`undetermined`,
 //! `memory`, `jacobian`, `multigrid` ◄ `matrix_free`} ◄ `nonlinear` ◄ `io` ◄ {`solve`, `run`} ◄ `prelude`; `analytic` knows the
 //! answers and imports nothing.
 //!
@@ -15,6 +15,7 @@
 
 pub mod analytic;
 pub mod contact;
+pub mod creep;
 pub mod elasticity;
 pub mod flow;
 pub mod io;

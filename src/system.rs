@@ -20,8 +20,10 @@ pub struct StickSystem<'a> {
     pub mesh: &'a HexMesh,
     /// Its fractures.
     pub fractures: &'a FractureMesh,
-    /// Elastic constants per region.
+    /// Elastic constants per region, of which A is made.
     pub materials: &'a [Elastic],
+    /// Those of which H is made: the same, but where rock creeps, as H must not change with the length of a step.
+    pub jump_materials: &'a [Elastic],
     /// Prescribed displacements.
     pub constraints: &'a Constraints,
     /// Jump stabilization, or `None` for the bare pair (H = 0).
@@ -69,7 +71,7 @@ impl StickSystem<'_> {
     ) -> Option<SparseMatrix<f64>> {
         let h = self
             .stabilization?
-            .assemble_for(self.mesh, self.fractures, self.materials, state);
+            .assemble_for(self.mesh, self.fractures, self.jump_materials, state);
         (h.nnz() > 0).then_some(h)
     }
 
@@ -108,8 +110,9 @@ impl Body {
                 let weight = loads::body_force(&self.mesh, &self.body_force)?;
                 axpy(1.0, &weight, &mut force);
             }
-            if let Some(stress) = self.initial_stress {
-                let stressed = loads::initial_stress(&self.mesh, |_, x| stress.at(x))?;
+            if self.initial_stress.is_some() {
+                let stress = |region: usize, x: [f64; 3]| self.initial_stress_at(region, x);
+                let stressed = loads::initial_stress(&self.mesh, stress)?;
                 axpy(1.0, &stressed, &mut force);
             }
         }
@@ -191,6 +194,7 @@ impl Body {
             mesh: &self.mesh,
             fractures: &self.fractures,
             materials: &self.materials,
+            jump_materials: &self.materials,
             constraints: &self.constraints,
             stabilization,
         }

@@ -12,7 +12,7 @@ use std::str::FromStr;
 pub use dimension::Dimension;
 pub use kind::{
     Acceleration, Angle, BiotCoefficient, Compressibility, Conductivity, Density, Distance,
-    Duration, FrictionAngle, Kind, Length, Measure, MeshUnit, Poisson, Rate, Ratio, Stiffness,
+    Duration, FrictionAngle, Kind, Length, Measure, MeshUnit, Poisson, Rate, Ratio, RockViscosity, Stiffness,
     Storage, Strength, Stress, StressGradient, Viscosity,
 };
 

@@ -75,6 +75,7 @@ fn rooms_of_the_model_form_a_chain() {
         "nearest",
         "mesh",
         "elasticity",
+        "creep",
         "contact",
         "flow",
         "scene",

@@ -157,6 +157,7 @@ fn blocks(
         mesh: &built.mesh,
         fractures: &built.fractures,
         materials: &[ROCK],
+        jump_materials: &[ROCK],
         constraints: &constraints,
         stabilization,
     };

@@ -8,7 +8,7 @@ use crate::mesh::{HexMesh, face_geometry};
 pub type Voigt = [f64; 6];
 
 /// Place of σ_ij in [`Voigt`].
-const VOIGT: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
+pub(crate) const VOIGT: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
 
 /// Calls `visit(e, points)` for every element.
 fn for_each_element(

@@ -3,7 +3,7 @@
 use super::fingerprint::{Fingerprint, Hash};
 use super::write_atomically;
 use crate::contact::ContactState;
-use crate::nonlinear::{Prepared, State};
+use crate::nonlinear::{CreepState, Prepared, State};
 use fracas_operators::{Field, Fields};
 use fracas_solvers::saddle::{P, T, U};
 use std::fs;
@@ -74,7 +74,7 @@ pub enum CheckpointError {
         path: PathBuf,
     },
     /// Of other unknowns.
-    #[error("the checkpoint {} holds the fields {found}, this program reads u and t, or u, t and p", path.display())]
+    #[error("the checkpoint {} holds the fields {found}, this program reads u and t, with p and e_v where there are any", path.display())]
     OtherFields {
         /// File.
         path: PathBuf,
@@ -187,6 +187,12 @@ fn all(folder: &Path) -> io::Result<Vec<(usize, PathBuf)>> {
     Ok(found)
 }
 
+/// Viscous strain, where rock creeps; its norm in the table is the length of the step that A was last made for.
+const CREEP: Field = Field {
+    letter: "e_v",
+    name: "viscous strains",
+};
+
 /// The header, a table of the fields (letter, length, norm), their values as bits, then γ, C of the preconditioner, flips, states,
 /// those of the preconditioner and a checksum; all numbers little-endian.
 fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
@@ -206,10 +212,13 @@ fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
         p,
         states,
         slip,
+        creep,
         flips,
     } = state;
-    let pressures = (!p.is_empty()).then_some((P, p));
-    let fields: Vec<(Field, &Vec<f64>)> = [(U, u), (T, t)].into_iter().chain(pressures).collect();
+    let pressures = (!p.is_empty()).then_some((P, &p[..]));
+    let crept = creep.as_ref().map(|own| (CREEP, own.strain.as_flattened()));
+    let more = pressures.into_iter().chain(crept);
+    let fields: Vec<(Field, &[f64])> = [(U, &u[..]), (T, t)].into_iter().chain(more).collect();
     let mut bytes = MAGIC.to_vec();
     let Fingerprint { mesh, scene } = fingerprint;
     // the length comes last
@@ -218,7 +227,10 @@ fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
     let sizes = [states.len() as u64, fields.len() as u64];
     let words = [&whole[..], &scalars, &sizes].concat();
     // pressures are not judged by a norm
-    let norm = |field| size.get(field).unwrap_or(0.0).to_bits();
+    let norm = |field| match (field, creep) {
+        (CREEP, Some(own)) => own.step.to_bits(),
+        _ => size.get(field).unwrap_or(0.0).to_bits(),
+    };
     let table = fields
         .iter()
         .flat_map(|(field, values)| [letter(*field), values.len() as u64, norm(*field)]);
@@ -341,7 +353,7 @@ fn decode(bytes: &[u8], path: &Path, fingerprint: Fingerprint) -> Result<State, 
     }
 }
 
-/// The state behind step and scalars, or the letters of fields that are not u and t, or u, t and p; nothing where the file is too short.
+/// The state behind step and scalars, or the letters of fields that are not u, t, perhaps p and viscous strains; nothing where the file is too short.
 fn content_of(mut rest: Rest<'_>) -> Option<Result<State, String>> {
     let step = rest.word()? as usize;
     let [time, loaded, next, force, traction, krylov] = [(); 6].map(|()| rest.real());
@@ -351,7 +363,9 @@ fn content_of(mut rest: Rest<'_>) -> Option<Result<State, String>> {
         .collect();
     let table = table?;
     let letters: Vec<u64> = table.iter().map(|[letter, ..]| *letter).collect();
-    if letters != [U, T].map(letter) && letters != [U, T, P].map(letter) {
+    let known: [&[Field]; 4] = [&[U, T], &[U, T, P], &[U, T, CREEP], &[U, T, P, CREEP]];
+    let is_known = |fields: &&[Field]| fields.iter().map(|f| letter(*f)).eq(letters.iter().copied());
+    if !known.iter().any(is_known) {
         let letter = |word: &u64| String::from_utf8_lossy(&word.to_le_bytes()).into_owned();
         let letters: Vec<String> = letters.iter().map(letter).collect();
         return Some(Err(letters.join(", ").replace('\0', "")));
@@ -362,10 +376,16 @@ fn content_of(mut rest: Rest<'_>) -> Option<Result<State, String>> {
         .iter()
         .map(|[_, length, _]| rest.reals(*length as usize));
     let (u, t) = (values.next()??, values.next()??);
-    let p = match values.next() {
-        Some(p) => p?,
-        None => Vec::new(),
+    let mut more = |field| match letters.contains(&letter(field)) {
+        true => values.next()?,
+        false => Some(Vec::new()),
     };
+    let (p, strain) = (more(P)?, more(CREEP)?);
+    let crept = table.last().filter(|[last, ..]| *last == letter(CREEP));
+    let creep = crept.map(|[.., step]| CreepState {
+        step: f64::from_bits(*step),
+        strain: strain.as_chunks().0.to_vec(),
+    });
     let slip = rest.reals(faces.checked_mul(2)?)?;
     let c = rest
         .reals(faces.checked_mul(9)?)?
@@ -399,6 +419,7 @@ fn content_of(mut rest: Rest<'_>) -> Option<Result<State, String>> {
         p,
         states,
         slip,
+        creep: creep.map(Box::new),
         flips,
     }))
 }

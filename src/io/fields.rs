@@ -1,6 +1,7 @@
 //! What is known of a body at one time, as two VTK grids.
 
 use super::grids::{field, write_body, write_fractures};
+use crate::elasticity::loads::Voigt;
 use crate::elasticity::{ElasticityError, element_stress};
 use crate::nonlinear::{FaceFields, State};
 use crate::scene::Body;
@@ -18,7 +19,8 @@ pub struct Fields<'a> {
 }
 
 impl<'a> Fields<'a> {
-    /// From displacements in full numbering [m], the fields of the faces, and the state that both belong to.
+    /// From displacements in full numbering [m], the fields of the faces, the state that both belong to, and what creep has taken from the
+    /// stress of elements.
     ///
     /// # Errors
     /// [`ElasticityError`] for a mesh that has no stresses.
@@ -27,19 +29,24 @@ impl<'a> Fields<'a> {
         displacement: &'a [f64],
         faces: &'a FaceFields,
         state: &State,
+        relaxed: impl IntoIterator<Item = (usize, Voigt)>,
     ) -> Result<Self, ElasticityError> {
         // σ = σ0 − α Δp I + C ε; what is applied of the loads of time 0 is applied of σ0 as well
         let initial = |region: usize, x: [f64; 3]| {
             let (pressure, history) = body.pore_pressures[region];
             let drained = pressure * body.histories[history].at(state.time);
-            let mut sigma = body.initial_stress.map_or([0.0; 6], |s| s.at(x));
+            let mut sigma = body.initial_stress_at(region, x);
             (0..3).for_each(|i| sigma[i] -= drained);
             sigma.map(|s| state.loaded * s)
         };
+        let mut stress = element_stress(&body.mesh, &body.materials, displacement, initial)?;
+        for (e, relaxed) in relaxed {
+            (0..6).for_each(|k| stress[e][k] += relaxed[k]);
+        }
         Ok(Self {
             body,
             displacement,
-            stress: element_stress(&body.mesh, &body.materials, displacement, initial)?,
+            stress,
             faces,
             states: state.states.iter().map(|s| f64::from(s.code())).collect(),
             flips: state.flips.iter().map(|n| f64::from(*n)).collect(),

@@ -7,7 +7,7 @@ use fracas_operators::vector::{axpy, dot};
 
 /// Where the work of a step went [J]:
 /// ```text
-/// error = W_e + W_p − ΔE − W_c        W_c − W_H − D → 0 as steps are made smaller
+/// error = W_e + W_p − ΔE − W_c − W_v        W_c − W_H − D → 0 as steps are made smaller
 /// ```
 /// The latter where tractions follow the loads: a face that drops its traction at once, as one that sticks under shear and
 /// opens or where weakening runs away, leaves `½ A_f t·Δg` in W_c − D at any step.
@@ -32,7 +32,12 @@ pub struct EnergyRecord {
     /// D: dissipated by friction, `Σ A_f t_T·Δγ` of slipping faces with t_T at the end of the step; no face's share is
     /// negative up to the tolerance of the states, as slip follows the traction.
     pub dissipation: f64,
-    /// What the equations were left with: `W_e + W_p − ΔE − W_c`.
+    /// W_v: that creep takes, `∫ ½ (s̃ + s̃')·Δε_v dV` of the stresses that come with strain; 0 where nothing creeps.
+    pub creep_work: f64,
+    /// D_v: that creep dissipates, `∫∫ s:s/(2η) dt dV` of the whole stress on the path of the step, never negative. As steps are made
+    /// smaller, `D_v − W_v → ∫ s0:Δε_v dV`, what the initial stress, which is a load, gives beyond its nodal forces.
+    pub creep_dissipation: f64,
+    /// What the equations were left with: `W_e + W_p − ΔE − W_c − W_v`.
     pub error: f64,
 }
 
@@ -40,8 +45,10 @@ pub struct EnergyRecord {
 struct At {
     /// All displacements [m].
     u: Vec<f64>,
-    /// A u [N].
+    /// A u, with creep `∫ Bᵀ(σ − σ0)` [N].
     internal: Vec<f64>,
+    /// Elastic energy [J].
+    elastic: f64,
     /// Forces on the free displacements, less A_fc u_c [N].
     force: Vec<f64>,
     /// Jumps of prescribed displacements, weighted by area [m³].
@@ -71,6 +78,7 @@ impl Simulation<'_> {
             let load = problem.loads().at(state.time, state.loaded);
             At {
                 internal: product(&u),
+                elastic: 0.0,
                 jump: problem.jumps(&state.u, &load),
                 pressure: self.pressures(state),
                 force: match state.p.is_empty() {
@@ -85,7 +93,15 @@ impl Simulation<'_> {
                 u,
             }
         };
-        let (x, y) = (at(before), at(after));
+        let (mut x, mut y) = (at(before), at(after));
+        let creep = self.creep_energy([before, after], [&x.u, &y.u]);
+        for (at, beyond) in [&mut x, &mut y].into_iter().zip(&creep.force) {
+            at.elastic += 0.5 * dot(&at.u, &at.internal);
+            if let Some(beyond) = beyond {
+                axpy(1.0, beyond, &mut at.internal);
+            }
+        }
+        (x.elastic, y.elastic) = (x.elastic + creep.elastic[0], y.elastic + creep.elastic[1]);
         let moved: Vec<f64> = y.u.iter().zip(&x.u).map(|(y, x)| y - x).collect();
         let trapezoid = |x: &[f64], y: &[f64], by: &[f64]| 0.5 * (dot(x, by) + dot(y, by));
 
@@ -133,7 +149,8 @@ impl Simulation<'_> {
                 ContactState::Open => 0.0,
             };
         }
-        let (energy, old) = (0.5 * dot(&y.u, &y.internal), 0.5 * dot(&x.u, &x.internal));
+        let (energy, old) = (y.elastic, x.elastic);
+        let [creep_work, creep_dissipation] = creep.work;
         let total = on_free + on_held;
         EnergyRecord {
             external_work: total - pressure_work,
@@ -143,7 +160,9 @@ impl Simulation<'_> {
             contact_work,
             stabilization_work,
             dissipation: slip_work(self, before, after).sum(),
-            error: total - (energy - old) - contact_work,
+            creep_work,
+            creep_dissipation,
+            error: total - (energy - old) - contact_work - creep_work,
         }
     }
 }

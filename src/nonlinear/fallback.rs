@@ -41,6 +41,11 @@ impl Fallbacks {
         Ok(built)
     }
 
+    /// A is another one: what gave way for the one before may serve.
+    pub(super) fn forget(&mut self) {
+        (self.double, self.instead) = (false, None);
+    }
+
     /// f32 gave way to f64 for this reason.
     pub(super) fn note(&mut self, reason: String) {
         self.count += 1;

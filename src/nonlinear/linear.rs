@@ -95,6 +95,17 @@ impl Linear {
         self.present.begin_step(state.prepared.as_ref());
     }
 
+    /// A is another one: nothing that was made of it serves, and what gave way is tried again, as a restart does.
+    pub(super) fn forget(&mut self, problem: &ContactProblem<'_>) {
+        let mut resources = std::mem::take(&mut self.resources);
+        resources.fallbacks.forget();
+        *self = Self {
+            wanted: self.wanted,
+            resources,
+            ..Self::new(problem)
+        };
+    }
+
     /// Systems are those of other states from now on.
     pub(super) fn other_states(&mut self) {
         (self.smallest_ritz, self.probed) = (None, false);

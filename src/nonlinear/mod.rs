@@ -9,12 +9,15 @@
 //!
 //! A step starts with every closed face in stick. Tractions are total; slip is counted from the start of the step, the
 //! jump stabilization acts on total normal and on incremental tangential tractions.
+//!
+//! Where rock creeps, A is that of the length of the step, and the past is a load: see [`creep`](crate::creep).
 
 mod accuracy;
 mod active_set;
 mod all_steps;
 mod assembled;
 mod coupled;
+mod creeping;
 mod cycling;
 mod energy;
 mod face_rules;
@@ -45,6 +48,7 @@ mod times;
 mod turns;
 mod workspace;
 
+pub use creeping::CreepState;
 pub use energy::EnergyRecord;
 pub use failure::{Failure, LinearFailure, SimulationError, StepFailure};
 pub use fields::FaceFields;

@@ -1,6 +1,7 @@
 //! Equilibrium and contact rows of a body, in balanced units.
 
 use super::Loads;
+use super::creeping::Creeping;
 use super::jacobian::{ContactJacobian, FaceTangent};
 use crate::contact::{
     ContactState, FaceLaw, FaceMeasure, FacePoint, FaceRows, Friction, face_compliance,
@@ -87,6 +88,8 @@ pub struct ContactProblem<'a> {
     compliance: Vec<f64>,
     weakens: bool,
     flow: Option<Box<Balance<'a>>>,
+    /// Rock that creeps, where any does.
+    pub(super) creep: Option<Box<Creeping<'a>>>,
 }
 
 impl<'a> ContactProblem<'a> {
@@ -112,6 +115,7 @@ impl<'a> ContactProblem<'a> {
             ))
         };
         Ok(Self {
+            creep: Creeping::new(body)?.map(Box::new),
             flow: body.fluid.as_ref().map(flow),
             compliance: faces
                 .iter()
@@ -170,9 +174,26 @@ impl<'a> ContactProblem<'a> {
         self.stick_system().assemble(&no_load)
     }
 
-    /// The body with every face in stick.
-    pub fn stick_system(&self) -> StickSystem<'a> {
-        Self::stick_system_of(self.body)
+    /// The body with every face in stick; where rock creeps, with the elastic constants of the step at hand.
+    pub fn stick_system(&self) -> StickSystem<'_> {
+        let system = Self::stick_system_of(self.body);
+        match &self.creep {
+            Some(creep) => StickSystem {
+                materials: &creep.materials,
+                ..system
+            },
+            None => system,
+        }
+    }
+
+    /// A again, and loads where they act through it.
+    pub(super) fn make_stiffness(&mut self) -> Result<(), ElasticityError> {
+        let unit = self.saddle.unit();
+        self.saddle = MatrixFreeSaddle::in_traction_unit(&self.stick_system(), unit)?;
+        if self.body.constraints.is_displaced() {
+            self.loads = Loads::new(self.body, self.saddle.stiffness().full())?;
+        }
+        Ok(())
     }
 
     /// Fracture faces.

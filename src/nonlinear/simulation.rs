@@ -1,6 +1,7 @@
 //! Steps: from the unloaded body to the last time of its scene.
 
 use super::active_set::{Log, Settled};
+use super::creeping::step_from;
 use super::fields::slip_after;
 use super::linear::Linear;
 use super::loads::initial_traction;
@@ -23,10 +24,10 @@ use fracas_solvers::steering::Steering;
 
 /// A body in contact, stepped through time.
 pub struct Simulation<'a> {
-    problem: ContactProblem<'a>,
-    linear: Linear,
+    pub(super) problem: ContactProblem<'a>,
+    pub(super) linear: Linear,
     /// What takes the place of multipliers, if anything does.
-    springs: Option<SpringMethod>,
+    pub(super) springs: Option<SpringMethod>,
     pub(super) times: Times,
     /// Tractions of the initial stress: the start of the equilibrium at time 0 [Pa].
     initial_traction: Vec<f64>,
@@ -110,33 +111,6 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// The unloaded body: closed faces in stick, those with a gap open.
-    pub fn initial_state(&self) -> State {
-        let faces = self.problem.faces();
-        let gaps = &self.problem.body().gaps;
-        let open = |f: &crate::mesh::FractureFace| match gaps[usize::from(f.fracture)] > 0.0 {
-            true => ContactState::Open,
-            false => ContactState::Stick,
-        };
-        State {
-            step: 0,
-            time: 0.0,
-            loaded: 0.0,
-            next: 1.0,
-            force: 0.0,
-            traction: 0.0,
-            size: self.problem.saddle().layout().values(0.0),
-            krylov: 0.0,
-            prepared: None,
-            u: vec![0.0; self.problem.body().constraints.free_len()],
-            t: vec![0.0; 3 * faces.len()],
-            p: self.problem.initial_pressures(0.0),
-            states: faces.iter().map(open).collect(),
-            slip: vec![0.0; 2 * faces.len()],
-            flips: vec![0; faces.len()],
-        }
-    }
-
     /// True at the last time.
     pub fn is_finished(&self, state: &State) -> bool {
         self.times.is_finished(state)
@@ -160,9 +134,17 @@ impl<'a> Simulation<'a> {
         let mut increment = state.next;
         // increments of attempts in which slip ran away, and its largest slip
         let mut runaways: Vec<[f64; 2]> = Vec::new();
+        let primed = match &state.creep {
+            Some(own) => self.take_step(own.step),
+            None => Ok(()),
+        };
         match &mut self.springs {
             Some(springs) => springs.begin_step(state.prepared.as_ref()),
             None => self.linear.begin_step(state),
+        }
+        if let Err(reason) = primed {
+            let target = self.times.target(state, increment);
+            return Err(StepFailure::new(state, target, cuts, reason, log));
         }
         loop {
             let target = self.times.target(state, increment);
@@ -272,9 +254,13 @@ impl<'a> Simulation<'a> {
         log: &mut Log,
         observer: &mut dyn Observer,
     ) -> Result<(Settled, Load), Failure> {
+        self.take_step(step_from(state, target))?;
         let problem = &self.problem;
         let before = problem.loads().at(state.time, state.loaded);
-        let load = problem.loads().at(target.time, target.loaded);
+        let mut load = problem.loads().at(target.time, target.loaded);
+        if state.creep.is_some() {
+            problem.remember(state, &self.displacement(state), &mut load);
+        }
         // tractions of the initial stress come with the loads of time 0
         let mut t = state.t.clone();
         axpy(target.loaded - state.loaded, &self.initial_traction, &mut t);
@@ -385,6 +371,11 @@ impl<'a> Simulation<'a> {
             Some(springs) => (0.0, springs.carried()),
             None => self.linear.carried(),
         };
+        let creep = before.creep.as_ref().and_then(|_| {
+            let held = problem.loads().prescribed_at(target.time, target.loaded);
+            let u = [&self.displacement(before)[..], &held.expand(&x.u)];
+            problem.crept(before, u)
+        });
         let mut flips = before.flips.clone();
         for (f, face) in self.problem.faces().iter().enumerate() {
             if states[f] != before.states[f] {
@@ -420,6 +411,7 @@ impl<'a> Simulation<'a> {
                 p: x.p,
                 states,
                 slip,
+                creep,
                 flips,
             },
             record,

@@ -1,5 +1,6 @@
 //! Everything that a step starts from.
 
+use super::{CreepState, Simulation};
 use crate::contact::ContactState;
 use fracas_operators::Fields;
 use fracas_solvers::saddle::Block;
@@ -47,6 +48,38 @@ pub struct State {
     ///
     /// In stick γ stays as it is, whatever H lets through; the rest of the jump, g_T − γ, is no slip.
     pub slip: Vec<f64>,
+    /// What rock that creeps remembers, where any does.
+    pub creep: Option<Box<CreepState>>,
     /// How often a face has ended a step in another state than the step before.
     pub flips: Vec<u32>,
+}
+
+impl Simulation<'_> {
+    /// The unloaded body: closed faces in stick, those with a gap open.
+    pub fn initial_state(&self) -> State {
+        let faces = self.problem.faces();
+        let gaps = &self.problem.body().gaps;
+        let open = |f: &crate::mesh::FractureFace| match gaps[usize::from(f.fracture)] > 0.0 {
+            true => ContactState::Open,
+            false => ContactState::Stick,
+        };
+        State {
+            step: 0,
+            time: 0.0,
+            loaded: 0.0,
+            next: 1.0,
+            force: 0.0,
+            traction: 0.0,
+            size: self.problem.saddle().layout().values(0.0),
+            krylov: 0.0,
+            prepared: None,
+            u: vec![0.0; self.problem.body().constraints.free_len()],
+            t: vec![0.0; 3 * faces.len()],
+            p: self.problem.initial_pressures(0.0),
+            states: faces.iter().map(open).collect(),
+            slip: vec![0.0; 2 * faces.len()],
+            creep: self.problem.uncrept(),
+            flips: vec![0; faces.len()],
+        }
+    }
 }

@@ -4,7 +4,7 @@ use super::State;
 use crate::scene::{Body, TimeTable};
 
 /// Relative distance of two times that counts as none.
-const SAME_TIME: f64 = 1e-9;
+pub(super) const SAME_TIME: f64 = 1e-9;
 
 /// Halvings beyond which a step has no length left.
 const MAX_HALVINGS: usize = 60;

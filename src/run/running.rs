@@ -217,7 +217,8 @@ fn write_fields(
     }
     let displacement = simulation.displacement(state);
     let faces = simulation.face_fields(state);
-    let fields = Fields::new(&folder.body, &displacement, &faces, state)?;
+    let relaxed = simulation.relaxed(state);
+    let fields = Fields::new(&folder.body, &displacement, &faces, state, relaxed)?;
     tree.collection.add(step, state.time, &fields)
 }
 

@@ -71,6 +71,8 @@ pub struct Body {
     pub prescribed_histories: Vec<usize>,
     /// Loads on the surface.
     pub tractions: Vec<SurfaceTraction>,
+    /// Viscosity η of each material that creeps, `ε̇_v = s/(2η)` [Pa·s].
+    pub viscosities: Vec<Option<f64>>,
     /// Stress before any displacement.
     pub initial_stress: Option<InitialStress>,
     /// Pressure of the fluid in each fracture [Pa] and the number of its history.
@@ -92,6 +94,11 @@ pub struct Body {
 impl Body {
     /// Number of the history of what does not change.
     pub const ALWAYS: usize = 0;
+
+    /// σ0 at a point of a region [Pa]; 0 where the scene gives none.
+    pub fn initial_stress_at(&self, _region: usize, x: [f64; 3]) -> [f64; 6] {
+        self.initial_stress.map_or([0.0; 6], |s| s.at(x))
+    }
 
     /// Marks of the prescribed displacements, `3·node + component`.
     pub fn prescribed(&self) -> Vec<bool> {

@@ -10,12 +10,13 @@ use super::history::Histories;
 use super::hold::hold;
 use super::located::{Located, at};
 use super::mesh_sections::{AxisName, FractureSection};
-use super::sections::SceneSections;
+use super::sections::{MaterialSection, SceneSections};
 use super::source::Source;
 use super::used::require_used;
 use super::{
     Body, Friction, InitialStress, Method, Problem, SceneError, SolverSection, TimeTable, Weakening,
 };
+use crate::creep::LONGEST;
 use crate::elasticity::{Constraints, Elastic};
 use crate::mesh::{BoxGrid, BuiltMesh, Hold, MAX_NODES, MeshError, bodies};
 use crate::units::Measure;
@@ -125,6 +126,7 @@ fn assemble(sections: &SceneSections, folder: &Path) -> Result<Body, Located> {
             .map(|rho| [0, 1, 2].map(|d: usize| rho * gravity[d] + extra[d]))
             .collect(),
         densities,
+        viscosities: viscosities(sections, time)?,
         constraints,
         prescribed_histories,
         tractions,
@@ -266,6 +268,35 @@ fn time_table(
         Some(table),
         histories.number(time.history.as_ref(), &path, Body::ALWAYS)?,
     ))
+}
+
+/// Viscosities of the materials, checked against the steps.
+fn viscosities(
+    sections: &SceneSections,
+    time: Option<TimeTable>,
+) -> Result<Vec<Option<f64>>, Located> {
+    let step = time.map_or(0.0, |t| t.end / f64::from(t.steps));
+    let checked = |(i, m): (usize, &MaterialSection)| {
+        let Some(viscosity) = m.viscosity.as_ref().map(Measure::si) else {
+            return Ok(None);
+        };
+        let rock = Elastic {
+            young: m.young.si(),
+            poisson: m.poisson.si(),
+        };
+        let relaxation = viscosity / rock.shear();
+        if step <= LONGEST * relaxation {
+            return Ok(Some(viscosity));
+        }
+        let problem = Problem::Flows {
+            name: m.name.clone(),
+            relaxation,
+            step,
+            least: step * rock.shear() / LONGEST,
+        };
+        Err(at(&["material", &i.to_string(), "viscosity"], problem))
+    };
+    sections.material.iter().enumerate().map(checked).collect()
 }
 
 /// Settings of the solver, checked.

@@ -174,6 +174,20 @@ pub enum Problem {
         /// What it would act on.
         without: &'static str,
     },
+    /// Creep so fast that nothing is left of shear.
+    #[error(
+        "material \"{name}\" relaxes in {relaxation:.3e} s (viscosity over shear modulus), and a step is {step:.3e} s long: that is a fluid; take a viscosity of at least {least:.3e} Pa*s, or shorter steps"
+    )]
+    Flows {
+        /// Its name.
+        name: String,
+        /// η/G [s].
+        relaxation: f64,
+        /// Length of a step [s].
+        step: f64,
+        /// Least viscosity [Pa·s].
+        least: f64,
+    },
     /// A history of what is zero at all times.
     #[error(
         "`history` of {side} has no effect beside `hold`, which is zero at all times; leave it out, or prescribe a `displacement`"

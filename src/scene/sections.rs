@@ -8,8 +8,8 @@ use super::group_names::GroupNames;
 use super::mesh_sections::{FractureSection, MeshSection};
 use super::solver_section::{SolverSection, TimeSection};
 use crate::units::{
-    Acceleration, BiotCoefficient, Density, Duration, Kind, Length, Measure, Poisson, Stiffness,
-    Stress, StressGradient,
+    Acceleration, BiotCoefficient, Density, Duration, Kind, Length, Measure, Poisson, RockViscosity,
+    Stiffness, Stress, StressGradient,
 };
 
 /// A scene file.
@@ -67,6 +67,10 @@ pub struct MaterialSection {
     /// Density; only gravity asks for it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub density: Option<Measure<Density>>,
+    /// Viscosity η of a Maxwell body, in which the deviatoric stress s flows: `ε̇_v = s/(2η)`; it dies out in a time η/G where strain rests.
+    /// Not given, the material does not creep.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub viscosity: Option<Measure<RockViscosity>>,
     /// Change of pore pressure everywhere in it: total stress falls by `biot` times as much (isotropic, tension positive).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pressure_change: Option<Measure<Stress>>,

@@ -18,6 +18,10 @@ pub(super) fn require_used(sections: &SceneSections) -> Result<(), Located> {
             ("biot", m.biot.is_some()),
             ("pressure_history", m.pressure_history.is_some()),
         ];
+        if m.viscosity.is_some() && sections.time.is_none() {
+            let (what, place) = (format!("material \"{}\"", m.name), i.to_string());
+            return Err(idle(["material", &place], "viscosity", what, "[time]"));
+        }
         let stray = given
             .into_iter()
             .find(|(_, given)| *given && m.pressure_change.is_none());

@@ -128,6 +128,14 @@ kind!(
     |v| v > 0.0
 );
 kind!(
+    RockViscosity,
+    "the viscosity of rock",
+    VISCOSITY,
+    "Pa*s",
+    "positive",
+    |v| v > 0.0
+);
+kind!(
     Compressibility,
     "a compressibility",
     COMPRESSIBILITY,

@@ -61,6 +61,7 @@ fn solve(built: &BuiltMesh) -> (SaddleBlocks, Vec<f64>) {
         mesh: &built.mesh,
         fractures: &built.fractures,
         materials: &[ROCK],
+        jump_materials: &[ROCK],
         constraints: &constraints,
         stabilization: Some(JumpStabilization::default()),
     };

@@ -37,6 +37,7 @@ fn blocks(built: &BuiltMesh, stabilization: Option<JumpStabilization>) -> Saddle
         mesh: &built.mesh,
         fractures: &built.fractures,
         materials: &[ROCK],
+        jump_materials: &[ROCK],
         constraints: &constraints,
         stabilization,
     };

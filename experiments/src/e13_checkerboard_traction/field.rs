@@ -154,6 +154,7 @@ pub(super) fn solve(
         mesh: &built.mesh,
         fractures: &built.fractures,
         materials: &[ROCK],
+        jump_materials: &[ROCK],
         constraints: &constraints,
         stabilization,
     };

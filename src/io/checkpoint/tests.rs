@@ -23,6 +23,12 @@ fn state(step: usize) -> State {
         p: Vec::new(),
         states: vec![ContactState::Open, ContactState::NewSlip],
         slip: vec![-0.0, 1e-310, 1.0 / 3.0, 7.0],
+        creep: (step % 2 == 0).then(|| {
+            Box::new(CreepState {
+                step: 0.1,
+                strain: vec![[1e-310, -0.0, 1.0 / 3.0, 4.0, 5.0, f64::MIN_POSITIVE]; 8],
+            })
+        }),
         flips: vec![3, u32::MAX],
     }
 }
@@ -73,6 +79,11 @@ fn every_bit_comes_back() {
     assert_eq!(bits(&read.t), bits(&written.t));
     assert_eq!(bits(&read.slip), bits(&written.slip));
     assert_eq!((read.states, read.flips), (written.states, written.flips));
+    let strain = |s: &Option<Box<CreepState>>| {
+        let own = s.as_ref().unwrap();
+        (own.step.to_bits(), bits(own.strain.as_flattened()))
+    };
+    assert_eq!(strain(&read.creep), strain(&written.creep));
 }
 
 #[test]

@@ -22,6 +22,8 @@ const PATIENCE: usize = 40;
 ///
 /// With stiff springs S of one contact state says little of another one.
 pub(in crate::nonlinear) struct SpringLinear {
+    /// As chosen, and as they were set up.
+    chosen: Racp,
     settings: Racp,
     max_krylov: usize,
     blocks: Option<SaddleBlocks>,
@@ -39,6 +41,7 @@ pub(in crate::nonlinear) struct SpringLinear {
 impl SpringLinear {
     pub(in crate::nonlinear) fn new(settings: Racp, max_krylov: usize) -> Self {
         Self {
+            chosen: settings,
             settings,
             max_krylov,
             blocks: None,
@@ -48,6 +51,11 @@ impl SpringLinear {
             smallest_ritz: None,
             probed: false,
         }
+    }
+
+    /// A is another one.
+    pub(super) fn forget(&mut self) {
+        *self = Self::new(self.chosen, self.max_krylov);
     }
 
     /// A step begins, with the preconditioner that was kept for it.

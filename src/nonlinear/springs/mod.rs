@@ -65,6 +65,12 @@ impl SpringMethod {
         self.linear.begin_step(prepared);
     }
 
+    /// A is another one: nothing that was made of it serves.
+    pub(super) fn forget(&mut self) {
+        self.linear.forget();
+        self.resources.fallbacks.forget();
+    }
+
     /// What the preconditioner that the next step finds was made for.
     pub(super) fn carried(&self) -> Option<Prepared> {
         self.linear.carried()
