@@ -69,9 +69,9 @@ impl StickSystem<'_> {
         &self,
         state: impl Fn(usize) -> ContactState + Sync,
     ) -> Option<SparseMatrix<f64>> {
-        let h = self
-            .stabilization?
-            .assemble_for(self.mesh, self.fractures, self.jump_materials, state);
+        let h =
+            self.stabilization?
+                .assemble_for(self.mesh, self.fractures, self.jump_materials, state);
         (h.nnz() > 0).then_some(h)
     }
 

@@ -10,8 +10,11 @@ use rayon::prelude::*;
 /// Elements of one task.
 const ELEMENTS_PER_TASK: usize = 256;
 
-/// Initial stress at a point of a region [Pa].
-pub type Initial<'a> = Box<dyn Fn(usize, [f64; 3]) -> Voigt + Send + Sync + 'a>;
+/// Where rock is stressed before any displacement.
+pub trait Initial: Sync {
+    /// σ0 at a point of a region [Pa].
+    fn stress(&self, region: usize, x: [f64; 3]) -> Voigt;
+}
 
 /// Rock of which some elements creep; ε_v is a tensor (xx, yy, zz, xy, yz, xz, no factor 2 in shear) per integration point, eight per
 /// creeping element in the order of the elements.
@@ -23,7 +26,7 @@ pub struct CreepingRock<'a> {
     materials: &'a [Elastic],
     viscosities: &'a [Option<f64>],
     elements: Vec<u32>,
-    initial: Initial<'a>,
+    initial: &'a dyn Initial,
 }
 
 /// What creeping elements do beyond an elastic A.
@@ -44,7 +47,7 @@ impl<'a> CreepingRock<'a> {
         mesh: &'a HexMesh,
         materials: &'a [Elastic],
         viscosities: &'a [Option<f64>],
-        initial: Initial<'a>,
+        initial: &'a dyn Initial,
     ) -> Result<Option<Self>, ElasticityError> {
         let creeps = |e: &u32| viscosities[usize::from(mesh.regions[*e as usize])].is_some();
         let elements: Vec<u32> = (0..mesh.elements.len() as u32).filter(creeps).collect();
@@ -81,7 +84,11 @@ impl<'a> CreepingRock<'a> {
             Some(eta) => rock.with_shear_share(rule(rock, *eta, step).stiffness()),
             None => *rock,
         };
-        self.materials.iter().zip(self.viscosities).map(of).collect()
+        self.materials
+            .iter()
+            .zip(self.viscosities)
+            .map(of)
+            .collect()
     }
 
     /// Forces of what a step of `step` seconds remembers: `−∫ Bᵀ(e^(−x) s − s0 − 2Gφ e) dV` at its start, s and s0 the deviators of the
@@ -96,7 +103,10 @@ impl<'a> CreepingRock<'a> {
                 // s = s0 + 2G (e − ε_v)
                 (kept - 1.0) * first + kept * now - stiff * 2.0 * at.shear * e[q][k]
             };
-            (std::array::from_fn(|q| std::array::from_fn(|k| -h(q, k))), 0.0)
+            (
+                std::array::from_fn(|q| std::array::from_fn(|k| -h(q, k))),
+                0.0,
+            )
         });
         force
     }
@@ -219,7 +229,7 @@ impl<'a> CreepingRock<'a> {
         let initial = std::array::from_fn(|q| {
             let shape = shape_functions(gauss_point(q));
             let place = [0, 1, 2].map(|i| (0..8).map(|a| shape[a] * x[a][i]).sum());
-            deviatoric((self.initial)(region, place))
+            deviatoric(self.initial.stress(region, place))
         });
         let rock = &self.materials[region];
         Element {
@@ -261,7 +271,14 @@ impl Element<'_> {
         }
         slope.map(|h| {
             let shear = |i: usize, j: usize| 0.5 * (h[i][j] + h[j][i]);
-            deviatoric([h[0][0], h[1][1], h[2][2], shear(0, 1), shear(1, 2), shear(0, 2)])
+            deviatoric([
+                h[0][0],
+                h[1][1],
+                h[2][2],
+                shear(0, 1),
+                shear(1, 2),
+                shear(0, 2),
+            ])
         })
     }
 
@@ -275,7 +292,8 @@ impl Element<'_> {
         std::array::from_fn(|a| {
             [0, 1, 2].map(|i| {
                 let at = |q: usize| -> f64 {
-                    let row = (0..3).map(|j| self.points.gradients[a][j][q] * stress[q][VOIGT[i][j]]);
+                    let row =
+                        (0..3).map(|j| self.points.gradients[a][j][q] * stress[q][VOIGT[i][j]]);
                     self.points.weights[q] * row.sum::<f64>()
                 };
                 (0..8).map(at).sum()

@@ -117,7 +117,10 @@ mod tests {
             // the midpoint rule is wrong by x²/(24 n²)
             let close = 1e-7 * (1.0 + x * x);
             for (got, expected) in rule.squares().into_iter().zip(exact) {
-                assert!((got - expected).abs() <= close * expected, "{x}: {got} {expected}");
+                assert!(
+                    (got - expected).abs() <= close * expected,
+                    "{x}: {got} {expected}"
+                );
             }
             assert!((rule.stiffness() - exact[3]).abs() <= close, "{x}");
             assert!((rule.flow() - (1.0 - rule.stiffness())).abs() <= 1e-15);
@@ -136,7 +139,10 @@ mod tests {
     #[test]
     fn where_no_time_passes_rock_is_elastic() {
         let rule = Rule::new(0.0, 1.0);
-        assert_eq!((rule.kept(), rule.stiffness(), rule.flow()), (1.0, 1.0, 0.0));
+        assert_eq!(
+            (rule.kept(), rule.stiffness(), rule.flow()),
+            (1.0, 1.0, 0.0)
+        );
         assert_eq!(rule.squares()[0], 1.0);
     }
 }

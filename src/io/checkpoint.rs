@@ -364,7 +364,12 @@ fn content_of(mut rest: Rest<'_>) -> Option<Result<State, String>> {
     let table = table?;
     let letters: Vec<u64> = table.iter().map(|[letter, ..]| *letter).collect();
     let known: [&[Field]; 4] = [&[U, T], &[U, T, P], &[U, T, CREEP], &[U, T, P, CREEP]];
-    let is_known = |fields: &&[Field]| fields.iter().map(|f| letter(*f)).eq(letters.iter().copied());
+    let is_known = |fields: &&[Field]| {
+        fields
+            .iter()
+            .map(|f| letter(*f))
+            .eq(letters.iter().copied())
+    };
     if !known.iter().any(is_known) {
         let letter = |word: &u64| String::from_utf8_lossy(&word.to_le_bytes()).into_owned();
         let letters: Vec<String> = letters.iter().map(letter).collect();

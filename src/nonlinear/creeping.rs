@@ -29,8 +29,7 @@ pub(super) struct Creeping<'a> {
 impl<'a> Creeping<'a> {
     /// `None` for a body that does not creep.
     pub(super) fn new(body: &'a Body) -> Result<Option<Self>, ElasticityError> {
-        let initial = Box::new(|region: usize, x: [f64; 3]| body.initial_stress_at(region, x));
-        let rock = CreepingRock::new(&body.mesh, &body.materials, &body.viscosities, initial)?;
+        let rock = CreepingRock::new(&body.mesh, &body.materials, &body.viscosities, body)?;
         Ok(rock.map(|rock| Self {
             materials: rock.materials_in(0.0),
             step: 0.0,
@@ -133,9 +132,10 @@ impl Simulation<'_> {
 
     /// Of the step from one state to another, whose displacements are `u`.
     pub(super) fn creep_energy(&self, states: [&State; 2], u: [&[f64]; 2]) -> CreepEnergy {
-        let (Some(creep), [Some(from), Some(to)]) =
-            (&self.problem().creep, states.map(|state| state.creep.as_ref()))
-        else {
+        let (Some(creep), [Some(from), Some(to)]) = (
+            &self.problem().creep,
+            states.map(|state| state.creep.as_ref()),
+        ) else {
             return CreepEnergy::default();
         };
         let strain = [&from.strain[..], &to.strain];

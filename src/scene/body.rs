@@ -2,6 +2,7 @@
 
 use super::{History, SolverSection, TimeTable};
 use crate::contact::Friction;
+use crate::creep::Initial;
 use crate::elasticity::{Constraints, Elastic};
 use crate::flow::Fluid;
 use crate::mesh::{Audit, FractureMesh, HexMesh, audit};
@@ -115,5 +116,11 @@ impl Body {
     /// O(elements), plus dense ranks where the fractures are small.
     pub fn audit(&self) -> Audit {
         audit(&self.mesh, &self.fractures, &self.prescribed())
+    }
+}
+
+impl Initial for Body {
+    fn stress(&self, region: usize, x: [f64; 3]) -> [f64; 6] {
+        self.initial_stress_at(region, x)
     }
 }

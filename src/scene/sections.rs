@@ -8,8 +8,8 @@ use super::group_names::GroupNames;
 use super::mesh_sections::{FractureSection, MeshSection};
 use super::solver_section::{SolverSection, TimeSection};
 use crate::units::{
-    Acceleration, BiotCoefficient, Density, Duration, Kind, Length, Measure, Poisson, RockViscosity,
-    Stiffness, Stress, StressGradient,
+    Acceleration, BiotCoefficient, Density, Duration, Kind, Length, Measure, Poisson,
+    RockViscosity, Stiffness, Stress, StressGradient,
 };
 
 /// A scene file.

@@ -3,6 +3,9 @@
 
 mod analytic;
 mod crack_table;
+mod creep;
+mod creep_oracle;
+mod creep_runs;
 mod crossing_cracks;
 mod crossing_exact;
 mod depleted_fault;
