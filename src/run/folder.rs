@@ -130,7 +130,7 @@ impl RunFolder {
             }
             _ => {
                 let flows = folder.body.fluid.is_some();
-                Tree::create(&folder.path, folder.fingerprint, flows)?
+                Tree::create(&folder.path, folder.fingerprint, (flows, &state))?
             }
         };
         Running::begin(folder, simulation, tree, state, restarted_with, observer)

@@ -1,7 +1,7 @@
 //! Rows of `history.csv`, `solver.csv`, `energy.csv` and `flow.csv`.
 
 use crate::flow::FlowRecord;
-use crate::nonlinear::{EnergyRecord, LinearRecord, StepRecord};
+use crate::nonlinear::{EnergyRecord, FaultRecord, LinearRecord, StepRecord};
 use fracas_solvers::saddle::{T, U};
 
 /// First line of `history.csv`.
@@ -12,6 +12,20 @@ pub(super) const SOLVER: &str = "step,attempt,active,newton,krylov,iterations,to
 
 /// First line of `energy.csv`.
 pub(super) const ENERGY: &str = "step,time_s,external_work_J,pressure_work_J,elastic_energy_J,elastic_change_J,contact_work_J,dissipation_J,balance_error_J,stabilization_work_J\n";
+
+/// What `energy.csv` has besides where rock creeps.
+const ENERGY_CREEP: &str = "creep_work_J,creep_dissipation_J";
+
+/// First line of `energy.csv`.
+pub(super) fn energy_heading(creeps: bool) -> String {
+    match creeps {
+        true => format!("{},{ENERGY_CREEP}\n", ENERGY.trim_end()),
+        false => ENERGY.into(),
+    }
+}
+
+/// First line of `fault.csv`: a row per fracture and step.
+pub(super) const FAULT: &str = "step,time_s,fracture,slipping_area_m2,slip_mean_m,slip_max_m,normal_force_N,shear_force_N,moment_Nm,chi_max,open_area_m2,moment_step_Nm,released_J,dissipated_J\n";
 
 /// First line of `flow.csv`: volumes of the step.
 pub(super) const FLOW: &str =
@@ -76,9 +90,13 @@ pub(super) fn solver_row(r: &LinearRecord) -> String {
 }
 
 /// A row of `energy.csv`.
-pub(super) fn energy_row(record: &StepRecord, e: &EnergyRecord) -> String {
+pub(super) fn energy_row(record: &StepRecord, e: &EnergyRecord, creeps: bool) -> String {
+    let creep = match creeps {
+        true => format!(",{:?},{:?}", e.creep_work, e.creep_dissipation),
+        false => String::new(),
+    };
     format!(
-        "{},{:?},{:?},{:?},{:?},{:?},{:?},{:?},{:?},{:?}\n",
+        "{},{:?},{:?},{:?},{:?},{:?},{:?},{:?},{:?},{:?}{creep}\n",
         record.step,
         record.time,
         e.external_work,
@@ -90,6 +108,30 @@ pub(super) fn energy_row(record: &StepRecord, e: &EnergyRecord) -> String {
         e.error,
         e.stabilization_work
     )
+}
+
+/// Rows of `fault.csv`.
+pub(super) fn fault_rows(record: &StepRecord, faults: &[FaultRecord]) -> String {
+    let row = |f: &FaultRecord| {
+        let numbers = [
+            f.slipping_area,
+            f.slip_mean,
+            f.slip_max,
+            f.normal_force,
+            f.shear_force,
+            f.moment,
+            f.chi_max,
+            f.open_area,
+            f.moment_step,
+            f.released,
+            f.dissipated,
+        ];
+        let numbers: String = numbers.iter().map(|v| format!(",{v:?}")).collect();
+        // a comma in a name would be another column
+        let name = f.name.replace([',', '"', '\n'], "_");
+        format!("{},{:?},{name}{numbers}\n", record.step, record.time)
+    };
+    faults.iter().map(row).collect()
 }
 
 /// A row of `flow.csv`.
@@ -203,8 +245,13 @@ mod tests {
 
     #[test]
     fn energies_have_a_number_per_column() {
-        let text = energy_row(&record(), &EnergyRecord::default());
-        assert_eq!(text.matches(',').count(), ENERGY.matches(',').count());
+        for creeps in [false, true] {
+            let text = energy_row(&record(), &EnergyRecord::default(), creeps);
+            let heading = energy_heading(creeps);
+            assert_eq!(text.matches(',').count(), heading.matches(',').count());
+        }
+        let text = fault_rows(&record(), &[FaultRecord::default()]);
+        assert_eq!(text.matches(',').count(), FAULT.matches(',').count());
         let text = flow_row(&record(), &FlowRecord::default());
         assert_eq!(text.matches(',').count(), FLOW.matches(',').count());
     }

@@ -125,7 +125,8 @@ impl<'a> Running<'a> {
         }
         let wall_s = settings.clock.then_some(wall_s);
         let energy = self.simulation.energy(&self.state, &accepted.state);
-        self.tree.accept(&accepted, &energy, wall_s)?;
+        let faults = self.simulation.faults(&self.state, &accepted.state);
+        self.tree.accept(&accepted, (&energy, &faults), wall_s)?;
         let Accepted {
             state,
             record,

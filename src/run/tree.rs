@@ -7,14 +7,16 @@ use super::RunError;
 use super::collection::Collection;
 use super::error::At;
 use super::events;
-use super::history::{self, ENERGY, FLOW, HISTORY, History, SOLVER};
+use super::history::{self, FAULT, FLOW, HISTORY, History, SOLVER};
 use super::lines::{Cut, Lines, first_column, json_step};
 use super::lock;
 use crate::io::{
     CheckpointError, Checkpoints, Fingerprint, newest_checkpoint, read_checkpoint, unfinished,
     write_atomically,
 };
-use crate::nonlinear::{Accepted, EnergyRecord, Event, LinearRecord, State, StepFailure};
+use crate::nonlinear::{
+    Accepted, EnergyRecord, Event, FaultRecord, LinearRecord, State, StepFailure,
+};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::io::Write;
@@ -61,6 +63,10 @@ pub(super) struct Tree {
     history: Lines,
     solver: Lines,
     energy: Lines,
+    /// `energy.csv` has columns of creep.
+    creeps: bool,
+    /// `fault.csv`, where there are fractures.
+    fault: Option<Lines>,
     /// `flow.csv`, where the scene has a fluid.
     flow: Option<Lines>,
     log: Lines,
@@ -71,11 +77,12 @@ pub(super) struct Tree {
 }
 
 /// What a run writes before its first checkpoint: only headings, no results.
-const BEGUN: [&str; 10] = [
+const BEGUN: [&str; 11] = [
     CHECKPOINT,
     HISTORY_FILE,
     SOLVER_FILE,
     ENERGY_FILE,
+    FAULT_FILE,
     FLOW_FILE,
     LOG_FILE,
     "scene.pvd",
@@ -168,6 +175,7 @@ pub(super) const CHECKPOINT: &str = "checkpoint";
 const HISTORY_FILE: &str = "history.csv";
 const SOLVER_FILE: &str = "solver.csv";
 const ENERGY_FILE: &str = "energy.csv";
+const FAULT_FILE: &str = "fault.csv";
 const FLOW_FILE: &str = "flow.csv";
 const LOG_FILE: &str = "log.jsonl";
 
@@ -196,15 +204,19 @@ impl Tree {
     pub(super) fn create(
         out: &Path,
         fingerprint: Fingerprint,
-        flows: bool,
+        (flows, state): (bool, &State),
     ) -> Result<Self, RunError> {
+        let creeps = state.creep.is_some();
+        let fault = (!state.states.is_empty()).then(|| Lines::create(out.join(FAULT_FILE), FAULT));
         let flow = flows.then(|| Lines::create(out.join(FLOW_FILE), FLOW));
         let folder = out.join(CHECKPOINT);
         std::fs::create_dir_all(&folder).at("cannot create the folder", &folder)?;
         Ok(Self {
             history: Lines::create(out.join(HISTORY_FILE), HISTORY)?,
             solver: Lines::create(out.join(SOLVER_FILE), SOLVER)?,
-            energy: Lines::create(out.join(ENERGY_FILE), ENERGY)?,
+            energy: Lines::create(out.join(ENERGY_FILE), &history::energy_heading(creeps))?,
+            creeps,
+            fault: fault.transpose()?,
             flow: flow.transpose()?,
             log: Lines::create(out.join(LOG_FILE), "")?,
             checkpoints: Checkpoints::new(folder, fingerprint),
@@ -222,15 +234,31 @@ impl Tree {
     ) -> Result<Self, RunError> {
         let folder = out.join(CHECKPOINT);
         let step = state.step;
-        let [history, solver, energy, flow, log] =
-            [HISTORY_FILE, SOLVER_FILE, ENERGY_FILE, FLOW_FILE, LOG_FILE]
-                .map(|name| out.join(name));
+        let [history, solver, energy, fault, flow, log] = [
+            HISTORY_FILE,
+            SOLVER_FILE,
+            ENERGY_FILE,
+            FAULT_FILE,
+            FLOW_FILE,
+            LOG_FILE,
+        ]
+        .map(|name| out.join(name));
+        let creeps = state.creep.is_some();
         // nothing is changed before everything is known to fit
         let rows = Cut::read(&history, HISTORY, step, first_column)?;
         belongs(&history, &rows, state)?;
         same_run(&folder, fingerprint)?;
         let solved = Cut::read(&solver, SOLVER, step, first_column)?;
-        let works = Cut::read(&energy, ENERGY, step, first_column)?;
+        let works = Cut::read(
+            &energy,
+            &history::energy_heading(creeps),
+            step,
+            first_column,
+        )?;
+        let slipped = match state.states.is_empty() {
+            true => None,
+            false => Some(Cut::read(&fault, FAULT, step, first_column)?),
+        };
         let flowed = match state.p.is_empty() {
             true => None,
             false => Some(Cut::read(&flow, FLOW, step, first_column)?),
@@ -246,6 +274,8 @@ impl Tree {
             history: Lines::cut(history, &rows)?,
             solver: Lines::cut(solver, &solved)?,
             energy: Lines::cut(energy, &works)?,
+            creeps,
+            fault: slipped.map(|cut| Lines::cut(fault, &cut)).transpose()?,
             flow: flowed.map(|cut| Lines::cut(flow, &cut)).transpose()?,
             log: Lines::cut(log, &logged)?,
             collection: Collection::cut(out, step)?,
@@ -269,7 +299,7 @@ impl Tree {
     pub(super) fn accept(
         &mut self,
         accepted: &Accepted,
-        energy: &EnergyRecord,
+        (energy, faults): (&EnergyRecord, &[FaultRecord]),
         wall_s: Option<f64>,
     ) -> Result<(), RunError> {
         let record = &accepted.record;
@@ -278,7 +308,11 @@ impl Tree {
         let lines = event_lines(step, &accepted.events) + &log_line(step, "accepted", done);
         self.log.append(&lines)?;
         self.solver(&accepted.linear)?;
-        self.energy.append(&history::energy_row(record, energy))?;
+        let works = history::energy_row(record, energy, self.creeps);
+        self.energy.append(&works)?;
+        if let Some(lines) = &mut self.fault {
+            lines.append(&history::fault_rows(record, faults))?;
+        }
         if let (Some(lines), Some(flow)) = (&mut self.flow, &accepted.flow) {
             lines.append(&history::flow_row(record, flow))?;
         }

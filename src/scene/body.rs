@@ -74,11 +74,14 @@ pub struct Body {
     pub tractions: Vec<SurfaceTraction>,
     /// Viscosity η of each material that creeps, `ε̇_v = s/(2η)` [Pa·s].
     pub viscosities: Vec<Option<f64>>,
+    /// True for each material in which σ0 is its vertical component in all directions.
+    pub isotropic: Vec<bool>,
     /// Stress before any displacement.
     pub initial_stress: Option<InitialStress>,
     /// Pressure of the fluid in each fracture [Pa] and the number of its history.
     pub pressures: Vec<(f64, usize)>,
-    /// `α Δp` of each material: Biot's coefficient times its change of pore pressure [Pa], and the number of its history.
+    /// `α Δp` of each material: Biot's coefficient times its change of pore pressure [Pa], and the number of its history (where this counts
+    /// in Pa, Biot's coefficient alone).
     pub pore_pressures: Vec<(f64, usize)>,
     /// The fluid that flows in the fractures, where the scene has one; `pressures` are then 0.
     pub fluid: Option<Fluid>,
@@ -97,8 +100,11 @@ impl Body {
     pub const ALWAYS: usize = 0;
 
     /// σ0 at a point of a region [Pa]; 0 where the scene gives none.
-    pub fn initial_stress_at(&self, _region: usize, x: [f64; 3]) -> [f64; 6] {
-        self.initial_stress.map_or([0.0; 6], |s| s.at(x))
+    pub fn initial_stress_at(&self, region: usize, x: [f64; 3]) -> [f64; 6] {
+        match self.initial_stress.map_or([0.0; 6], |s| s.at(x)) {
+            [.., zz, _, _, _] if self.isotropic[region] => [zz, zz, zz, 0.0, 0.0, 0.0],
+            sigma => sigma,
+        }
     }
 
     /// Marks of the prescribed displacements, `3·node + component`.

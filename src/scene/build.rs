@@ -27,13 +27,7 @@ pub(super) fn build(
     source: &Source,
     folder: &Path,
 ) -> Result<Body, SceneError> {
-    let body = assemble(sections, folder).map_err(|located| {
-        let path: Vec<&str> = located.path.iter().map(String::as_str).collect();
-        SceneError::Section {
-            place: Box::new(source.locate(&path)),
-            problem: located.problem,
-        }
-    })?;
+    let body = assemble(sections, folder).map_err(|located| placed(located, source))?;
     let parts = bodies(&body.mesh, &body.fractures, &body.prescribed());
     for (number, part) in parts.iter().enumerate() {
         if let Hold::Nothing { free } = part.hold {
@@ -47,6 +41,15 @@ pub(super) fn build(
         }
     }
     Ok(body)
+}
+
+/// A problem with its place in the file.
+pub(super) fn placed(located: Located, source: &Source) -> SceneError {
+    let path: Vec<&str> = located.path.iter().map(String::as_str).collect();
+    SceneError::Section {
+        place: Box::new(source.locate(&path)),
+        problem: located.problem,
+    }
 }
 
 fn assemble(sections: &SceneSections, folder: &Path) -> Result<Body, Located> {
@@ -92,6 +95,13 @@ fn assemble(sections: &SceneSections, folder: &Path) -> Result<Body, Located> {
         let path = ["material", &i.to_string(), "pressure_history"];
         let history = histories.number(material.pressure_history.as_ref(), &path, of_time)?;
         let biot = material.biot.as_ref().map_or(1.0, Measure::si);
+        if let Some(table) = &material.pore_pressure {
+            let path = ["material", &i.to_string(), "pore_pressure"];
+            let change = table.history(&material.name).map_err(|e| at(&path, e))?;
+            // the history is in Pa
+            pore_pressures.push((biot, histories.number_of(change)));
+            continue;
+        }
         let change = material.pressure_change.as_ref().map_or(0.0, Measure::si);
         pore_pressures.push((biot * change, history));
     }
@@ -127,6 +137,11 @@ fn assemble(sections: &SceneSections, folder: &Path) -> Result<Body, Located> {
             .collect(),
         densities,
         viscosities: viscosities(sections, time)?,
+        isotropic: sections
+            .material
+            .iter()
+            .map(|m| m.isotropic_stress)
+            .collect(),
         constraints,
         prescribed_histories,
         tractions,

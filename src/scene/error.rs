@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::FlowProblem;
+use super::{FlowProblem, TableProblem};
 use crate::mesh::MeshError;
 
 /// A place in a scene file.
@@ -48,6 +48,19 @@ pub enum Problem {
     /// From the fluid.
     #[error(transparent)]
     Flow(#[from] FlowProblem),
+    /// From a table of pressures.
+    #[error(transparent)]
+    Table(#[from] TableProblem),
+    /// Two ways to say one thing.
+    #[error(
+        "material \"{name}\" has `pore_pressure` and `{key}`, which both say how its pressure changes; leave one of them out"
+    )]
+    TwoPressures {
+        /// Its name.
+        name: String,
+        /// The other key.
+        key: &'static str,
+    },
     /// Keys that are needed together.
     #[error(
         "[mesh.{axis}] needs `from`, `to` and `cells`, or `from`, `to`, `size`, `growth` and `near` or `fine`, or `lines` alone"

@@ -12,6 +12,8 @@ const STRAIGHT: f64 = 1e-9;
 pub struct History {
     /// (time [s], factor), times increasing; never empty.
     points: Vec<(f64, f64)>,
+    /// Between two times the factor of the earlier one holds.
+    steps: bool,
 }
 
 impl History {
@@ -19,6 +21,7 @@ impl History {
     pub fn constant() -> Self {
         Self {
             points: vec![(0.0, 1.0)],
+            steps: false,
         }
     }
 
@@ -26,7 +29,26 @@ impl History {
     pub fn through(points: Vec<(f64, f64)>) -> Option<Self> {
         let increasing = points.windows(2).all(|pair| pair[0].0 < pair[1].0);
         let finite = points.iter().all(|(t, f)| t.is_finite() && f.is_finite());
-        (!points.is_empty() && increasing && finite).then_some(Self { points })
+        (!points.is_empty() && increasing && finite).then_some(Self {
+            points,
+            steps: false,
+        })
+    }
+
+    /// The same, constant from each point to the next.
+    pub fn in_steps(points: Vec<(f64, f64)>) -> Option<Self> {
+        let through = Self::through(points)?;
+        Some(Self {
+            steps: true,
+            ..through
+        })
+    }
+
+    /// The same with every factor less a number.
+    #[must_use]
+    pub fn less(mut self, by: f64) -> Self {
+        self.points.iter_mut().for_each(|(_, factor)| *factor -= by);
+        self
     }
 
     /// Times at which the factor bends or jumps in slope [s], increasing.
@@ -37,6 +59,9 @@ impl History {
             _ => 0.0,
         };
         let bends = move |k: &usize| {
+            if self.steps {
+                return *k > 0 && self.points[*k].1 != self.points[k - 1].1;
+            }
             let (before, after) = (slope(*k), slope(k + 1));
             (before - after).abs() > STRAIGHT * before.abs().max(after.abs())
         };
@@ -52,6 +77,7 @@ impl History {
         match after {
             0 => self.points[0].1,
             n if n > last => self.points[last].1,
+            n if self.steps => self.points[n - 1].1,
             n => {
                 let ((t0, f0), (t1, f1)) = (self.points[n - 1], self.points[n]);
                 f0 + (f1 - f0) * (time - t0) / (t1 - t0)
@@ -92,11 +118,16 @@ impl Histories {
         };
         let points = written.iter().map(|(t, f)| (t.si(), *f)).collect();
         let history = History::through(points).ok_or_else(|| at(path, Problem::BadHistory))?;
+        Ok(self.number_of(history))
+    }
+
+    /// The number of a history.
+    pub(super) fn number_of(&mut self, history: History) -> usize {
         if let Some(known) = self.0.iter().position(|h| *h == history) {
-            return Ok(known);
+            return known;
         }
         self.0.push(history);
-        Ok(self.0.len() - 1)
+        self.0.len() - 1
     }
 }
 
@@ -136,6 +167,23 @@ mod tests {
         assert_eq!(corners(&[(1.0, 1.0), (2.0, 2.0), (4.0, 4.0)]), [1.0, 4.0]);
         assert_eq!(corners(&[(0.0, 2.0), (7.0, 2.0), (8.0, 0.0)]), [7.0, 8.0]);
         assert!(History::constant().corners().next().is_none());
+    }
+
+    #[test]
+    fn steps_hold_the_value_before() {
+        let h = History::in_steps(vec![(1.0, 0.0), (3.0, 4.0), (4.0, 4.0), (5.0, -1.0)]).unwrap();
+        for (t, f) in [
+            (0.0, 0.0),
+            (2.9, 0.0),
+            (3.0, 4.0),
+            (4.5, 4.0),
+            (5.0, -1.0),
+            (9.0, -1.0),
+        ] {
+            assert_eq!(h.at(t), f, "at {t}");
+        }
+        assert_eq!(h.corners().collect::<Vec<_>>(), [3.0, 5.0]);
+        assert_eq!(h.less(1.0).at(3.5), 3.0);
     }
 
     #[test]

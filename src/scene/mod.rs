@@ -17,6 +17,7 @@ mod located;
 mod mesh_sections;
 mod one_or_many;
 mod overrides;
+mod pore_pressure;
 mod rounds;
 mod sections;
 mod size;
@@ -40,6 +41,7 @@ pub use mesh_sections::{
     MapSection, MeshSection, RotateSection,
 };
 pub use one_or_many::OneOrMany;
+pub use pore_pressure::{Between, PorePressureSection, TableProblem};
 pub use rounds::Rounds;
 pub use sections::{
     BoundarySection, BoxSection, ComponentsSection, HoldSection, InitialStressSection,
@@ -87,7 +89,8 @@ impl Scene {
 
     fn read(text: &str, file_name: &str, folder: &Path) -> Result<Self, SceneError> {
         let source = Source::new(text, file_name);
-        let sections = source.parse()?;
+        let mut sections = source.parse()?;
+        pore_pressure::read_files(&mut sections, folder).map_err(|e| build::placed(e, &source))?;
         Ok(Self {
             sections,
             source,

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::flow_sections::{FluidSection, SourceSection};
 use super::group_names::GroupNames;
 use super::mesh_sections::{FractureSection, MeshSection};
+use super::pore_pressure::PorePressureSection;
 use super::solver_section::{SolverSection, TimeSection};
 use crate::units::{
     Acceleration, BiotCoefficient, Density, Duration, Kind, Length, Measure, Poisson,
@@ -71,9 +72,15 @@ pub struct MaterialSection {
     /// Not given, the material does not creep.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub viscosity: Option<Measure<RockViscosity>>,
+    /// The initial stress in it is its vertical component in all directions, as in salt that has long crept.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub isotropic_stress: bool,
     /// Change of pore pressure everywhere in it: total stress falls by `biot` times as much (isotropic, tension positive).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pressure_change: Option<Measure<Stress>>,
+    /// Pore pressure in time, in place of `pressure_change` and `pressure_history`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pore_pressure: Option<PorePressureSection>,
     /// Biot's coefficient; 1 if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub biot: Option<Measure<BiotCoefficient>>,

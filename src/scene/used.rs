@@ -2,7 +2,7 @@
 
 use super::Problem;
 use super::located::{Located, at};
-use super::sections::SceneSections;
+use super::sections::{MaterialSection, SceneSections};
 use crate::units::{Duration, Measure};
 
 /// Refuses keys that change nothing where they stand.
@@ -22,9 +22,29 @@ pub(super) fn require_used(sections: &SceneSections) -> Result<(), Located> {
             let (what, place) = (format!("material \"{}\"", m.name), i.to_string());
             return Err(idle(["material", &place], "viscosity", what, "[time]"));
         }
-        let stray = given
-            .into_iter()
-            .find(|(_, given)| *given && m.pressure_change.is_none());
+        let stray = given.into_iter().find(|(key, given)| {
+            let table = m.pore_pressure.is_some() && *key == "biot";
+            *given && m.pressure_change.is_none() && !table
+        });
+        if m.isotropic_stress && sections.initial_stress.is_none() {
+            let (what, place) = (format!("material \"{}\"", m.name), i.to_string());
+            return Err(idle(
+                ["material", &place],
+                "isotropic_stress",
+                what,
+                "[initial_stress]",
+            ));
+        }
+        let other = [
+            ("pressure_change", m.pressure_change.is_some()),
+            ("pressure_history", m.pressure_history.is_some()),
+        ];
+        let other = other.into_iter().find(|(_, given)| *given);
+        if let (Some(_), Some((key, _))) = (&m.pore_pressure, other) {
+            let name = m.name.clone();
+            let path = ["material", &i.to_string(), key];
+            return Err(at(&path, Problem::TwoPressures { name, key }));
+        }
         if let Some((key, _)) = stray {
             let what = format!("material \"{}\"", m.name);
             return Err(idle(
@@ -114,6 +134,15 @@ fn require_flow(sections: &SceneSections) -> Result<(), Located> {
 fn require_time(sections: &SceneSections) -> Result<(), Located> {
     if sections.time.is_some() {
         return Ok(());
+    }
+    let table = |m: &MaterialSection| m.pore_pressure.as_ref().is_some_and(|p| p.varies());
+    if let Some(i) = sections.material.iter().position(table) {
+        let what = format!("material \"{}\"", sections.material[i].name);
+        let key = "pore_pressure";
+        return Err(at(
+            &["material", &i.to_string(), key],
+            Problem::Timeless { key, what },
+        ));
     }
     let materials = sections.material.iter().enumerate().map(|(i, m)| {
         let what = format!("material \"{}\"", m.name);

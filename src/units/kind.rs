@@ -71,6 +71,14 @@ kind!(
 kind!(Angle, "an angle", ANGLE, "deg, rad");
 kind!(Stress, "a stress", STRESS, "Pa, MPa, bar");
 kind!(
+    PorePressure,
+    "a pore pressure",
+    STRESS,
+    "Pa, MPa, bar",
+    "zero or positive",
+    |v| v >= 0.0
+);
+kind!(
     StressGradient,
     "a stress gradient",
     STRESS_GRADIENT,

@@ -54,6 +54,33 @@ fn energy_closes_and_set_ups_follow_the_length_of_steps() {
         let size = energy.external_work.abs() + energy.elastic_energy;
         assert!(energy.error.abs() <= 1e-8 * size, "{energy:?}");
         assert!(energy.creep_dissipation >= 0.0, "{energy:?}");
+        // one fault: its row is what the energy of the step says
+        let faults = simulation.faults(&state, &next);
+        let [fault] = &faults[..] else {
+            panic!("{faults:?}")
+        };
+        let close = |a: f64, b: f64| (a - b).abs() <= 1e-9 * size;
+        assert!(
+            close(fault.released, energy.contact_work),
+            "{fault:?} {energy:?}"
+        );
+        assert!(
+            close(fault.dissipated, energy.dissipation),
+            "{fault:?} {energy:?}"
+        );
+        // G between 4.8 and 8.3 GPa
+        let by_slip = fault.moment
+            / (body.fractures.faces.iter().map(|f| f.area).sum::<f64>()
+                * fault.slip_mean.max(1e-30));
+        assert!(
+            fault.moment == 0.0 || (4.7e9..8.4e9).contains(&by_slip),
+            "{fault:?}"
+        );
+        assert!(
+            fault.moment_step >= 0.0 && fault.chi_max <= 1.0 + 1e-6,
+            "{fault:?}"
+        );
+        assert_eq!(fault.slip_max, accepted.record.slip_max);
         dissipated += energy.creep_dissipation;
         slipped += energy.dissipation;
         moved += accepted.record.slip_max;
@@ -110,4 +137,29 @@ fn a_run_goes_on_from_any_checkpoint_to_the_last_bit() {
         }
     }
     std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn salt_at_rest_stays_at_rest_and_stress_that_is_not_isotropic_in_it_creeps() {
+    let rest = scene("").replace("pressure_change = '-20 MPa'", "pressure_change = '0 MPa'");
+    for isotropic in [true, false] {
+        let toml = match isotropic {
+            true => rest.replace(
+                "layers = [['-2450 m', '-2150 m']]",
+                "layers = [['-2450 m', '-2150 m']]\nisotropic_stress = true",
+            ),
+            false => rest.clone(),
+        };
+        let body = Scene::from_toml(&toml, "rest.toml")
+            .unwrap()
+            .build()
+            .unwrap();
+        let mut simulation = Simulation::new(&body).unwrap();
+        let mut state = simulation.initial_state();
+        while state.step == 0 || !simulation.is_finished(&state) {
+            state = simulation.advance(&state, &mut Silent).unwrap().state;
+        }
+        let moved = state.u.iter().fold(0.0f64, |m, u| m.max(u.abs()));
+        assert_eq!(moved < 1e-9, isotropic, "{moved} m");
+    }
 }

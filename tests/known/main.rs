@@ -15,5 +15,6 @@ mod graded;
 mod inclined_fault;
 mod interface_crack;
 mod plane_strain;
+mod pore_pressure;
 mod tips;
 mod volume_control;

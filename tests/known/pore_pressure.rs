@@ -1,0 +1,221 @@
+//! Claim: pressures from tables and files settle a column by α Δp/M_c, and what a table cannot say is refused with its row.
+
+use fracas::nonlinear::Simulation;
+use fracas::scene::Scene;
+use fracas_solvers::Silent;
+
+/// Moduli and Biot's coefficients of the two layers, 4 m above 6 m.
+const LAYERS: [(&str, f64, f64, f64); 2] = [("clay", 2e8, 0.35, 0.9), ("sand", 1e9, 0.2, 0.7)];
+
+fn column(clay: &str, sand: &str) -> String {
+    let mut toml = String::from(
+        "title = 'Column'\n[mesh]\nx = { from = '0 m', to = '1 m', cells = 1 }\ny = { from = '0 m', to = '2 m', cells = 1 }\n\
+         z = { from = '0 m', to = '10 m', cells = 5 }\n[time]\nend = '10 day'\nsteps = 5\n[solver]\ntolerance = 1e-13\n",
+    );
+    for ((name, young, poisson, biot), (table, layers)) in LAYERS
+        .iter()
+        .zip([(clay, "['6 m', '10 m']"), (sand, "['0 m', '6 m']")])
+    {
+        toml += &format!(
+            "[[material]]\nname = '{name}'\nyoung = '{young} Pa'\npoisson = {poisson}\nbiot = {biot}\nlayers = [{layers}]\npore_pressure = {table}\n"
+        );
+    }
+    for side in ["x-", "x+", "y-", "y+", "z-"] {
+        toml += &format!("[[boundary]]\nside = '{side}'\nhold = 'roller'\n");
+    }
+    toml
+}
+
+/// Constrained modulus.
+fn modulus(young: f64, poisson: f64) -> f64 {
+    young * (1.0 - poisson) / ((1.0 + poisson) * (1.0 - 2.0 * poisson))
+}
+
+const CSV: &str = "time [day],clay [bar],sand [bar]\n0,2.5,3\n\n2.5,1.5,2\n6,1,0.5\n20,1,0.5\n";
+
+/// A folder that goes away.
+struct Folder(std::path::PathBuf);
+
+impl Folder {
+    fn new(name: &str, csv: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("fracas-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(folder.join("blocks.csv"), csv).unwrap();
+        Self(folder)
+    }
+
+    fn scene(&self, clay: &str, sand: &str) -> Result<Scene, String> {
+        let name = self.0.join("scene.toml").display().to_string();
+        Scene::from_toml(&column(clay, sand), &name).map_err(|e| e.to_string())
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+#[test]
+fn a_column_settles_by_the_pressures_of_its_layers() {
+    let folder = Folder::new("column", CSV);
+    let scene = folder
+        .scene(
+            "{ file = 'blocks.csv' }",
+            "{ file = 'blocks.csv', column = 'sand', between = 'steps' }",
+        )
+        .unwrap();
+    // the scene as it is written down needs no file
+    let written = scene.to_toml().unwrap();
+    assert!(!written.contains("blocks.csv"), "{written}");
+    let again = Scene::from_toml(&written, "elsewhere.toml").unwrap();
+    assert_eq!(again.sections(), scene.sections());
+    let body = again.build().unwrap();
+    let mut simulation = Simulation::new(&body).unwrap();
+    let mut state = simulation.initial_state();
+    let mut times = Vec::new();
+    while state.step == 0 || !simulation.is_finished(&state) {
+        state = simulation.advance(&state, &mut Silent).unwrap().state;
+        let day = state.time / 86400.0;
+        times.push(day);
+        // linear between 2.5, 1.5 and 1 bar; 3, 2 and 0.5 bar from their days on
+        let clay = match day {
+            d if d <= 2.5 => -d / 2.5,
+            d if d <= 6.0 => -1.0 - 0.5 * (d - 2.5) / 3.5,
+            _ => -1.5,
+        };
+        let sand = match day {
+            d if d < 2.5 - 1e-9 => 0.0,
+            d if d < 6.0 - 1e-9 => -1.0,
+            _ => -2.5,
+        };
+        let settled = |layer: usize, bar: f64| {
+            let (_, young, poisson, biot) = LAYERS[layer];
+            biot * bar * 1e5 / modulus(young, poisson)
+        };
+        let top = 4.0 * settled(0, clay) + 6.0 * settled(1, sand);
+        let u = simulation.displacement(&state);
+        let nodes = body.mesh.nodes.iter().zip(u.chunks_exact(3));
+        for (_, u) in nodes.filter(|(x, _)| x[2] == 10.0) {
+            assert!(
+                (u[2] - top).abs() <= 1e-9 * 1e-3,
+                "day {day}: {} {top}",
+                u[2]
+            );
+        }
+    }
+    // steps land where tables bend or jump
+    let expected = [0.0, 2.0, 2.5, 4.0, 6.0, 8.0, 10.0];
+    assert_eq!(times.len(), expected.len(), "{times:?}");
+    for (a, b) in times.iter().zip(expected) {
+        assert!((a - b).abs() < 1e-9, "{times:?}");
+    }
+}
+
+#[test]
+fn tables_are_refused_with_their_row() {
+    let own = "{ points = [['0 s', '1 bar']] }";
+    let file = "{ file = 'blocks.csv' }";
+    for (csv, expected) in [
+        (
+            "time [day],clay [bar]\n0,1\n2,\n",
+            "blocks.csv, row 3: column `clay` is ``, which is no number",
+        ),
+        (
+            "time [day],clay [bar]\n0,1\n2\n",
+            "blocks.csv, row 3: column `clay` is ``",
+        ),
+        (
+            "time [day],clay [bar]\n0,1\n2,n/a\n",
+            "row 3: column `clay` is `n/a`",
+        ),
+        (
+            "time [day],clay [bar]\n0,1\n2,-1\n",
+            "blocks.csv, row 3: a pore pressure of -1 Pa",
+        ),
+        (
+            "time [day],clay [bar]\n0,1\n2,nan\n",
+            "row 3: column `clay` is `nan`",
+        ),
+        (
+            "time,clay [bar]\n0,1\n",
+            "blocks.csv, row 1: the heading must be",
+        ),
+        ("time [day],clay [kg]\n0,1\n", "row 1: the heading must be"),
+        (
+            "time [day],mud [bar]\n0,1\n",
+            "blocks.csv has no column `clay`; it has: mud",
+        ),
+        ("", "blocks.csv has no row"),
+    ] {
+        let folder = Folder::new("bad-table", csv);
+        let text = folder.scene(file, own).unwrap_err();
+        assert!(
+            text.contains(expected) && text.contains("scene.toml:"),
+            "{csv}: {text}"
+        );
+    }
+    let folder = Folder::new("bad-points", CSV);
+    let built = |clay: &str| match folder.scene(clay, own).map(|scene| scene.build()) {
+        Ok(Ok(_)) => panic!("accepted {clay}"),
+        Ok(Err(error)) => error.to_string(),
+        Err(text) => text,
+    };
+    for (clay, expected) in [
+        (
+            "{ points = [['1 day', '1 bar'], ['0 day', '2 bar']] }",
+            "`pore_pressure` of material \"clay\", row 2: time 0 s does not come after 86400 s",
+        ),
+        (
+            "{ points = [['0 day', '-1 bar']] }",
+            "a pore pressure is \"-1 bar\", but it must be zero or positive",
+        ),
+        ("{ points = [] }", "has no row"),
+        ("{ }", "needs exactly one of `points`, `file`; it has 0"),
+        ("{ file = 'none.csv' }", "cannot read none.csv"),
+        (
+            "{ points = [['0 s', '1 bar']] }\npressure_change = '1 bar'",
+            "both say how its pressure changes",
+        ),
+        (
+            "{ points = [['0 s', '1 bar']] }\nviscosity = '0 Pa*s'",
+            "must be positive",
+        ),
+        (
+            "{ points = [['0 s', '1 bar']] }\nviscosity = '-1 Pa*s'",
+            "must be positive",
+        ),
+        (
+            "{ points = [['0 s', '1 bar']] }\nviscosity = '1 Pa*s'",
+            "that is a fluid",
+        ),
+    ] {
+        let text = built(clay);
+        assert!(
+            text.contains(expected) && text.contains("scene.toml:"),
+            "{clay}: {text}"
+        );
+    }
+    let toml = column(own, own).replace("biot = 0.9", "biot = 1.1");
+    let text = Scene::from_toml(&toml, "s.toml").unwrap_err().to_string();
+    assert!(text.contains("Biot's coefficient is \"1.1\""), "{text}");
+    let toml = column(own, "{ points = [['0 s', '1 bar'], ['1 s', '2 bar']] }");
+    let toml = toml.replace("[time]\nend = '10 day'\nsteps = 5\n", "");
+    let text = Scene::from_toml(&toml, "s.toml")
+        .unwrap()
+        .build()
+        .unwrap_err()
+        .to_string();
+    assert!(text.contains("without [time]"), "{text}");
+    let toml = toml.replace("['1 s', '2 bar']", "['1 s', '1 bar']") + "";
+    let toml = toml.replacen("biot = 0.9", "biot = 0.9\nviscosity = '1e17 Pa*s'", 1);
+    let text = Scene::from_toml(&toml, "s.toml")
+        .unwrap()
+        .build()
+        .unwrap_err()
+        .to_string();
+    assert!(
+        text.contains("`viscosity` of material \"clay\" has no effect without `[time]`"),
+        "{text}"
+    );
+}
