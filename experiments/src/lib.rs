@@ -13,6 +13,8 @@ pub mod e13_checkerboard_traction;
 pub mod e14_cycle;
 pub mod e15_nonlinear;
 pub mod e16_settings;
+pub mod e22_gas_storage;
+pub mod e23_ground_ruptures;
 pub mod fault;
 pub mod list;
 pub mod plot;

@@ -1,6 +1,6 @@
 //! What a scene becomes: everything that assembly needs, in SI units.
 
-use super::{History, SolverSection, TimeTable};
+use super::{History, SolverSection, TimeTable, WeightStress};
 use crate::contact::Friction;
 use crate::creep::Initial;
 use crate::elasticity::{Constraints, Elastic};
@@ -66,6 +66,8 @@ pub struct Body {
     pub densities: Vec<f64>,
     /// Body force per material: density · gravity + the scene's own [N/m³].
     pub body_force: Vec<[f64; 3]>,
+    /// The part of the initial stress that weight gives.
+    pub weight_stress: Option<WeightStress>,
     /// Prescribed displacements, those at the factor 1 of their histories.
     pub constraints: Constraints,
     /// Numbers of the histories of the prescribed displacements, in the order of `constraints.prescribed()`.
@@ -101,7 +103,12 @@ impl Body {
 
     /// σ0 at a point of a region [Pa]; 0 where the scene gives none.
     pub fn initial_stress_at(&self, region: usize, x: [f64; 3]) -> [f64; 6] {
-        match self.initial_stress.map_or([0.0; 6], |s| s.at(x)) {
+        let mut sigma = self.initial_stress.map_or([0.0; 6], |s| s.at(x));
+        if let Some(weight) = &self.weight_stress {
+            let own = weight.at(x[2]);
+            (0..6).for_each(|k| sigma[k] += own[k]);
+        }
+        match sigma {
             [.., zz, _, _, _] if self.isotropic[region] => [zz, zz, zz, 0.0, 0.0, 0.0],
             sigma => sigma,
         }

@@ -14,7 +14,8 @@ use super::sections::{MaterialSection, SceneSections};
 use super::source::Source;
 use super::used::require_used;
 use super::{
-    Body, Friction, InitialStress, Method, Problem, SceneError, SolverSection, TimeTable, Weakening,
+    Body, Friction, InitialStress, Method, Problem, SceneError, SolverSection, TimeTable,
+    Weakening, WeightStress,
 };
 use crate::creep::LONGEST;
 use crate::elasticity::{Constraints, Elastic};
@@ -118,7 +119,18 @@ fn assemble(sections: &SceneSections, folder: &Path) -> Result<Body, Located> {
         .iter()
         .map(|m| m.density.as_ref().map_or(0.0, Measure::si))
         .collect();
+    let weight = sections
+        .initial_stress
+        .as_ref()
+        .and_then(|s| s.weight.as_ref());
+    let weight_stress = weight
+        .map(|section| WeightStress::new(section, sections, &built.mesh, &densities))
+        .transpose()?;
+    let afloat = weight
+        .and_then(|w| w.fluid.as_ref())
+        .map_or(0.0, Measure::si);
     Ok(Body {
+        weight_stress,
         mesh: built.mesh,
         fractures: built.fractures,
         friction,
@@ -133,7 +145,7 @@ fn assemble(sections: &SceneSections, folder: &Path) -> Result<Body, Located> {
             .collect(),
         body_force: densities
             .iter()
-            .map(|rho| [0, 1, 2].map(|d: usize| rho * gravity[d] + extra[d]))
+            .map(|rho| [0, 1, 2].map(|d: usize| (rho - afloat) * gravity[d] + extra[d]))
             .collect(),
         densities,
         viscosities: viscosities(sections, time)?,

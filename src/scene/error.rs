@@ -61,6 +61,11 @@ pub enum Problem {
         /// The other key.
         key: &'static str,
     },
+    /// Weight that has no direction, or layers that are not level.
+    #[error(
+        "the initial stress of weight needs [gravity] along z alone, and elements whose tops and bottoms are level (no map that tilts or distorts them)"
+    )]
+    NoWeight,
     /// Keys that are needed together.
     #[error(
         "[mesh.{axis}] needs `from`, `to` and `cells`, or `from`, `to`, `size`, `growth` and `near` or `fine`, or `lines` alone"

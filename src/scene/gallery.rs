@@ -110,6 +110,18 @@ gallery! {
         "the fracture opens at the pressure that closes it and takes every litre; the volume balance closes to rounding",
         ["mesh.x.cells=6", "mesh.y.cells=6", "mesh.z.cells=6",
             "fracture.branch.x=['-4 m', '4 m']", "fracture.branch.y=['-4 m', '4 m']"];
+    "storage": "When do faults around gas stores slip: in primary production, as cushion gas comes in, in storage?",
+        "the central fault slips while the blocks are produced, and slips back when cushion gas turns the load round",
+        ["mesh.x.size=250 m", "mesh.x.growth=1.6", "mesh.y.size=500 m", "mesh.y.growth=1.6", "mesh.z.size=100 m", "mesh.z.growth=1.7"];
+    "rupture_bedrock": "At which drawdown does the ground tear where bedrock emerges?",
+        "sediments slip down along its flank from the first drawdown on, and come off it at the ground",
+        ["mesh.x.size=20 m", "mesh.z.size=20 m"];
+    "rupture_step": "At which drawdown does the ground tear above a step in the thickness of an aquifer?",
+        "a vertical plane above the step opens from the ground down and shears",
+        ["mesh.x.size=20 m", "mesh.z.size=20 m"];
+    "rupture_ridge": "At which drawdown does the ground tear above a buried ridge?",
+        "a vertical plane above the ridge opens from the ground down, without shear",
+        ["mesh.x.size=20 m", "mesh.z.size=20 m"];
     "incompressible": "Does a Poisson ratio of 0.49 spoil the augmentation?",
         "iterations grow with the inner solver for S_u, not with C",
         ["mesh.x.cells=6", "mesh.y.cells=6", "mesh.z.cells=6"];

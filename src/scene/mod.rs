@@ -24,6 +24,7 @@ mod size;
 mod solver_section;
 mod source;
 mod used;
+mod weight;
 
 use std::path::{Path, PathBuf};
 
@@ -52,6 +53,8 @@ pub use solver_section::{
     AugmentedLagrangian, FACTORIZED, Method, Penalty, RunInner, SolverSection, TimeSection,
     Unstable,
 };
+
+pub use weight::{WeightSection, WeightStress};
 
 use crate::mesh::GmshFile;
 use serde::de::DeserializeOwned;

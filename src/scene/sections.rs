@@ -8,6 +8,7 @@ use super::group_names::GroupNames;
 use super::mesh_sections::{FractureSection, MeshSection};
 use super::pore_pressure::PorePressureSection;
 use super::solver_section::{SolverSection, TimeSection};
+use super::weight::WeightSection;
 use crate::units::{
     Acceleration, BiotCoefficient, Density, Duration, Kind, Length, Measure, Poisson,
     RockViscosity, Stiffness, Stress, StressGradient,
@@ -233,6 +234,9 @@ pub struct InitialStressSection {
     /// Change per metre of z, upwards.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gradient: Option<TensorSection<StressGradient>>,
+    /// Stress of the weight above, besides.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub weight: Option<WeightSection>,
     /// Level of `constant`; 0 if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference: Option<Measure<Length>>,

@@ -18,3 +18,4 @@ mod plane_strain;
 mod pore_pressure;
 mod tips;
 mod volume_control;
+mod weight;
