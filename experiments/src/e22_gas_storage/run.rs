@@ -155,18 +155,10 @@ impl Run {
         most(|y| y.energy.error.abs()) / most(|y| y.energy.external_work.abs())
     }
 
-    /// Set-ups beyond one per step for states, and one where a step has another length than the one before.
-    pub(super) fn extra_setups(&self) -> f64 {
-        let mut last = f64::NAN;
-        let mut extra = 0;
-        for year in &self.years {
-            let dt = year.record.dt;
-            let same = (dt - last).abs() <= 1e-9 * dt && year.record.cuts == 0;
-            let changes = if same { 0 } else { 1 + 2 * year.record.cuts };
-            extra += year.record.setups.saturating_sub(1 + changes);
-            last = dt;
-        }
-        extra as f64
+    /// Preconditioners built per step.
+    pub(super) fn setups(&self) -> f64 {
+        let built: usize = self.years.iter().map(|y| y.record.setups).sum();
+        built as f64 / self.years.len() as f64
     }
 }
 

@@ -15,7 +15,16 @@ use std::time::{Duration, Instant};
 /// Everything of a finished run that must not depend on how it got there.
 fn content(out: &Path) -> Vec<(String, Vec<u8>)> {
     let mut files = names(out, "", ".vtu");
-    files.extend(["history.csv", "energy.csv", "scene.pvd", "resolved.toml"].map(String::from));
+    files.extend(
+        [
+            "history.csv",
+            "energy.csv",
+            "fault.csv",
+            "scene.pvd",
+            "resolved.toml",
+        ]
+        .map(String::from),
+    );
     let figures = names(&out.join("figures"), "", "");
     files.extend(figures.iter().map(|f| format!("figures/{f}")));
     let last = names(&out.join("checkpoint"), "", "").pop();
@@ -40,6 +49,15 @@ fn same(ours: &Path, theirs: &Path, what: &str) {
 #[test]
 fn a_restart_at_every_step_writes_the_same_files() {
     restarted("restart", &[]);
+}
+
+/// What has crept is there again.
+#[test]
+fn a_restart_of_rock_that_creeps_writes_the_same_files() {
+    restarted(
+        "restart-creep",
+        &["--set", "material.0.viscosity=4e13 Pa*s"],
+    );
 }
 
 /// Multigrid refreshes the hierarchy of the stuck body for other states, before the restart and after it.
