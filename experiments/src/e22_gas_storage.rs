@@ -70,7 +70,10 @@ impl Experiment for GasStorage {
         };
         let mut runs = Vec::new();
         for (name, overrides) in VARIATIONS {
-            runs.push(Run::of(name, &scene.with_overrides(overrides)?, observer)?);
+            let strict = scene
+                .with_overrides(overrides)?
+                .with_overrides(&["solver.tolerance=1e-10"])?;
+            runs.push(Run::of(name, &strict, observer)?);
         }
         let [own, stiff, biot, stress] = &runs[..] else {
             anyhow::bail!("four variations");
@@ -82,8 +85,9 @@ impl Experiment for GasStorage {
         findings.figures.push(figures::energy(own, stiff));
         findings.figures.extend(figures::criticality(own));
         let production = own.largest(Stage::Production, |y| y.moment_step());
-        let turned = own.largest(Stage::Cushion, |y| y.moment_step());
-        let [before, after] = [own.end(Stage::Production), own.end(Stage::Cushion)];
+        let turned = stress.largest(Stage::Cushion, |y| y.moment_step());
+        let stored = stress.largest(Stage::Storage, |y| y.moment_step());
+        let [before, after] = [stress.end(Stage::Production), stress.end(Stage::Cushion)];
         findings.checks = vec![
             Check::at_least(
                 "the central fault slips in primary production: moment of the largest year [N m]",
@@ -91,12 +95,17 @@ impl Experiment for GasStorage {
                 production,
             ),
             Check::at_least(
-                "it slips again as cushion gas comes in: moment of the largest year [N m]",
+                "M1 = M2 = 0.4: it slips as cushion gas comes in: moment of the largest year [N m]",
                 1e12,
                 turned,
             ),
+            Check::at_least(
+                "M1 = M2 = 0.4: it slips in storage: moment of the largest year [N m]",
+                1e12,
+                stored,
+            ),
             Check::holds(
-                "at cushion gas injection slip goes back: mean dip slip of the central fault [mm]",
+                "M1 = M2 = 0.4: as cushion gas comes in slip goes back: mean dip slip of the central fault [mm]",
                 format!("nearer to 0 than {before:.3}"),
                 format!("{after:.3}"),
                 after.abs() < before.abs(),
@@ -131,6 +140,11 @@ impl Experiment for GasStorage {
         findings.notes.push(
             "Criticality is shown against the total stress less the hydrostatic pressure of the initial state: faults that share the falling \
              pressure of a block would be pressed together by it."
+                .into(),
+        );
+        findings.notes.push(
+            "With M1 = 0.74 and M2 = 0.83 whether slip goes back as cushion gas comes in depends on the mesh: in cells of 250 m × 500 m × 100 m \
+             the central fault gives back 1.8 of 11.1 mm of its mean, in cells of 100 m × 200 m × 50 m nothing."
                 .into(),
         );
         Ok(findings)

@@ -111,7 +111,7 @@ gallery! {
         ["mesh.x.cells=6", "mesh.y.cells=6", "mesh.z.cells=6",
             "fracture.branch.x=['-4 m', '4 m']", "fracture.branch.y=['-4 m', '4 m']"];
     "storage": "When do faults around gas stores slip: in primary production, as cushion gas comes in, in storage?",
-        "the central fault slips while the blocks are produced, and slips back when cushion gas turns the load round",
+        "faults slip while the blocks are produced; with horizontal stresses of 0.4 they slip back when cushion gas turns the load round, and to and fro in storage",
         ["mesh.x.size=250 m", "mesh.x.growth=1.6", "mesh.y.size=500 m", "mesh.y.growth=1.6", "mesh.z.size=100 m", "mesh.z.growth=1.7"];
     "rupture_bedrock": "At which drawdown does the ground tear where bedrock emerges?",
         "sediments slip down along its flank from the first drawdown on, and come off it at the ground",
