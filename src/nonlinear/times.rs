@@ -21,6 +21,8 @@ pub(super) struct Times {
     table: Option<TimeTable>,
     /// Times at which a history bends, increasing [s].
     corners: Vec<f64>,
+    /// Those at which one jumps [s].
+    jumps: Vec<f64>,
 }
 
 impl Times {
@@ -28,6 +30,7 @@ impl Times {
         let mut corners: Vec<f64> = body.histories.iter().flat_map(|h| h.corners()).collect();
         corners.sort_by(f64::total_cmp);
         Self {
+            jumps: body.histories.iter().flat_map(|h| h.jumps()).collect(),
             table: body.time,
             corners,
         }
@@ -76,8 +79,17 @@ impl Times {
             .filter(|c| *c < next - apart)
             .unwrap_or(next);
         let time = state.time + increment;
+        // a time of the table that rounding puts before a jump lies behind it
+        let behind = |time: f64| {
+            let own = self.jumps.iter().find(|jump| (*jump - time).abs() <= apart);
+            own.map_or(time, |jump| time.max(*jump))
+        };
         Target {
-            time: if time >= next - apart { next } else { time },
+            time: if time >= next - apart {
+                behind(next)
+            } else {
+                time
+            },
             loaded: 1.0,
         }
     }

@@ -44,6 +44,11 @@ impl History {
         })
     }
 
+    /// Times at which the factor jumps [s], increasing.
+    pub fn jumps(&self) -> impl Iterator<Item = f64> + '_ {
+        self.corners().filter(|_| self.steps)
+    }
+
     /// The same with every factor less a number.
     #[must_use]
     pub fn less(mut self, by: f64) -> Self {
@@ -183,6 +188,8 @@ mod tests {
             assert_eq!(h.at(t), f, "at {t}");
         }
         assert_eq!(h.corners().collect::<Vec<_>>(), [3.0, 5.0]);
+        assert_eq!(h.jumps().collect::<Vec<_>>(), [3.0, 5.0]);
+        assert_eq!(History::constant().jumps().count(), 0);
         assert_eq!(h.less(1.0).at(3.5), 3.0);
     }
 

@@ -219,3 +219,35 @@ fn tables_are_refused_with_their_row() {
         "{text}"
     );
 }
+
+#[test]
+fn a_jump_at_a_time_of_the_table_belongs_to_its_step_whatever_rounding_says() {
+    for steps in [3, 7, 11, 13] {
+        // k/10 year and end · k/steps differ in the last digit for some k
+        let jumps: Vec<String> = (0..=steps)
+            .map(|k| format!("['{} year', '{k} bar']", f64::from(k) / 10.0))
+            .collect();
+        let table = format!("{{ between = 'steps', points = [{}] }}", jumps.join(", "));
+        let end = format!("end = '{} year'\nsteps = {steps}", f64::from(steps) / 10.0);
+        let toml = column(&table, "{ points = [['0 s', '1 bar']] }");
+        let toml = toml.replace("end = '10 day'\nsteps = 5", &end);
+        let body = Scene::from_toml(&toml, "s.toml").unwrap().build().unwrap();
+        let mut simulation = Simulation::new(&body).unwrap();
+        let mut state = simulation.initial_state();
+        for k in 0..=steps {
+            state = simulation.advance(&state, &mut Silent).unwrap().state;
+            let (_, young, poisson, biot) = LAYERS[0];
+            let top = 4.0 * biot * f64::from(k) * 1e5 / modulus(young, poisson);
+            let u = simulation.displacement(&state);
+            let nodes = body.mesh.nodes.iter().zip(u.chunks_exact(3));
+            for (_, u) in nodes.filter(|(x, _)| x[2] == 10.0) {
+                assert!(
+                    (u[2] - top).abs() <= 1e-12,
+                    "step {k} of {steps}: {} {top}",
+                    u[2]
+                );
+            }
+        }
+        assert!(simulation.is_finished(&state));
+    }
+}

@@ -7,7 +7,7 @@ use fracas_solvers::Silent;
 fn scene(more: &str) -> String {
     let mut toml = String::from(
         "title = 'Weight'\n[mesh]\nx = { from = '0 m', to = '900 m', cells = 3 }\ny = { from = '0 m', to = '100 m', cells = 2 }\n\
-         z = { lines = ['-1000 m', '-700 m', '-650 m', '-200 m', '0 m'] }\n\
+         z = { lines = ['-1000 m', '-700 m', '-450 m', '-200 m', '0 m'] }\n\
          [[material]]\nname = 'deep'\nyoung = '20 GPa'\npoisson = 0.2\ndensity = '2600 kg/m3'\n\
          [[material]]\nname = 'middle'\nyoung = '5 GPa'\npoisson = 0.3\ndensity = '2100 kg/m3'\nlayers = [['-700 m', '-200 m']]\n\
          [[material]]\nname = 'top'\nyoung = '1 GPa'\npoisson = 0.35\ndensity = '1800 kg/m3'\nlayers = [['-200 m', '0 m']]\n\

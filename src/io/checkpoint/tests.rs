@@ -186,7 +186,7 @@ fn a_checkpoint_with_other_fields_or_of_another_layout_is_refused_in_a_sentence(
     let pressures = u64::from_le_bytes(*b"p\0\0\0\0\0\0\0");
     assert_eq!(
         with(HEADER + 3, pressures),
-        "the checkpoint file holds the fields u, p, this program reads u and t, or u, t and p"
+        "the checkpoint file holds the fields u, p, this program reads u and t, with p and e_v where there are any"
     );
     assert_eq!(
         with(1, 3),
