@@ -213,7 +213,7 @@ impl Experiment for GroundRuptures {
                 run.first(|r| r.open_to > 0.0).into(),
                 run.last(|r| r.opening).into(),
                 // what symmetry forbids is the error of the solver
-                run.last(|r| (1e3 * r.throw).round() / 1e3).into(),
+                run.last(|r| (1e3 * r.throw).round() / 1e3 + 0.0).into(),
                 run.last(|r| r.open_to).into(),
                 run.last(|r| r.torn_to).into(),
             ]);

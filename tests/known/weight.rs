@@ -27,7 +27,7 @@ fn layers_are_at_rest_under_their_weight() {
             "[initial_stress]\nweight = {{ horizontal = [0.74, 0.83]{fluid} }}\n"
         ));
         let body = Scene::from_toml(&toml, "s.toml").unwrap().build().unwrap();
-        // 200 m of 1800 and 450 m of 2100, 10 m above the line at -650 m
+        // 200 m of 1800 and 440 m of 2100 above -640 m
         let expected = -10.0 * (200.0 * (1800.0 - density) + 440.0 * (2100.0 - density));
         let [xx, yy, zz, ..] = body.initial_stress_at(0, [1.0, 1.0, -640.0]);
         for (found, share) in [(xx, 0.74), (yy, 0.83), (zz, 1.0)] {
