@@ -23,7 +23,7 @@ fn state(step: usize) -> State {
         p: Vec::new(),
         states: vec![ContactState::Open, ContactState::NewSlip],
         slip: vec![-0.0, 1e-310, 1.0 / 3.0, 7.0],
-        creep: (step % 2 == 0).then(|| {
+        creep: step.is_multiple_of(2).then(|| {
             Box::new(CreepState {
                 step: 0.1,
                 strain: vec![[1e-310, -0.0, 1.0 / 3.0, 4.0, 5.0, f64::MIN_POSITIVE]; 8],
