@@ -5,6 +5,7 @@
 //! | `q = −(C_f/μ)(∇p − ρ g)`, two-point fluxes, star–delta at junctions | `network` |
 //! | `C_f = C_f0 + g_N³/12` where open | [`Fluid::conductivity`] |
 //! | volume per face: aperture, compression, flux, sources | `balance` |
+//! | open faces as a surface that pressures open | `surface` |
 //! | pressure jumps held down | `balance`, weights of [`JumpStabilization`](crate::contact::JumpStabilization) |
 
 mod balance;
@@ -13,6 +14,7 @@ mod network;
 mod record;
 mod sealed;
 mod step;
+mod surface;
 
 pub use balance::{Balance, FlowPoint, FlowTangent};
 pub use fluid::{Channel, Fluid, Given, Place, Source};
@@ -20,6 +22,7 @@ pub use network::Network;
 pub(crate) use network::ends as edge_ends;
 pub use sealed::Sealed;
 pub use step::{FlowRecord, FlowStep};
+pub use surface::surface;
 
 #[cfg(test)]
 mod tests;

@@ -6,6 +6,7 @@ use super::jacobian::FaceTangent;
 use super::kept::{Kept, Ready};
 use super::krylov::{self, Asked, Ended, Solved};
 use super::newton::{Attempt, Iterate};
+use super::pressed::PressureSolver;
 use super::stability::{AtLimits, Holding, SOLVED};
 use super::state_c::{StickC, c_of};
 use super::workspace::Resources;
@@ -16,6 +17,7 @@ use crate::contact::ContactState;
 use crate::matrix_free::MatrixFreeError;
 use crate::scene::{FACTORIZED, RunInner};
 use fracas_operators::Preconditioner;
+use fracas_operators::sparse::SparseMatrix;
 use fracas_solvers::krylov::{KrylovChoice, Sqmr, System, least};
 use fracas_solvers::saddle::{
     AugmentationChoice, Block, EnergyNorms, InnerChoice, Racp, RacpInverse, SaddleBlocks, T, U,
@@ -56,6 +58,9 @@ pub(super) struct Linear {
     assembled: Assembled,
     /// With every face in stick, tractions in the balanced unit: what the systems of rock and flow are made of.
     pub(super) stick_blocks: Option<SaddleBlocks>,
+    /// B, and S_p⁻¹, where something flows.
+    pub(super) normal_coupling: Option<SparseMatrix<f64>>,
+    pub(super) pressures: PressureSolver,
     /// Number of the system of a step to stop at, and that system.
     pub(super) wanted: Option<usize>,
     pub(super) found: Option<NewtonSystem>,
@@ -77,6 +82,8 @@ impl Linear {
             resources: Resources::default(),
             assembled: Assembled::default(),
             stick_blocks: None,
+            normal_coupling: None,
+            pressures: PressureSolver::default(),
             wanted: None,
             found: None,
         }
@@ -151,12 +158,23 @@ impl Linear {
             Ended::Solved(solved) => Solved { setup, ..solved },
             Ended::Dropped { .. } => unreachable!("no patience is set"),
         };
+        self.judge_speed(problem, &solved);
+        Ok(solved)
+    }
+
+    /// Whether a preconditioner for the states at hand is worth its set-up.
+    pub(super) fn judge_speed(&mut self, problem: &ContactProblem<'_>, solved: &Solved) {
         self.smallest_ritz = least([self.smallest_ritz, solved.smallest_ritz]);
         let digits = -solved.relative_residual.max(f64::EPSILON).log10();
         let rate = solved.iterations as f64 / digits.max(1.0);
         let reference = *self.reference.get_or_insert(rate);
         self.slow = rate > problem.body().solver.rounds.slow * reference;
-        Ok(solved)
+    }
+
+    /// True where systems of rock and flow are factorized as a whole: the scene asks for a factorization.
+    pub(super) fn is_direct(&self, problem: &ContactProblem<'_>) -> bool {
+        let solver = &problem.body().solver;
+        solver.racp.is_none() && solver.inner == RunInner::Exact
     }
 
     /// `e ← M⁻¹ r`, an estimate of the error that leaves the residual r; and the Ritz value nearest to zero that was seen, by a
@@ -189,7 +207,7 @@ impl Linear {
     }
 
     /// RACP around the S̃_u made for the states nearest to these.
-    fn inverse<'s>(
+    pub(super) fn inverse<'s>(
         &'s self,
         problem: &'s ContactProblem<'_>,
         jacobian: &'s ContactJacobian<'_>,
@@ -221,7 +239,7 @@ impl Linear {
 
     /// The preconditioner of the all-stick body at first; that of the present states when the last system was slow. True
     /// where one is built.
-    fn prepare(
+    pub(super) fn prepare(
         &mut self,
         problem: &ContactProblem<'_>,
         jacobian: &ContactJacobian<'_>,

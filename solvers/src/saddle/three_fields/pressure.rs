@@ -22,7 +22,8 @@ pub enum PressureSchur {
     ScaledFixedStress,
     /// `T + M`, `M_ij = −r(q2_i) (S_u|_i)⁻¹ r(q1_j)` on the displacements of face i and its neighbours in T, which j is one of.
     PatchFixedStress,
-    /// `T + K M_s`, `M_s = D^½ L^(−½) D^½` with the graph Laplacian L of open faces: smooth pressures count as much as they open.
+    /// `T + K M`, `M = W D^½ L^(−½) D^½ Wᵀ` with a Laplacian L on the nodes of open faces: each wave of pressures counts as much as it
+    /// opens.
     HalfOrder,
     /// `T`.
     Transmissibility,
