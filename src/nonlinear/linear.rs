@@ -257,7 +257,9 @@ impl Linear {
             self.present.ready = Some(self.build(problem, states, |_| c.clone(), observer)?);
         }
         let new = |ready: &Option<Ready>| ready.as_ref().is_none_or(|r| r.of.states != states);
-        let wanted = self.slow && !self.built && new(&self.stick) && new(&self.present.ready);
+        // with flow an iteration costs two applications, and rounds lead through many states
+        let again = !self.built || problem.balance().is_some();
+        let wanted = self.slow && again && new(&self.stick) && new(&self.present.ready);
         if let (true, Some(tangents)) = (wanted, &jacobian.faces) {
             // the memory of the one before is given back first
             self.present.ready = None;
