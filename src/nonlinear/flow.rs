@@ -261,6 +261,7 @@ impl Attempt<'_> {
                 let jumps = problem.jumps(&settled.x.u, self.load);
                 let record = balance.record(&settled.states, &jumps, &settled.x.p, step);
                 settled.flow = Some(record);
+                settled.wells = balance.wells(&settled.states, &jumps, &settled.x.p, step);
             }
             _ => settled.x.p = problem.initial_pressures(share),
         }

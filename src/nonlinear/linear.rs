@@ -29,6 +29,9 @@ use fracas_solvers::{Observer, Step};
 /// C leaves stiffer springs in it: flat cells of 1:50 all opening take 91 iterations with fitted_h, 48 with this.
 const AUGMENTATION: AugmentationChoice = AugmentationChoice::HalfH;
 
+/// Jumps per face by which states differ from those of S̃_u where, with flow, one of their own is built. Unit: 1.
+const FAR: f64 = 0.1;
+
 /// Solves Jacobians with RACP.
 ///
 /// The rows of the faces are taken in their present states; S̃_u is that of the all-stick body, built once for the whole run.
@@ -258,8 +261,18 @@ impl Linear {
         }
         let new = |ready: &Option<Ready>| ready.as_ref().is_none_or(|r| r.of.states != states);
         // with flow an iteration costs two applications, and rounds lead through many states
-        let again = !self.built || problem.balance().is_some();
-        let wanted = self.slow && again && new(&self.stick) && new(&self.present.ready);
+        let flows = problem.balance().is_some();
+        let far = |ready: &Option<Ready>| {
+            let jumps = ready
+                .as_ref()
+                .map(|ready| distance(&ready.of.states, states));
+            jumps.is_none_or(|jumps| jumps as f64 > FAR * faces as f64)
+        };
+        let slow = match flows {
+            true => self.slow || far(&self.stick) && far(&self.present.ready),
+            false => self.slow && !self.built,
+        };
+        let wanted = slow && new(&self.stick) && new(&self.present.ready);
         if let (true, Some(tangents)) = (wanted, &jacobian.faces) {
             // the memory of the one before is given back first
             self.present.ready = None;

@@ -355,6 +355,7 @@ impl<'a> Simulation<'a> {
             error,
             unstable,
             flow,
+            wells,
         } = settled;
         let problem = &self.problem;
         let from = problem.jumps(&before.u, &problem.loads().at(before.time, before.loaded));
@@ -424,6 +425,7 @@ impl<'a> Simulation<'a> {
             },
             record,
             flow,
+            wells,
             linear: log.linear,
             events: log.events,
         }

@@ -1,6 +1,6 @@
 //! Rows of `history.csv`, `solver.csv`, `energy.csv` and `flow.csv`.
 
-use crate::flow::FlowRecord;
+use crate::flow::{FlowRecord, WellRecord};
 use crate::nonlinear::{EnergyRecord, LinearRecord, StepRecord};
 use fracas_solvers::saddle::{T, U};
 
@@ -13,9 +13,16 @@ pub(super) const SOLVER: &str = "step,attempt,active,newton,krylov,iterations,to
 /// First line of `energy.csv`.
 pub(super) const ENERGY: &str = "step,time_s,external_work_J,pressure_work_J,elastic_energy_J,elastic_change_J,contact_work_J,dissipation_J,balance_error_J,stabilization_work_J\n";
 
-/// First line of `flow.csv`: volumes of the step.
-pub(super) const FLOW: &str =
-    "step,time_s,injected_m3,stored_opening_m3,stored_compression_m3,out_m3,balance_error_m3\n";
+/// First line of `flow.csv`: volumes of the step, then rate and pressure of every well.
+pub(super) fn flow_heading<'w>(wells: impl Iterator<Item = &'w str>) -> String {
+    let mut heading =
+        "step,time_s,injected_m3,stored_opening_m3,stored_compression_m3,out_m3,balance_error_m3"
+            .to_owned();
+    for well in wells {
+        heading += &format!(",{well}_rate_m3_s,{well}_pressure_Pa");
+    }
+    heading + "\n"
+}
 
 /// Columns of a history row before `wall_s`.
 pub(super) const NUMBERS: usize = 18;
@@ -93,9 +100,9 @@ pub(super) fn energy_row(record: &StepRecord, e: &EnergyRecord) -> String {
 }
 
 /// A row of `flow.csv`.
-pub(super) fn flow_row(record: &StepRecord, f: &FlowRecord) -> String {
-    format!(
-        "{},{:?},{:?},{:?},{:?},{:?},{:?}\n",
+pub(super) fn flow_row(record: &StepRecord, f: &FlowRecord, wells: &[WellRecord]) -> String {
+    let mut row = format!(
+        "{},{:?},{:?},{:?},{:?},{:?},{:?}",
         record.step,
         record.time,
         f.injected,
@@ -103,7 +110,11 @@ pub(super) fn flow_row(record: &StepRecord, f: &FlowRecord) -> String {
         f.stored_compression,
         f.out,
         f.error
-    )
+    );
+    for well in wells {
+        row += &format!(",{:?},{:?}", well.rate, well.pressure);
+    }
+    row + "\n"
 }
 
 /// The rows of `history.csv` up to `wall_s`, as numbers.
@@ -197,8 +208,14 @@ mod tests {
     fn energies_have_a_number_per_column() {
         let text = energy_row(&record(), &EnergyRecord::default());
         assert_eq!(text.matches(',').count(), ENERGY.matches(',').count());
-        let text = flow_row(&record(), &FlowRecord::default());
-        assert_eq!(text.matches(',').count(), FLOW.matches(',').count());
+        let well = WellRecord {
+            name: "W".into(),
+            rate: 1.0,
+            pressure: 2.0,
+        };
+        let text = flow_row(&record(), &FlowRecord::default(), &[well]);
+        let heading = flow_heading(["W"].into_iter());
+        assert_eq!(text.matches(',').count(), heading.matches(',').count());
     }
 
     #[test]

@@ -132,6 +132,7 @@ impl<'a> Running<'a> {
             linear,
             events,
             flow: _,
+            wells: _,
         } = accepted;
         self.state = state;
         Ok(Taken::Step(Box::new(Done {
