@@ -12,7 +12,7 @@ use fracas_operators::sparse::Csr;
 use fracas_operators::vector::norm2;
 use fracas_solvers::Observer;
 use fracas_solvers::krylov::System;
-use fracas_solvers::saddle::{FlowBlocks, ThreeFieldsInverse};
+use fracas_solvers::saddle::{FlowBlocks, PressureSchur, ThreeFieldsInverse};
 
 impl Linear {
     /// `δ ← J⁻¹ (−r)` for `J = [A B1 Q1; B2 −H 0; Q2 0 T]` by the block LDU in the order t, u, p around RACP, or with
@@ -43,7 +43,8 @@ impl Linear {
         let Some((flow, by_gap)) = attempt.flow_blocks((b, unit), states, at, x) else {
             unreachable!("called where something flows")
         };
-        let system = match flow.is_coupled() {
+        let by_rock = self.settings().flow.schur != PressureSchur::Transmissibility;
+        let system = match by_rock && flow.is_coupled() {
             true => {
                 let body = problem.body();
                 let surface = surface(&body.mesh, problem.faces(), &body.materials, states, unit);

@@ -11,7 +11,7 @@ use crate::scene::Method;
 use fracas_operators::Layout;
 use fracas_operators::sparse::{Csr, SparseMatrix, Triplets};
 use fracas_operators::vector::{axpy, norm2};
-use fracas_solvers::saddle::{FlowBlocks, P, SaddleBlocks};
+use fracas_solvers::saddle::{FlowBlocks, P, PressureSchur, SaddleBlocks};
 
 /// How much more strictly lost volume is judged than residuals: a run adds the losses of its steps up. Unit: 1.
 const STRICT: f64 = 1e3;
@@ -30,6 +30,18 @@ impl ContactProblem<'_> {
     pub(super) fn require_multipliers(&self) -> Result<(), SimulationError> {
         match self.balance().is_some() && self.body().solver.method != Method::Lagrange {
             true => Err(SimulationError::FlowWithSprings),
+            false => Ok(()),
+        }
+    }
+
+    /// S_p of runs comes from the mesh.
+    pub(super) fn require_surface(&self, schur: PressureSchur) -> Result<(), SimulationError> {
+        let is_here = matches!(
+            schur,
+            PressureSchur::HalfOrder | PressureSchur::Transmissibility
+        );
+        match self.balance().is_some() && !is_here {
+            true => Err(SimulationError::PressureSchur { name: schur.name() }),
             false => Ok(()),
         }
     }

@@ -50,6 +50,7 @@ impl<'a> Simulation<'a> {
         problem.require_multipliers()?;
         let linear = Linear::new(&problem);
         let racp = linear.settings();
+        problem.require_surface(racp.flow.schur)?;
         if let InnerChoice::Geometric(geometric) = racp.inner {
             let checked = geometric.checked();
             checked.map_err(SimulationError::Geometric)?;

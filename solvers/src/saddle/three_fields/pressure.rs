@@ -16,7 +16,6 @@ use std::str::FromStr;
 #[serde(rename_all = "snake_case")]
 pub enum PressureSchur {
     /// `T + M`, `M_ii = −r(q2_i) (S_u|_i)⁻¹ r(q1_i)` on the displacements at which the pressure of face i acts.
-    #[default]
     FixedStress,
     /// `T + α M` with the α that brings M to the middle of what the rock gives.
     ScaledFixedStress,
@@ -24,6 +23,7 @@ pub enum PressureSchur {
     PatchFixedStress,
     /// `T + K M`, `M = W D^½ L^(−½) D^½ Wᵀ` with a Laplacian L on the nodes of open faces: each wave of pressures counts as much as it
     /// opens.
+    #[default]
     HalfOrder,
     /// `T`.
     Transmissibility,

@@ -80,3 +80,81 @@ impl Surface {
         bounds.fold(0.0, f64::max)
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::saddle::PressureFactors;
+    use crate::saddle::oracle::{full, inverse};
+    use faer::Mat;
+    use fracas_operators::Preconditioner;
+    use fracas_operators::random::signed;
+
+    fn matrix(rows: usize, cols: usize, entry: impl Fn(usize, usize) -> f64) -> SparseMatrix<f64> {
+        let mut m = Triplets::new((rows, cols));
+        for i in 0..rows {
+            for j in 0..cols {
+                m.add_triplet(i, j, entry(i, j));
+            }
+        }
+        m.to_csr()
+    }
+
+    /// Against `(T + K W D^½ Σ c_i (L + σ_i N)⁻¹ D^½ Wᵀ)⁻¹`, all dense.
+    #[test]
+    fn factors_with_the_nodes_behind_the_pressures_invert_the_sum_of_poles() {
+        for seed in 0..20 {
+            let number = |k: usize| signed(1_000 * seed + k as u64);
+            let (n_p, nodes) = (5, 4);
+            let surface = Surface {
+                volume: matrix(
+                    n_p,
+                    nodes,
+                    |i, a| if i < 3 { number(10 * i + a) } else { 0.0 },
+                ),
+                laplacian: matrix(nodes, nodes, |a, b| match a.abs_diff(b) {
+                    0 => 2.0,
+                    1 => -1.0,
+                    _ => 0.0,
+                }),
+                area: (0..nodes).map(|a| 1.5 + number(100 + a)).collect(),
+                compliance: (0..nodes).map(|a| 1.2 + number(200 + a)).collect(),
+                interval: (0.1, 8.0),
+            };
+            let t = matrix(n_p, n_p, |i, j| match i == j {
+                true => 3.0,
+                false => 0.3 * number(300 + 10 * i + j),
+            });
+            let k = matrix(n_p, n_p, |i, j| match j < 3 {
+                true => number(400 + 10 * i + j) + f64::from(u8::from(i == j)),
+                false => 0.0,
+            });
+            let (w, n) = (full(&surface.volume), surface.area.len());
+            let mut p = Mat::<f64>::zeros(n, n);
+            for (sigma, c) in poles(surface.interval) {
+                let solved = inverse(&full(&surface.shifted(sigma)));
+                for a in 0..n {
+                    for b in 0..n {
+                        let d = (surface.compliance[a] * surface.compliance[b]).sqrt();
+                        p[(a, b)] += c * d * solved[(a, b)];
+                    }
+                }
+            }
+            let s_p = full(&t) + full(&k) * (&w * p * w.transpose());
+            let factors = PressureFactors::default()
+                .factor(&surface.system(&t, &k))
+                .unwrap();
+            let mut work = vec![0.0; factors.work_len()];
+            for j in 0..n_p {
+                let r: Vec<f64> = (0..n_p).map(|i| s_p[(i, j)]).collect();
+                let mut z = vec![0.0; n_p];
+                factors.solve(&r, &mut z, &mut work);
+                for (i, z) in z.iter().enumerate() {
+                    let expected = f64::from(u8::from(i == j));
+                    assert!((z - expected).abs() < 1e-9, "seed {seed}: {z} at {i}, {j}");
+                }
+            }
+        }
+    }
+}
