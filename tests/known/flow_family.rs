@@ -127,9 +127,9 @@ fn run(scene: &Scene) -> (Vec<Accepted>, Option<Box<StepFailure>>) {
     (steps, None)
 }
 
-/// `‖a − b‖/‖b‖` by largest entries.
-fn apart(a: &[f64], b: &[f64]) -> f64 {
-    let size = b.iter().fold(f64::MIN_POSITIVE, |m, v| m.max(v.abs()));
+/// `‖a − b‖/‖b‖` by largest entries, b counted as at least `least`.
+fn apart(a: &[f64], b: &[f64], least: f64) -> f64 {
+    let size = b.iter().fold(least, |m, v| m.max(v.abs()));
     let off = a
         .iter()
         .zip(b)
@@ -176,8 +176,10 @@ fn family(seeds: std::ops::Range<u64>, verbose: bool) -> Shown {
                 break;
             }
             let of = |x: &Accepted| [x.state.u.clone(), x.state.t.clone(), x.state.p.clone()];
-            for (a, b) in of(a).iter().zip(of(b)) {
-                worst = worst.max(apart(a, &b));
+            // a micrometre, and a kPa
+            let least = [1e-6, 1e3, 1e3];
+            for ((a, b), least) in of(a).iter().zip(of(b)).zip(least) {
+                worst = worst.max(apart(a, &b, least));
             }
         }
         let injected: f64 = steps
