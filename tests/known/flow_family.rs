@@ -243,7 +243,9 @@ fn runs_with_the_preconditioner_are_those_that_factorize() {
     report(&shown);
     assert!(4 * shown.other_states <= shown.runs && 4 * shown.finished >= 3 * shown.runs);
     assert!(shown.opened > 0 && shown.slipped > 0, "{shown:?}");
-    assert!(shown.differences.iter().all(|d| *d < 1e-5), "{shown:?}");
+    let close = shown.differences.iter().filter(|d| **d < 1e-6).count();
+    let worst = shown.differences.iter().fold(0.0f64, |m, d| m.max(*d));
+    assert!(worst < 1e-4 && 4 * close >= 3 * shown.runs, "{shown:?}");
     assert!(quantile(&shown.krylov, 0.5) <= 25, "{shown:?}");
 }
 
