@@ -1,6 +1,7 @@
 //! The balance of fluid volume on fracture faces over a step, and its derivatives.
 
 use super::network::Network;
+use super::pattern::pattern;
 use super::sealed::closable;
 use super::well::Driven;
 use super::{FlowStep, Fluid, Given, Place, WellGiven, WellStep};
@@ -437,37 +438,4 @@ impl<'a> Balance<'a> {
             by_gap: matrix(by_gap),
         }
     }
-}
-
-/// Faces that share an edge of the network, and all faces of a part that may be sealed in the row of its first.
-fn pattern(
-    faces: usize,
-    network: &Network,
-    edges: &[FractureEdge],
-    closable: &[Vec<u32>],
-) -> Pattern {
-    let mut rows: Vec<Vec<u32>> = (0..faces).map(|f| vec![f as u32]).collect();
-    let mut meet = |all: &[u32]| {
-        for f in all {
-            rows[*f as usize].extend(all);
-        }
-    };
-    for arms in network.meetings() {
-        meet(&arms.iter().map(|arm| arm.face).collect::<Vec<_>>());
-    }
-    edges.iter().for_each(|edge| meet(&edge.faces));
-    for part in closable {
-        rows[part[0] as usize].extend(part);
-    }
-    let mut pattern = Pattern {
-        offsets: vec![0],
-        columns: Vec::new(),
-    };
-    for mut row in rows {
-        row.sort_unstable();
-        row.dedup();
-        pattern.columns.extend(row);
-        pattern.offsets.push(pattern.columns.len());
-    }
-    pattern
 }

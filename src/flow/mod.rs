@@ -12,6 +12,7 @@
 mod balance;
 mod fluid;
 mod network;
+mod pattern;
 mod record;
 mod sealed;
 mod step;
