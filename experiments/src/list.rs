@@ -23,6 +23,8 @@ pub static EXPERIMENTS: &[&dyn Experiment] = &[
     &crate::e14_cycle::Cycle,
     &crate::e15_nonlinear::Nonlinear,
     &crate::e16_settings::Sensitivity,
+    &crate::e17_four_fractures::FourFractures,
+    &crate::e19_tilted_well::TiltedWell,
     &crate::e22_gas_storage::GasStorage,
     &crate::e23_ground_ruptures::GroundRuptures,
 ];

@@ -1,8 +1,10 @@
 //! The balance of fluid volume on fracture faces over a step, and its derivatives.
 
 use super::network::Network;
+use super::pattern::pattern;
 use super::sealed::closable;
-use super::{FlowStep, Fluid, Given, Place};
+use super::well::Driven;
+use super::{FlowStep, Fluid, Given, Place, WellGiven, WellStep};
 use crate::contact::{ContactState, JumpStabilization, face_compliance};
 use crate::elasticity::Elastic;
 use crate::mesh::{FractureEdge, FractureFace, FractureMesh, HexMesh};
@@ -102,7 +104,7 @@ impl<'a> Balance<'a> {
                 _ => None,
             });
         let held_edges: Vec<[u32; 2]> = held_edges.flatten().copied().collect();
-        let network = Network::new(faces, mesh, &held_edges);
+        let network = Network::new(faces, mesh, &held_edges, &fluid.wells);
         let mut held_middles = vec![[f64::NAN; 3]; held_edges.len()];
         for (number, middle) in network.held_middles() {
             held_middles[number] = middle;
@@ -121,7 +123,13 @@ impl<'a> Balance<'a> {
         held_faces
             .flatten()
             .for_each(|f| open_ended[*f as usize] = true);
-        network.held_faces().for_each(|f| open_ended[f] = true);
+        let by_pressure = fluid
+            .wells
+            .iter()
+            .filter(|w| matches!(w.given, WellGiven::Pressure(_)));
+        let by_pressure = by_pressure.flat_map(|w| w.cuts.iter().map(|(f, _)| *f as usize));
+        let edges = network.held_edge_faces().chain(by_pressure);
+        edges.for_each(|f| open_ended[f] = true);
         let meetings = network.meetings();
         let meetings = meetings.map(|arms| arms.iter().map(|arm| arm.face).collect());
         let closable = closable(faces, meetings, |f| open_ended[f]);
@@ -167,7 +175,26 @@ impl<'a> Balance<'a> {
             injected: vec![0.0; self.faces.len()],
             held: vec![None; self.faces.len()],
             held_edges: Vec::new(),
+            wells: Vec::new(),
         };
+        for well in &self.fluid.wells {
+            let head = self.fluid.head(well.head);
+            step.wells.push(match well.given {
+                WellGiven::Rate(rate, limit) => WellStep {
+                    // as for sources
+                    rate: 0.5
+                        * rate
+                        * (factor(well.history, times[0]) + factor(well.history, times[1])),
+                    pressure: limit.map(|p| p - head),
+                    by_rate: true,
+                },
+                WellGiven::Pressure(p) => WellStep {
+                    rate: 0.0,
+                    pressure: Some(p * factor(well.history, times[1]) - head),
+                    by_rate: false,
+                },
+            });
+        }
         for source in &self.fluid.sources {
             match (&source.place, source.given) {
                 (Place::Faces(faces), Given::Rate(rate)) => {
@@ -207,15 +234,16 @@ impl<'a> Balance<'a> {
         [0, 1].map(|k: usize| both.iter().map(|m| m[k]).collect())
     }
 
-    /// `p − ρ g·x` per face and per held edge [Pa].
-    pub(super) fn potentials(&self, p: &[f64], step: &FlowStep) -> [Vec<f64>; 2] {
+    /// `p − ρ g·x` per face, per held edge and well [Pa].
+    pub(super) fn potentials(&self, p: &[f64], step: &FlowStep) -> (Vec<f64>, Driven) {
         let of_face = |(face, p): (&FractureFace, &f64)| p - self.fluid.head(face.center);
         let of_edge = |(x, p): (&[f64; 3], &f64)| p - self.fluid.head(*x);
         let edges = self.held_middles.iter().zip(&step.held_edges);
-        [
-            self.faces.iter().zip(p).map(of_face).collect(),
-            edges.map(of_edge).collect(),
-        ]
+        let driven = Driven {
+            held: edges.map(of_edge).collect(),
+            wells: step.wells.clone(),
+        };
+        (self.faces.iter().zip(p).map(of_face).collect(), driven)
     }
 
     /// Volume taken by opening, and by compression and storage, of a face [m³].
@@ -239,7 +267,7 @@ impl<'a> Balance<'a> {
         let n = self.faces.len();
         let (mut residual, mut size, mut rounding) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         let [mobility, _] = self.mobility(states, jumps);
-        let [potential, held] = self.potentials(p, step);
+        let (potential, held) = self.potentials(p, step);
         self.network.visit(&mobility, &potential, &held, |edge| {
             for (k, l, weight) in edge.pairs() {
                 let k = edge.arms[k].face as usize;
@@ -254,6 +282,10 @@ impl<'a> Balance<'a> {
                     size[l] += flux.abs();
                     rounding[l] += step.dt * weight * (potential[k].abs() + other.abs());
                 }
+            }
+            for (k, inflow) in edge.inflows() {
+                residual[k] -= step.dt * inflow;
+                size[k] += step.dt * inflow.abs();
             }
         });
         // what comes through edges and from faces of prescribed pressure
@@ -335,7 +367,7 @@ impl<'a> Balance<'a> {
         let place = |k: usize, l: usize| self.pattern.place(k, l as u32);
         let free = |k: usize| step.held[k].is_none();
         let [mobility, by_width] = self.mobility(states, jumps);
-        let [potential, held] = self.potentials(p, step);
+        let (potential, held) = self.potentials(p, step);
         self.network.visit(&mobility, &potential, &held, |edge| {
             for (k, l, weight) in edge.pairs() {
                 let k = edge.arms[k].face as usize;
@@ -406,37 +438,4 @@ impl<'a> Balance<'a> {
             by_gap: matrix(by_gap),
         }
     }
-}
-
-/// Faces that share an edge of the network, and all faces of a part that may be sealed in the row of its first.
-fn pattern(
-    faces: usize,
-    network: &Network,
-    edges: &[FractureEdge],
-    closable: &[Vec<u32>],
-) -> Pattern {
-    let mut rows: Vec<Vec<u32>> = (0..faces).map(|f| vec![f as u32]).collect();
-    let mut meet = |all: &[u32]| {
-        for f in all {
-            rows[*f as usize].extend(all);
-        }
-    };
-    for arms in network.meetings() {
-        meet(&arms.iter().map(|arm| arm.face).collect::<Vec<_>>());
-    }
-    edges.iter().for_each(|edge| meet(&edge.faces));
-    for part in closable {
-        rows[part[0] as usize].extend(part);
-    }
-    let mut pattern = Pattern {
-        offsets: vec![0],
-        columns: Vec::new(),
-    };
-    for mut row in rows {
-        row.sort_unstable();
-        row.dedup();
-        pattern.columns.extend(row);
-        pattern.offsets.push(pattern.columns.len());
-    }
-    pattern
 }

@@ -60,6 +60,8 @@ pub struct Fluid {
     pub channels: Vec<Channel>,
     /// What drives it.
     pub sources: Vec<Source>,
+    /// Wells.
+    pub wells: Vec<super::Well>,
 }
 
 impl Fluid {

@@ -1,5 +1,7 @@
 //! The graph that fluid flows along: faces that meet on edges.
 
+use super::Well;
+use super::well::Driven;
 use crate::mesh::{FractureFace, HexMesh};
 use std::ops::Range;
 
@@ -19,6 +21,8 @@ struct Edge {
     middle: [f64; 3],
     /// Number of its prescribed pressure.
     held: Option<usize>,
+    /// Number of the well that it is.
+    well: Option<usize>,
 }
 
 /// Faces connected by the edges they share, on planes, bends and junctions of any number of faces.
@@ -49,6 +53,10 @@ pub(super) struct EdgeFlow<'n> {
     pub(super) potential: f64,
     /// Its pressure is prescribed.
     pub(super) held: bool,
+    /// What comes in here, shared by τ, where the rate of a well is [m³/s].
+    pub(super) inflow: f64,
+    /// Number of the well that it is.
+    pub(super) well: Option<usize>,
     pub(super) middle: [f64; 3],
 }
 
@@ -64,9 +72,28 @@ impl EdgeFlow<'_> {
     }
 }
 
+impl EdgeFlow<'_> {
+    /// What comes to the face of every arm by the rate of a well [m³/s]; nothing on other edges.
+    pub(super) fn inflows(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let arms = self
+            .arms
+            .iter()
+            .zip(self.tau)
+            .filter(|_| self.inflow != 0.0);
+        arms.map(|(arm, tau)| (arm.face as usize, self.inflow * tau / self.total))
+    }
+
+    /// What leaves through a well or an edge of prescribed pressure, all together [m³/s].
+    pub(super) fn outflow(&self, potential: &[f64]) -> f64 {
+        let arms = self.arms.iter().zip(self.tau);
+        arms.map(|(arm, tau)| tau * (potential[arm.face as usize] - self.potential))
+            .sum()
+    }
+}
+
 impl Network {
     /// The edges that faces share; `held` are those of prescribed pressure, by their end nodes before splitting.
-    pub fn new(faces: &[FractureFace], mesh: &HexMesh, held: &[[u32; 2]]) -> Self {
+    pub fn new(faces: &[FractureFace], mesh: &HexMesh, held: &[[u32; 2]], wells: &[Well]) -> Self {
         // (ends, face, local end)
         let mut users: Vec<([u32; 2], u32, usize)> = Vec::with_capacity(4 * faces.len());
         for (f, face) in faces.iter().enumerate() {
@@ -91,6 +118,18 @@ impl Network {
                 arms: first..arms.len(),
                 middle: std::array::from_fn(|i| 0.5 * (p[i] + q[i])),
                 held,
+                well: None,
+            });
+        }
+        for (number, well) in wells.iter().enumerate() {
+            let first = arms.len();
+            let cuts = well.cuts.iter();
+            arms.extend(cuts.map(|&(face, shape)| Arm { face, shape }));
+            edges.push(Edge {
+                arms: first..arms.len(),
+                middle: well.head,
+                held: None,
+                well: Some(number),
             });
         }
         Self { edges, arms }
@@ -102,8 +141,16 @@ impl Network {
     }
 
     /// Faces beside an edge of prescribed pressure.
-    pub(super) fn held_faces(&self) -> impl Iterator<Item = usize> + '_ {
+    pub(super) fn held_edge_faces(&self) -> impl Iterator<Item = usize> + '_ {
         let held = self.edges.iter().filter(|edge| edge.held.is_some());
+        held.flat_map(|edge| &self.arms[edge.arms.clone()])
+            .map(|arm| arm.face as usize)
+    }
+
+    /// Faces beside an edge of prescribed pressure, and those that wells cut.
+    pub(super) fn held_faces(&self) -> impl Iterator<Item = usize> + '_ {
+        let may_be = |edge: &&Edge| edge.held.is_some() || edge.well.is_some();
+        let held = self.edges.iter().filter(may_be);
         held.flat_map(|edge| &self.arms[edge.arms.clone()])
             .map(|arm| arm.face as usize)
     }
@@ -114,12 +161,12 @@ impl Network {
         self.edges.iter().filter_map(held)
     }
 
-    /// Visits the edges at conductivities over viscosity per face [m³/(Pa s)], potentials per face and per held edge [Pa].
+    /// Visits the edges at conductivities over viscosity per face [m³/(Pa s)], potentials per face [Pa].
     pub(super) fn visit(
         &self,
         mobility: &[f64],
         potential: &[f64],
-        held: &[f64],
+        driven: &Driven,
         mut visit: impl FnMut(&EdgeFlow<'_>),
     ) {
         let mut tau = Vec::new();
@@ -135,12 +182,23 @@ impl Network {
             let first = potential[arms[0].face as usize];
             let above = |(arm, tau): (&Arm, &f64)| tau * (potential[arm.face as usize] - first);
             let mean = first + arms.iter().zip(&tau).map(above).sum::<f64>() / total;
+            let (potential, held) = match (edge.held, edge.well) {
+                (Some(number), _) => (driven.held[number], true),
+                (None, Some(number)) => driven.wells[number].potential(mean, total),
+                (None, None) => (mean, false),
+            };
+            let inflow = match edge.well {
+                Some(number) if !held => driven.wells[number].rate,
+                _ => 0.0,
+            };
             visit(&EdgeFlow {
                 arms,
                 tau: &tau,
                 total,
-                potential: edge.held.map_or(mean, |number| held[number]),
-                held: edge.held.is_some(),
+                potential,
+                held,
+                inflow,
+                well: edge.well,
                 middle: edge.middle,
             });
         }

@@ -1,6 +1,6 @@
 //! What the fluid of a step did: flow per width, and where its volume went.
 
-use super::{Balance, FlowRecord, FlowStep, Fluid};
+use super::{Balance, FlowRecord, FlowStep, Fluid, WellRecord};
 use crate::contact::ContactState;
 
 impl Balance<'_> {
@@ -14,7 +14,7 @@ impl Balance<'_> {
     ) -> Vec<f64> {
         let mut q = vec![0.0; 3 * self.faces.len()];
         let [mobility, _] = self.mobility(states, jumps);
-        let [potential, held] = self.potentials(p, step);
+        let (potential, held) = self.potentials(p, step);
         self.network.visit(&mobility, &potential, &held, |edge| {
             for (arm, tau) in edge.arms.iter().zip(edge.tau) {
                 let f = arm.face as usize;
@@ -38,7 +38,7 @@ impl Balance<'_> {
     ) -> FlowRecord {
         let mut record = FlowRecord::default();
         let [mobility, _] = self.mobility(states, jumps);
-        let [potential, held] = self.potentials(p, step);
+        let (potential, held) = self.potentials(p, step);
         // what leaves each face, for those whose balance is not asked for
         let mut leaving = vec![0.0; self.faces.len()];
         self.network.visit(&mobility, &potential, &held, |edge| {
@@ -50,7 +50,18 @@ impl Balance<'_> {
                 leaving[k] += flux;
                 match l {
                     Some(l) => leaving[l] -= flux,
+                    // below, all of its arms together
+                    None if edge.well.is_some() => {}
                     None => record.out += flux,
+                }
+            }
+            for (k, inflow) in edge.inflows() {
+                leaving[k] -= step.dt * inflow;
+            }
+            if edge.well.is_some() {
+                match step.dt * edge.outflow(&potential) {
+                    out if out > 0.0 => record.out += out,
+                    out => record.injected -= out,
                 }
             }
         });
@@ -77,5 +88,28 @@ impl Balance<'_> {
         record.error =
             record.injected - record.out - record.stored_opening - record.stored_compression;
         record
+    }
+
+    /// What every well did in a step.
+    pub fn wells(
+        &self,
+        states: &[ContactState],
+        jumps: &[f64],
+        p: &[f64],
+        step: &FlowStep,
+    ) -> Vec<WellRecord> {
+        let mut records = Vec::new();
+        let [mobility, _] = self.mobility(states, jumps);
+        let (potential, driven) = self.potentials(p, step);
+        self.network.visit(&mobility, &potential, &driven, |edge| {
+            if let Some(well) = edge.well.map(|number| &self.fluid().wells[number]) {
+                records.push(WellRecord {
+                    name: well.name.clone(),
+                    rate: -edge.outflow(&potential),
+                    pressure: edge.potential + self.fluid().head(well.head),
+                });
+            }
+        });
+        records
     }
 }

@@ -28,6 +28,9 @@ impl Balance<'_> {
                 excess += step.injected[f] + held;
                 size += step.injected[f].abs() + held.abs();
             }
+            let brought = step.well_volume(&self.fluid().wells, faces);
+            excess += brought;
+            size += brought.abs();
             match excess.abs() <= NOTHING * size {
                 true => 0.0,
                 false => excess,
@@ -53,7 +56,12 @@ impl Balance<'_> {
             let faces = sealed.faces.iter().copied();
             faces.filter(|f| holds(*f as usize)).collect()
         };
-        let fed = which(&|f| step.injected[f] > 0.0);
+        let wells = self.fluid().wells.iter().zip(&step.wells);
+        let cut: Vec<usize> = wells
+            .filter(|(_, step)| step.rate > 0.0)
+            .flat_map(|(well, _)| well.cuts.iter().map(|(f, _)| *f as usize))
+            .collect();
+        let fed = which(&|f| step.injected[f] > 0.0 || cut.contains(&f));
         if !fed.is_empty() {
             return fed;
         }

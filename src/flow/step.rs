@@ -15,6 +15,8 @@ pub struct FlowStep {
     pub held: Vec<Option<f64>>,
     /// Pressure per edge of prescribed pressure, at the end [Pa].
     pub held_edges: Vec<f64>,
+    /// Per well.
+    pub wells: Vec<super::WellStep>,
 }
 
 /// Where the fluid of a step went: a line of `flow.csv`.

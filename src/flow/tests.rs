@@ -30,6 +30,7 @@ fn fluid(conductivities: &[f64], sources: Vec<Source>) -> Fluid {
         reference: 0.0,
         channels: conductivities.iter().map(channel).collect(),
         sources,
+        wells: Vec::new(),
     }
 }
 

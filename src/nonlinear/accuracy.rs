@@ -21,7 +21,7 @@ pub(super) struct Accuracy<'s> {
 }
 
 impl<'s> Accuracy<'s> {
-    /// `None` where the scene asks for residuals alone, and with flow, whose systems are solved directly.
+    /// `None` where the scene asks for residuals alone, and with flow, whose errors nobody estimates yet.
     pub(super) fn new(attempt: &'s Attempt<'s>) -> Option<Self> {
         let problem = attempt.problem;
         let asked = problem.body().solver.measure == Measure::Error;

@@ -8,7 +8,7 @@ use super::proximal::Proximal;
 use super::rounds::{Ended, Search};
 use super::{Event, Failure, Instability, LinearRecord};
 use crate::contact::ContactState;
-use crate::flow::FlowRecord;
+use crate::flow::{FlowRecord, WellRecord};
 use fracas_operators::Fields;
 use fracas_solvers::{Observer, Step};
 
@@ -37,6 +37,8 @@ pub(super) struct Settled {
     pub(super) unstable: Option<Box<Instability>>,
     /// Where the fluid went, where one flows.
     pub(super) flow: Option<FlowRecord>,
+    /// What wells did.
+    pub(super) wells: Vec<WellRecord>,
 }
 
 /// What an attempt costs and tells, also when it fails.

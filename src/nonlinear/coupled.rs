@@ -1,89 +1,132 @@
 //! The linear systems of rock, contact and flow.
 
-use super::krylov::Solved;
+use super::jacobian::ContactJacobian;
+use super::krylov::{self, Asked, Ended, Solved};
 use super::linear::Linear;
 use super::newton::{Attempt, Iterate};
-use super::{ContactProblem, Evaluation, LinearFailure};
+use super::pressed::{CoupledJacobian, Pressed, PressureSolver};
+use super::{Evaluation, LinearFailure};
 use crate::contact::ContactState;
-use fracas_operators::LinearOperator;
-use fracas_operators::sparse::{Csr, SparseMatrix, Triplets};
-use fracas_operators::vector::{axpy, norm2};
-use fracas_solvers::SetupError;
-use fracas_solvers::direct::Kind;
-use fracas_solvers::saddle::{SaddleBlocks, SaddleOperator};
-
-/// Share of the compliance of a face that its tractions are given as a pivot. Unit: 1.
-const FIRM: f64 = 1e-9;
+use crate::flow::surface;
+use fracas_operators::sparse::Csr;
+use fracas_operators::vector::norm2;
+use fracas_solvers::Observer;
+use fracas_solvers::krylov::System;
+use fracas_solvers::saddle::{FlowBlocks, PressureSchur, ThreeFieldsInverse};
 
 impl Linear {
-    /// `δ ← J⁻¹ (−r)` for `J = [A B1 Q1; B2 −H 0; Q2 0 T]` by a sparse LU factorization of all fields.
+    /// `δ ← J⁻¹ (−r)` for `J = [A B1 Q1; B2 −H 0; Q2 0 T]` by the block LDU in the order t, u, p around RACP, or with
+    /// `inner = "exact"` by a sparse LU factorization of all fields.
+    ///
+    /// Its rows of p are multiplied by S_p⁻¹ ([`Pressed`]).
     ///
     /// # Errors
-    /// [`LinearFailure::Singular`] where the states hold too little; other states may hold more.
+    /// [`LinearFailure`]; other states may hold more.
     pub(super) fn solve_coupled(
         &mut self,
         attempt: &Attempt<'_>,
         (states, h, lagged): (&[ContactState], Option<&Csr<f64>>, bool),
         (x, at): (&Iterate, &Evaluation),
+        tolerance: f64,
         correction: &mut [f64],
+        observer: &mut dyn Observer,
     ) -> Result<Solved, LinearFailure> {
-        let unit = attempt.problem.saddle().unit();
-        let stick = match &self.stick_blocks {
-            Some(stick) => stick,
-            None => {
-                let blocks = attempt.problem.stick_blocks()?.into_traction_unit(unit);
-                self.stick_blocks.insert(blocks)
-            }
+        if self.is_direct(attempt.problem) {
+            return self.factorize_coupled(attempt, (states, h, lagged), (x, at), correction);
+        }
+        let problem = attempt.problem;
+        let unit = problem.saddle().unit();
+        let b = self.normal_coupling.get_or_insert_with(|| {
+            let b = problem.saddle().coupling();
+            b.assemble()
+        });
+        let Some((flow, by_gap)) = attempt.flow_blocks((b, unit), states, at, x) else {
+            unreachable!("called where something flows")
         };
-        let place = (h, x);
-        let blocks = attempt.coupled((stick.clone(), unit), states, place, at, lagged);
-        let matrix = firm(&blocks, attempt.problem).assembled();
-        let singular = |error: SetupError| match error {
-            SetupError::Singular { .. } => {
-                LinearFailure::Singular(error.in_block("[A B1 Q1; B2 −H 0; Q2 0 T]"))
+        let by_rock = self.settings().flow.schur != PressureSchur::Transmissibility;
+        let system = match by_rock && flow.is_coupled() {
+            true => {
+                let body = problem.body();
+                let surface = surface(&body.mesh, problem.faces(), &body.materials, states, unit);
+                surface.system(&flow.t, &by_gap)
             }
-            error => LinearFailure::Setup(error),
+            false => flow.t.clone().into(),
         };
-        let solver = self.settings().inner.backend().solver()?;
-        let symbolic = solver.analyze(&matrix, Kind::General).map_err(singular)?;
-        let factors = symbolic.factor(&matrix).map_err(singular)?;
-        let mut work = vec![0.0; factors.work_len()];
-        factors.solve(&at.residual, correction, &mut work);
-        // refined on J itself
-        let operator = SaddleOperator::new(&blocks);
-        let mut products = vec![0.0; operator.work_len()];
-        let mut left = at.residual.clone();
-        operator.apply_add(-1.0, correction, &mut left, &mut products);
-        let mut more = vec![0.0; left.len()];
-        factors.solve(&left, &mut more, &mut work);
-        axpy(1.0, &more, correction);
-        left.copy_from_slice(&at.residual);
-        operator.apply_add(-1.0, correction, &mut left, &mut products);
-        Ok(Solved {
-            krylov: "direct",
-            iterations: 1,
-            relative_residual: norm2(&left) / norm2(&at.residual),
-            smallest_ritz: None,
-            stopped: false,
-            setup: true,
-        })
+        let mut pressures = std::mem::take(&mut self.pressures);
+        let ready = pressures.prepare(&system, &flow);
+        let solved = ready.map_err(LinearFailure::from).and_then(|()| {
+            let jacobian = problem.jacobian(states, h, at, lagged);
+            let fields = (&flow, &pressures);
+            let rhs = &at.residual;
+            self.iterate_coupled(
+                attempt,
+                (&jacobian, states),
+                fields,
+                rhs,
+                tolerance,
+                correction,
+                observer,
+            )
+        });
+        self.pressures = pressures;
+        solved
     }
-}
 
-/// The blocks with `ε ω A_f` on the diagonal of H: tractions that no displacement sees (one cell between rollers) have a pivot, and the
-/// correction leaves them where they are. Refinement takes the rest of it out.
-fn firm(blocks: &SaddleBlocks, problem: &ContactProblem<'_>) -> SaddleBlocks {
-    let n = blocks.n_t();
-    let mut pivots = Triplets::new((n, n));
-    for i in 0..n {
-        pivots.add_triplet(i, i, FIRM * problem.law_entry(i / 3));
+    /// ‖r‖₂ of a residual of all fields, that of p as pressures by the S_p⁻¹ at hand.
+    pub(super) fn size_of(&self, attempt: &Attempt<'_>, residual: &[f64]) -> f64 {
+        let layout = attempt.layout();
+        match attempt
+            .flow
+            .and_then(|_| self.pressures.scaled(&layout, residual))
+        {
+            Some(scaled) => norm2(&scaled),
+            None => norm2(residual),
+        }
     }
-    let pivots: SparseMatrix<f64> = pivots.to_csr();
-    SaddleBlocks {
-        h: Some(match &blocks.h {
-            Some(h) => h + &pivots,
-            None => pivots,
-        }),
-        ..blocks.clone()
+
+    /// The same around S_p⁻¹ at hand.
+    #[allow(clippy::too_many_arguments)]
+    fn iterate_coupled(
+        &mut self,
+        attempt: &Attempt<'_>,
+        (jacobian, states): (&ContactJacobian<'_>, &[ContactState]),
+        (flow, pressures): (&FlowBlocks, &PressureSolver),
+        rhs: &[f64],
+        tolerance: f64,
+        correction: &mut [f64],
+        observer: &mut dyn Observer,
+    ) -> Result<Solved, LinearFailure> {
+        let problem = attempt.problem;
+        let setup = self.prepare(problem, jacobian, states, observer)?;
+        let mut work = std::mem::take(&mut self.resources.work);
+        let inverse = self.inverse(problem, jacobian, states)?;
+        let pressed = Pressed::new(pressures, flow);
+        let q1 = Csr::new(flow.q1.clone());
+        let operator = CoupledJacobian::new(jacobian, (&q1, &pressed), attempt.layout());
+        let mut rhs = rhs.to_vec();
+        pressed.scale(&attempt.layout(), &mut rhs);
+        let form = self.settings().flow.form.for_coupling(flow.is_coupled());
+        let (q1, q2) = (Csr::new(flow.q1.clone()), pressed.q2());
+        let preconditioner = ThreeFieldsInverse::new(inverse, q1, q2, pressed.unit(), form);
+        let system = System {
+            operator: &operator,
+            preconditioner: &preconditioner,
+            rhs: &rhs,
+        };
+        let asked = Asked {
+            short: None,
+            tolerance,
+            max_iterations: problem.body().solver.max_krylov,
+            patience: None,
+        };
+        correction.fill(0.0);
+        let ended = krylov::solve(&system, asked, correction, observer, &mut work);
+        drop(preconditioner);
+        self.resources.work = work;
+        let Ended::Solved(solved) = ended? else {
+            unreachable!("no patience is set")
+        };
+        self.judge_speed(problem, &solved);
+        Ok(Solved { setup, ..solved })
     }
 }

@@ -312,6 +312,14 @@ pub enum SimulationError {
         "[fluid] needs tractions among the unknowns: take method = \"lagrange\" in [solver], not penalty or augmented_lagrangian"
     )]
     FlowWithSprings,
+    /// An S_p of entries of S_u.
+    #[error(
+        "[solver.racp.flow] asks for schur = \"{name}\", which is for systems with assembled blocks; a run takes half_order or transmissibility"
+    )]
+    PressureSchur {
+        /// As asked.
+        name: &'static str,
+    },
     /// Geometric multigrid of a mesh from a file.
     #[error(
         "[solver] asks for geometric multigrid, and the mesh has no grid to coarsen; take inner = \"amg\""

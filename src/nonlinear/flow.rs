@@ -11,7 +11,7 @@ use crate::scene::Method;
 use fracas_operators::Layout;
 use fracas_operators::sparse::{Csr, SparseMatrix, Triplets};
 use fracas_operators::vector::{axpy, norm2};
-use fracas_solvers::saddle::{FlowBlocks, P, SaddleBlocks};
+use fracas_solvers::saddle::{FlowBlocks, P, PressureSchur, SaddleBlocks};
 
 /// How much more strictly lost volume is judged than residuals: a run adds the losses of its steps up. Unit: 1.
 const STRICT: f64 = 1e3;
@@ -30,6 +30,18 @@ impl ContactProblem<'_> {
     pub(super) fn require_multipliers(&self) -> Result<(), SimulationError> {
         match self.balance().is_some() && self.body().solver.method != Method::Lagrange {
             true => Err(SimulationError::FlowWithSprings),
+            false => Ok(()),
+        }
+    }
+
+    /// S_p of runs comes from the mesh.
+    pub(super) fn require_surface(&self, schur: PressureSchur) -> Result<(), SimulationError> {
+        let is_here = matches!(
+            schur,
+            PressureSchur::HalfOrder | PressureSchur::Transmissibility
+        );
+        match self.balance().is_some() && !is_here {
+            true => Err(SimulationError::PressureSchur { name: schur.name() }),
             false => Ok(()),
         }
     }
@@ -75,13 +87,13 @@ impl ContactProblem<'_> {
         Some(balance.step(times, p.to_vec(), apertures, factor))
     }
 
-    /// `Q1 = −B n` and `Q2 = ∂R/∂g_N A_f⁻¹ (B n)ᵀ`, T and −R for blocks whose tractions and pressures count in `unit`.
+    /// `Q1 = −B n`, `Q2 = K (B n)ᵀ`, T and −R for blocks whose tractions and pressures count in `unit`, and `K = ∂R/∂g_N A_f⁻¹`.
     fn flow_blocks(
         &self,
         (b1, unit): (&SparseMatrix<f64>, f64),
         (states, at, p): (&[ContactState], &Evaluation, &[f64]),
         step: &FlowStep,
-    ) -> Option<FlowBlocks> {
+    ) -> Option<(FlowBlocks, SparseMatrix<f64>)> {
         let tangent = self.balance()?.tangent(states, &at.jumps, p, step);
         let mut normal = Triplets::new((3 * p.len(), p.len()));
         let mut by_volume = Triplets::new((p.len(), p.len()));
@@ -95,19 +107,21 @@ impl ContactProblem<'_> {
         // columns of closed faces are no entries
         let mut by_gap = Triplets::new((p.len(), p.len()));
         for (value, (k, m)) in &tangent.by_gap {
-            if *value != 0.0 {
+            if states[m as usize] == ContactState::Open {
                 by_gap.add_triplet(k as usize, m as usize, *value);
             }
         }
         let by_gap: SparseMatrix<f64> = by_gap.to_csr();
-        let q2 = &(&by_gap * &by_volume) * &b_n.transpose_view().to_csr();
+        let by_gap = &by_gap * &by_volume;
+        let q2 = &by_gap * &b_n.transpose_view().to_csr();
         let flow = at.flow.as_ref()?;
-        Some(FlowBlocks {
+        let blocks = FlowBlocks {
             q1: b_n.map(|v| -v),
             q2,
             t: tangent.t.map(|v| unit * unit * v),
             rhs_p: flow.residual.iter().map(|r| -unit * r).collect(),
-        })
+        };
+        Some((blocks, by_gap))
     }
 }
 
@@ -195,8 +209,21 @@ impl Attempt<'_> {
         let flow = self
             .flow
             .and_then(|step| problem.flow_blocks((&stick.b1, unit), (states, at, &x.p), step));
+        let flow = flow.map(|(flow, _)| flow);
         let blocks = problem.linearized((stick, unit), states, h, at, lagged);
         SaddleBlocks { flow, ..blocks }
+    }
+
+    /// Q1, Q2, T and −R, and K of `Q2 = K (B n)ᵀ`, where something flows.
+    pub(super) fn flow_blocks(
+        &self,
+        b: (&SparseMatrix<f64>, f64),
+        states: &[ContactState],
+        at: &Evaluation,
+        x: &Iterate,
+    ) -> Option<(FlowBlocks, SparseMatrix<f64>)> {
+        let step = self.flow?;
+        self.problem.flow_blocks(b, (states, at, &x.p), step)
     }
 
     /// The states at which the active set begins: where fluid has to go into sealed fractures, what it reaches first is open.
@@ -246,6 +273,7 @@ impl Attempt<'_> {
                 let jumps = problem.jumps(&settled.x.u, self.load);
                 let record = balance.record(&settled.states, &jumps, &settled.x.p, step);
                 settled.flow = Some(record);
+                settled.wells = balance.wells(&settled.states, &jumps, &settled.x.p, step);
             }
             _ => settled.x.p = problem.initial_pressures(share),
         }

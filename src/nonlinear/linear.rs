@@ -6,6 +6,7 @@ use super::jacobian::FaceTangent;
 use super::kept::{Kept, Ready};
 use super::krylov::{self, Asked, Ended, Solved};
 use super::newton::{Attempt, Iterate};
+use super::pressed::PressureSolver;
 use super::stability::{AtLimits, Holding, SOLVED};
 use super::state_c::{StickC, c_of};
 use super::workspace::Resources;
@@ -16,6 +17,7 @@ use crate::contact::ContactState;
 use crate::matrix_free::MatrixFreeError;
 use crate::scene::{FACTORIZED, RunInner};
 use fracas_operators::Preconditioner;
+use fracas_operators::sparse::SparseMatrix;
 use fracas_solvers::krylov::{KrylovChoice, Sqmr, System, least};
 use fracas_solvers::saddle::{
     AugmentationChoice, Block, EnergyNorms, InnerChoice, Racp, RacpInverse, SaddleBlocks, T, U,
@@ -26,6 +28,9 @@ use fracas_solvers::{Observer, Step};
 /// C where the scene does not choose: half of H also where cells are flat. S̃_u is kept while faces slip and open, and less of H in
 /// C leaves stiffer springs in it: flat cells of 1:50 all opening take 91 iterations with fitted_h, 48 with this.
 const AUGMENTATION: AugmentationChoice = AugmentationChoice::HalfH;
+
+/// Jumps per face by which states differ from those of S̃_u where, with flow, one of their own is built. Unit: 1.
+const FAR: f64 = 0.1;
 
 /// Solves Jacobians with RACP.
 ///
@@ -56,6 +61,9 @@ pub(super) struct Linear {
     assembled: Assembled,
     /// With every face in stick, tractions in the balanced unit: what the systems of rock and flow are made of.
     pub(super) stick_blocks: Option<SaddleBlocks>,
+    /// B, and S_p⁻¹, where something flows.
+    pub(super) normal_coupling: Option<SparseMatrix<f64>>,
+    pub(super) pressures: PressureSolver,
     /// Number of the system of a step to stop at, and that system.
     pub(super) wanted: Option<usize>,
     pub(super) found: Option<NewtonSystem>,
@@ -77,6 +85,8 @@ impl Linear {
             resources: Resources::default(),
             assembled: Assembled::default(),
             stick_blocks: None,
+            normal_coupling: None,
+            pressures: PressureSolver::default(),
             wanted: None,
             found: None,
         }
@@ -162,12 +172,23 @@ impl Linear {
             Ended::Solved(solved) => Solved { setup, ..solved },
             Ended::Dropped { .. } => unreachable!("no patience is set"),
         };
+        self.judge_speed(problem, &solved);
+        Ok(solved)
+    }
+
+    /// Whether a preconditioner for the states at hand is worth its set-up.
+    pub(super) fn judge_speed(&mut self, problem: &ContactProblem<'_>, solved: &Solved) {
         self.smallest_ritz = least([self.smallest_ritz, solved.smallest_ritz]);
         let digits = -solved.relative_residual.max(f64::EPSILON).log10();
         let rate = solved.iterations as f64 / digits.max(1.0);
         let reference = *self.reference.get_or_insert(rate);
         self.slow = rate > problem.body().solver.rounds.slow * reference;
-        Ok(solved)
+    }
+
+    /// True where systems of rock and flow are factorized as a whole: the scene asks for a factorization.
+    pub(super) fn is_direct(&self, problem: &ContactProblem<'_>) -> bool {
+        let solver = &problem.body().solver;
+        solver.racp.is_none() && solver.inner == RunInner::Exact
     }
 
     /// `e ← M⁻¹ r`, an estimate of the error that leaves the residual r; and the Ritz value nearest to zero that was seen, by a
@@ -200,7 +221,7 @@ impl Linear {
     }
 
     /// RACP around the S̃_u made for the states nearest to these.
-    fn inverse<'s>(
+    pub(super) fn inverse<'s>(
         &'s self,
         problem: &'s ContactProblem<'_>,
         jacobian: &'s ContactJacobian<'_>,
@@ -232,7 +253,7 @@ impl Linear {
 
     /// The preconditioner of the all-stick body at first; that of the present states when the last system was slow. True
     /// where one is built.
-    fn prepare(
+    pub(super) fn prepare(
         &mut self,
         problem: &ContactProblem<'_>,
         jacobian: &ContactJacobian<'_>,
@@ -250,7 +271,19 @@ impl Linear {
             self.present.ready = Some(self.build(problem, states, |_| c.clone(), observer)?);
         }
         let new = |ready: &Option<Ready>| ready.as_ref().is_none_or(|r| r.of.states != states);
-        let wanted = self.slow && !self.built && new(&self.stick) && new(&self.present.ready);
+        // with flow an iteration costs two applications, and rounds lead through many states
+        let flows = problem.balance().is_some();
+        let far = |ready: &Option<Ready>| {
+            let jumps = ready
+                .as_ref()
+                .map(|ready| distance(&ready.of.states, states));
+            jumps.is_none_or(|jumps| jumps as f64 > FAR * faces as f64)
+        };
+        let slow = match flows {
+            true => self.slow || far(&self.stick) && far(&self.present.ready),
+            false => self.slow && !self.built,
+        };
+        let wanted = slow && new(&self.stick) && new(&self.present.ready);
         if let (true, Some(tangents)) = (wanted, &jacobian.faces) {
             // the memory of the one before is given back first
             self.present.ready = None;

@@ -170,7 +170,7 @@ pub(super) fn newton(
         let solved = match attempt.flow {
             Some(_) => {
                 let place = (states, h, until.lagged);
-                linear.solve_coupled(attempt, place, (x, &at), &mut correction)
+                linear.solve_coupled(attempt, place, (x, &at), forcing, &mut correction, observer)
             }
             None => {
                 let jacobian = problem.jacobian(states, h, &at, until.lagged);
@@ -204,6 +204,7 @@ pub(super) fn newton(
         if solved.stopped {
             return Err(Failure::Stopped);
         }
+        let from_size = linear.size_of(attempt, &at.residual);
         // x ← x + α δ with the largest α = 1, ½, … that lowers the residual
         let (from, mut length) = (x.clone(), 1.0);
         for backtrack in 0..=BACKTRACKS {
@@ -218,8 +219,8 @@ pub(super) fn newton(
                 axpy(length * layout.unit(P), d_p, &mut x.p);
             }
             at = evaluate(x);
-            let new = norm2(&at.residual);
-            let lowered = new <= (1.0 - DECREASE * length) * size;
+            let new = linear.size_of(attempt, &at.residual);
+            let lowered = new <= (1.0 - DECREASE * length) * from_size;
             if is_linear || fixed_point || lowered || backtrack == BACKTRACKS {
                 break;
             }

@@ -2,7 +2,7 @@
 
 use super::{Instability, State};
 use crate::contact::ContactState;
-use crate::flow::FlowRecord;
+use crate::flow::{FlowRecord, WellRecord};
 use fracas_operators::Fields;
 
 /// An accepted step: a line of `history.csv`.
@@ -163,6 +163,8 @@ pub struct Accepted {
     pub record: StepRecord,
     /// Its line of `flow.csv`, where the scene has a fluid and time passed.
     pub flow: Option<FlowRecord>,
+    /// What wells did, where the scene has any and time passed.
+    pub wells: Vec<WellRecord>,
     /// Its linear solves, failed attempts included.
     pub linear: Vec<LinearRecord>,
     /// What happened on the way.

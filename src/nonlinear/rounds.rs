@@ -58,6 +58,7 @@ impl Search<'_, '_> {
             error: judged.map_or(self.attempt.unjudged(), |judged| judged.error),
             unstable: None,
             flow: None,
+            wells: Vec::new(),
         }
     }
 

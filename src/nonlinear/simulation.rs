@@ -51,6 +51,7 @@ impl<'a> Simulation<'a> {
         problem.require_multipliers()?;
         let linear = Linear::new(&problem);
         let racp = linear.settings();
+        problem.require_surface(racp.flow.schur)?;
         if let InnerChoice::Geometric(geometric) = racp.inner {
             let checked = geometric.checked();
             checked.map_err(SimulationError::Geometric)?;
@@ -341,6 +342,7 @@ impl<'a> Simulation<'a> {
             error,
             unstable,
             flow,
+            wells,
         } = settled;
         let problem = &self.problem;
         let from = problem.jumps(&before.u, &problem.loads().at(before.time, before.loaded));
@@ -416,6 +418,7 @@ impl<'a> Simulation<'a> {
             },
             record,
             flow,
+            wells,
             linear: log.linear,
             events: log.events,
         }

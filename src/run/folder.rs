@@ -124,14 +124,16 @@ impl RunFolder {
         let simulation = simulation.limited_by(memory::available_bytes);
         let restarted_with = started.as_ref().map(|state| state.step);
         let state = started.unwrap_or_else(|| simulation.initial_state());
+        let fluid = folder.body.fluid.as_ref();
+        let heading = fluid.map(|fluid| {
+            super::history::flow_heading(fluid.wells.iter().map(|well| well.name.as_str()))
+        });
+        let heading = heading.as_deref();
         let tree = match restarted_with {
             Some(_) if !tree::is_free(&folder.path)? => {
-                Tree::resume(&folder.path, folder.fingerprint, &state)?
+                Tree::resume(&folder.path, folder.fingerprint, &state, heading)?
             }
-            _ => {
-                let flows = folder.body.fluid.is_some();
-                Tree::create(&folder.path, folder.fingerprint, (flows, &state))?
-            }
+            _ => Tree::create(&folder.path, folder.fingerprint, (heading, &state))?,
         };
         Running::begin(folder, simulation, tree, state, restarted_with, observer)
     }

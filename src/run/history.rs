@@ -1,6 +1,6 @@
 //! Rows of `history.csv`, `solver.csv`, `energy.csv` and `flow.csv`.
 
-use crate::flow::FlowRecord;
+use crate::flow::{FlowRecord, WellRecord};
 use crate::nonlinear::{EnergyRecord, FaultRecord, LinearRecord, StepRecord};
 use fracas_solvers::saddle::{T, U};
 
@@ -27,9 +27,16 @@ pub(super) fn energy_heading(creeps: bool) -> String {
 /// First line of `fault.csv`: a row per fracture and step.
 pub(super) const FAULT: &str = "step,time_s,fracture,slipping_area_m2,slip_mean_m,slip_max_m,normal_force_N,shear_force_N,moment_Nm,chi_max,open_area_m2,moment_step_Nm,released_J,dissipated_J\n";
 
-/// First line of `flow.csv`: volumes of the step.
-pub(super) const FLOW: &str =
-    "step,time_s,injected_m3,stored_opening_m3,stored_compression_m3,out_m3,balance_error_m3\n";
+/// First line of `flow.csv`: volumes of the step, then rate and pressure of every well.
+pub(super) fn flow_heading<'w>(wells: impl Iterator<Item = &'w str>) -> String {
+    let mut heading =
+        "step,time_s,injected_m3,stored_opening_m3,stored_compression_m3,out_m3,balance_error_m3"
+            .to_owned();
+    for well in wells {
+        heading += &format!(",{well}_rate_m3_s,{well}_pressure_Pa");
+    }
+    heading + "\n"
+}
 
 /// Columns of a history row before `wall_s`.
 pub(super) const NUMBERS: usize = 18;
@@ -135,9 +142,9 @@ pub(super) fn fault_rows(record: &StepRecord, faults: &[FaultRecord]) -> String 
 }
 
 /// A row of `flow.csv`.
-pub(super) fn flow_row(record: &StepRecord, f: &FlowRecord) -> String {
-    format!(
-        "{},{:?},{:?},{:?},{:?},{:?},{:?}\n",
+pub(super) fn flow_row(record: &StepRecord, f: &FlowRecord, wells: &[WellRecord]) -> String {
+    let mut row = format!(
+        "{},{:?},{:?},{:?},{:?},{:?},{:?}",
         record.step,
         record.time,
         f.injected,
@@ -145,7 +152,11 @@ pub(super) fn flow_row(record: &StepRecord, f: &FlowRecord) -> String {
         f.stored_compression,
         f.out,
         f.error
-    )
+    );
+    for well in wells {
+        row += &format!(",{:?},{:?}", well.rate, well.pressure);
+    }
+    row + "\n"
 }
 
 /// The rows of `history.csv` up to `wall_s`, as numbers.
@@ -252,8 +263,14 @@ mod tests {
         }
         let text = fault_rows(&record(), &[FaultRecord::default()]);
         assert_eq!(text.matches(',').count(), FAULT.matches(',').count());
-        let text = flow_row(&record(), &FlowRecord::default());
-        assert_eq!(text.matches(',').count(), FLOW.matches(',').count());
+        let well = WellRecord {
+            name: "W".into(),
+            rate: 1.0,
+            pressure: 2.0,
+        };
+        let text = flow_row(&record(), &FlowRecord::default(), &[well]);
+        let heading = flow_heading(["W"].into_iter());
+        assert_eq!(text.matches(',').count(), heading.matches(',').count());
     }
 
     #[test]

@@ -133,6 +133,7 @@ impl<'a> Running<'a> {
             linear,
             events,
             flow: _,
+            wells: _,
         } = accepted;
         self.state = state;
         Ok(Taken::Step(Box::new(Done {

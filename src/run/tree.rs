@@ -7,7 +7,7 @@ use super::RunError;
 use super::collection::Collection;
 use super::error::At;
 use super::events;
-use super::history::{self, FAULT, FLOW, HISTORY, History, SOLVER};
+use super::history::{self, FAULT, HISTORY, History, SOLVER};
 use super::lines::{Cut, Lines, first_column, json_step};
 use super::lock;
 use crate::io::{
@@ -204,11 +204,11 @@ impl Tree {
     pub(super) fn create(
         out: &Path,
         fingerprint: Fingerprint,
-        (flows, state): (bool, &State),
+        (flow, state): (Option<&str>, &State),
     ) -> Result<Self, RunError> {
         let creeps = state.creep.is_some();
         let fault = (!state.states.is_empty()).then(|| Lines::create(out.join(FAULT_FILE), FAULT));
-        let flow = flows.then(|| Lines::create(out.join(FLOW_FILE), FLOW));
+        let flow = flow.map(|heading| Lines::create(out.join(FLOW_FILE), heading));
         let folder = out.join(CHECKPOINT);
         std::fs::create_dir_all(&folder).at("cannot create the folder", &folder)?;
         Ok(Self {
@@ -231,6 +231,7 @@ impl Tree {
         out: &Path,
         fingerprint: Fingerprint,
         state: &State,
+        flow_heading: Option<&str>,
     ) -> Result<Self, RunError> {
         let folder = out.join(CHECKPOINT);
         let step = state.step;
@@ -259,10 +260,8 @@ impl Tree {
             true => None,
             false => Some(Cut::read(&fault, FAULT, step, first_column)?),
         };
-        let flowed = match state.p.is_empty() {
-            true => None,
-            false => Some(Cut::read(&flow, FLOW, step, first_column)?),
-        };
+        let flowed = flow_heading.map(|heading| Cut::read(&flow, heading, step, first_column));
+        let flowed = flowed.transpose()?;
         let logged = Cut::read(&log, "", step, json_step)?;
         let checkpoints = Checkpoints::new(folder, fingerprint);
         // later checkpoints first: none may outlive the rows that led to it
@@ -314,7 +313,7 @@ impl Tree {
             lines.append(&history::fault_rows(record, faults))?;
         }
         if let (Some(lines), Some(flow)) = (&mut self.flow, &accepted.flow) {
-            lines.append(&history::flow_row(record, flow))?;
+            lines.append(&history::flow_row(record, flow, &accepted.wells))?;
         }
         let row = history::row(record, wall_s);
         self.history.append(&row)?;

@@ -4,6 +4,7 @@ use super::flow_sections::SourceSection;
 use super::history::Histories;
 use super::located::{Located, at};
 use super::sections::{SceneSections, SideName};
+use super::wells::wells;
 use super::{FlowProblem, Problem};
 use crate::flow::{Channel, Fluid, Given, Place, Source, edge_ends};
 use crate::mesh::{BuiltMesh, FractureFace};
@@ -84,6 +85,7 @@ pub(super) fn fluid(
         });
     }
     require_one_each(&sources, sections, built)?;
+    let wells = wells(sections, built, (histories, of_time))?;
     Ok(Some(Fluid {
         viscosity: section.viscosity.si(),
         compressibility: section.compressibility.as_ref().map_or(0.0, Measure::si),
@@ -92,6 +94,7 @@ pub(super) fn fluid(
         reference: section.reference.as_ref().map_or(0.0, Measure::si),
         channels,
         sources,
+        wells,
     }))
 }
 
@@ -151,7 +154,7 @@ fn place(source: &SourceSection, number: &str, built: &BuiltMesh) -> Result<Plac
 }
 
 /// True where a point lies on a face, or beside it by rounding.
-fn holds(face: &FractureFace, built: &BuiltMesh, point: [f64; 3]) -> bool {
+pub(super) fn holds(face: &FractureFace, built: &BuiltMesh, point: [f64; 3]) -> bool {
     let corners = face.minus.nodes.map(|n| built.mesh.nodes[n as usize]);
     let minus = |a: [f64; 3], b: [f64; 3]| -> [f64; 3] { std::array::from_fn(|i| a[i] - b[i]) };
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

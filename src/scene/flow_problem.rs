@@ -53,6 +53,47 @@ pub enum FlowProblem {
         /// Which.
         name: String,
     },
+    /// A name that cannot head a column.
+    #[error(
+        "\"{name}\" cannot be the name of a well: names are of letters, digits, `_` and `-`, each well has its own"
+    )]
+    WellName {
+        /// As written.
+        name: String,
+    },
+    /// A limit without a rate.
+    #[error(
+        "[[well]] \"{name}\" has a `limit` beside `pressure`, which needs none; give it with `rate`"
+    )]
+    LimitedPressure {
+        /// Which.
+        name: String,
+    },
+    /// A well wider than the faces it cuts.
+    #[error(
+        "[[well]] \"{name}\" has a radius of {radius} m where the faces that it cuts resolve less than {most:.3} m; give a smaller `radius`"
+    )]
+    WideWell {
+        /// Which.
+        name: String,
+        /// Its radius [m].
+        radius: f64,
+        /// Equivalent radius of a face [m].
+        most: f64,
+    },
+    /// A well beside the fractures.
+    #[error(
+        "[[well]] \"{name}\" cuts no fracture; the nearest is \"{nearest}\", with the centre of a face at ({:.6}, {:.6}, {:.6}) m",
+        center[0], center[1], center[2]
+    )]
+    NothingCut {
+        /// Which.
+        name: String,
+        /// The fracture nearest to it.
+        nearest: String,
+        /// Centre of its nearest face [m].
+        center: [f64; 3],
+    },
     /// A rate on an edge.
     #[error(
         "{name} gives a rate to an edge, which takes pressures alone; give `at`, a point on a face, or neither for the whole fracture"

@@ -46,6 +46,33 @@ pub struct SourceSection {
     pub history: Option<Vec<(Measure<Duration>, f64)>>,
 }
 
+/// A well: a line that brings fluid to the fractures it cuts, or takes it from them, at one pressure for all of them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WellSection {
+    /// Its name, of letters, digits, `_` and `-`: that of its columns in `flow.csv`.
+    pub name: String,
+    /// Upper end, where its pressure is told.
+    pub from: [Measure<Length>; 3],
+    /// Lower end.
+    pub to: [Measure<Length>; 3],
+    /// Radius; 0.1 m if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub radius: Option<Measure<Length>>,
+    /// Volume per time into all fractures together; negative takes fluid out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate: Option<Measure<Rate>>,
+    /// Pressure that takes the place of `rate`: injection does not go beyond it, withdrawal not below.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub limit: Option<Measure<Stress>>,
+    /// Prescribed pressure.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pressure: Option<Measure<Stress>>,
+    /// Factor of `rate` or `pressure` in time as `[[time, factor], …]`; that of `[time]` if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub history: Option<Vec<(Measure<Duration>, f64)>>,
+}
+
 impl SourceSection {
     /// For messages.
     pub(super) fn name(&self) -> String {

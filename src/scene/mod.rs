@@ -25,6 +25,7 @@ mod solver_section;
 mod source;
 mod used;
 mod weight;
+mod wells;
 
 use std::path::{Path, PathBuf};
 
@@ -32,7 +33,7 @@ pub use crate::contact::{Friction, Weakening};
 pub use body::{Body, InitialStress, SurfaceTraction};
 pub use error::{Place, Problem, SceneError};
 pub use flow_problem::FlowProblem;
-pub use flow_sections::{FluidSection, SourceSection};
+pub use flow_sections::{FluidSection, SourceSection, WellSection};
 pub use gallery::{GalleryScene, gallery, named};
 pub use group_names::GroupNames;
 pub use history::{History, TimeTable};

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::flow_sections::{FluidSection, SourceSection};
+use super::flow_sections::{FluidSection, SourceSection, WellSection};
 use super::group_names::GroupNames;
 use super::mesh_sections::{FractureSection, MeshSection};
 use super::pore_pressure::PorePressureSection;
@@ -36,6 +36,9 @@ pub struct SceneSections {
     /// What drives the fluid. Nothing leaves a fracture where no source says so.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub source: Vec<SourceSection>,
+    /// Wells that cross fractures.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub well: Vec<WellSection>,
     /// Boundary conditions in order; where two prescribe one displacement the later one wins. A side without any is free.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub boundary: Vec<BoundarySection>,

@@ -128,7 +128,7 @@ pub enum RunInner {
     /// Exact up to 5,000 displacements, then geometric where the mesh has a grid, else AMG.
     #[default]
     Auto,
-    /// Sparse Cholesky factorization of S_u.
+    /// Sparse Cholesky factorization of S_u; with a fluid, sparse LU factorization of all fields.
     Exact,
     /// Algebraic multigrid.
     Amg,

@@ -126,7 +126,17 @@ fn require_flow(sections: &SceneSections) -> Result<(), Located> {
             };
             Err(idle(&["source", "0"], key, what, without))
         }
-        None => Ok(()),
+        None => match sections.well.first() {
+            Some(well) => {
+                let what = format!("[[well]] \"{}\"", well.name);
+                let key = match well.rate {
+                    Some(_) => "rate",
+                    None => "pressure",
+                };
+                Err(idle(&["well", "0"], key, what, without))
+            }
+            None => Ok(()),
+        },
     }
 }
 

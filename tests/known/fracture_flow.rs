@@ -373,3 +373,87 @@ history = [["0 s", 1]]
     // half the cells and a quarter of the time step, twice
     assert!(fine < 1e-3 && coarse / fine > 10.0, "{coarse} {fine}");
 }
+
+/// A well through three faces of one fracture and a second one, by rate, with a limit, and by pressure.
+#[test]
+fn a_well_shares_its_rate_has_one_pressure_and_keeps_its_limit() {
+    let held = r#"
+[[source]]
+fracture = "F"
+edge = "x-"
+pressure = "1 MPa"
+[time]
+end = "100 s"
+steps = 2
+history = [["0 s", 1]]
+[[well]]
+name = "W"
+from = ["2.5 m", "0.5 m", "5 m"]
+to = ["2.5 m", "0.5 m", "0 m"]
+radius = "0.05 m"
+"#;
+    let run_with = |more: &str| {
+        let scene = layers(&format!("{held}{more}\n"));
+        let body = scene.build().unwrap();
+        let (steps, state) = run(&body);
+        (body, steps.last().unwrap().clone(), state)
+    };
+    let (body, by_rate, _) = run_with("rate = \"1e-7 m3/s\"");
+    let (well, flow) = (&by_rate.wells[0], by_rate.flow.unwrap());
+    assert!(
+        (well.rate - 1e-7).abs() < 1e-19 && flow.injected > 0.0,
+        "{well:?}"
+    );
+    // steady: what comes in by the well leaves through the edge
+    assert!(
+        (flow.injected - flow.out).abs() < 1e-9 * flow.injected,
+        "{flow:?}"
+    );
+    let face = body.fluid.as_ref().unwrap().wells[0].cuts[0];
+    let at = by_rate.state.p[face.0 as usize];
+    // q = 2π C/μ (p_w − p)/ln(0.14 √2 h / r)
+    let drop = 1e-7 * (0.14 * 2f64.sqrt() / 0.05).ln() / (std::f64::consts::TAU * 1e-10);
+    assert!(
+        (well.pressure - at - drop).abs() < 1e-6 * drop,
+        "{well:?} {at} {drop}"
+    );
+    // the same by that pressure
+    let (_, by_pressure, _) = run_with(&format!("pressure = \"{:?} Pa\"", well.pressure));
+    assert!((by_pressure.wells[0].rate / 1e-7 - 1.0).abs() < 1e-6);
+    // and with a limit halfway
+    let limit = 0.5 * (1e6 + well.pressure);
+    let (_, limited, _) = run_with(&format!("rate = \"1e-7 m3/s\"\nlimit = \"{limit:?} Pa\""));
+    assert!((limited.wells[0].pressure / limit - 1.0).abs() < 1e-12);
+    assert!(
+        (limited.wells[0].rate / 0.5e-7 - 1.0).abs() < 1e-6,
+        "{:?}",
+        limited.wells
+    );
+    assert!(limited.flow.unwrap().error.abs() < 1e-12 * limited.flow.unwrap().injected);
+}
+
+#[test]
+fn a_well_beside_the_fractures_and_other_slips_are_told() {
+    let said = |well: &str| {
+        let scene = layers(&format!(
+            "[time]\nend = \"1 s\"\nsteps = 1\n[[well]]\nname = \"W\"\n{well}\n"
+        ));
+        match scene.build() {
+            Ok(_) => panic!("accepted {well}"),
+            Err(error) => error.to_string(),
+        }
+    };
+    let line = "from = [\"2.5 m\", \"0.5 m\", \"5 m\"]\nto = [\"2.5 m\", \"0.5 m\", \"0 m\"]";
+    for (well, words) in [
+        (
+            "from = [\"2.5 m\", \"0.5 m\", \"5 m\"]\nto = [\"2.5 m\", \"0.5 m\", \"3 m\"]\nrate = \"1 L/s\"".into(),
+            &["cuts no fracture", "\"F\""][..],
+        ),
+        (format!("{line}\nrate = \"1 L/s\"\nradius = \"1 m\""), &["radius", "smaller"]),
+        (format!("{line}\nrate = \"1 L/s\"\npressure = \"1 MPa\""), &["exactly one of"]),
+        (format!("{line}\npressure = \"1 MPa\"\nlimit = \"1 MPa\""), &["`limit`"]),
+    ] {
+        let text = said(&well);
+        assert!(words.iter().all(|word| text.contains(word)), "{text}");
+    }
+}

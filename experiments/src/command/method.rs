@@ -22,7 +22,7 @@ pub(super) struct Method {
     #[arg(long, value_name = "M")]
     inner: Option<Inner>,
     /// With flow, S_p of --method racp: fixed_stress, scaled_fixed_stress, patch_fixed_stress, half_order, transmissibility, diagonal, exact
-    /// [default: fixed_stress].
+    /// [default: half_order].
     #[arg(long, value_name = "S_P")]
     schur_p: Option<PressureSchur>,
     /// With flow, the factors that --method racp applies: full, upper (pressures first, mechanics once) or lower [default: full].

@@ -2,7 +2,8 @@
 
 use super::faces;
 use crate::plot::{Axis, Figure, Mark, Series};
-use crate::report::{Findings, Sheet, Table};
+use crate::report::{FIGURES, Findings, Sheet, Table};
+use anyhow::Context;
 use fracas::run::{History, Running};
 use fracas::scene::Scene;
 use std::path::Path;
@@ -34,6 +35,13 @@ pub fn write(scene: &Scene, lead: &str, run: &Running<'_>, out: &Path) -> anyhow
         lead,
         findings: &findings,
     };
+    // a run that went on from an earlier step may have shown other fractures
+    match std::fs::remove_dir_all(out.join(FIGURES)) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            Err(error).with_context(|| format!("cannot clear {}", out.join(FIGURES).display()))?;
+        }
+        _ => {}
+    }
     sheet.write(out)
 }
 

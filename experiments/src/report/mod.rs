@@ -15,6 +15,7 @@ pub use check::Check;
 pub use experiment::{Experiment, Findings, Level};
 pub(crate) use folder::write_whole;
 pub use folder::{Chapter, Outcome, run_chapter, write_report};
+pub(crate) use sheet::FIGURES;
 pub use sheet::Sheet;
 pub use table::{Cell, Column, Table};
 pub(crate) use table::{format_real, quote, superscript};

@@ -6,7 +6,7 @@ use super::html::single;
 use std::path::Path;
 
 /// Subfolder of the tables and figures of a sheet.
-pub(super) const FIGURES: &str = "figures";
+pub(crate) const FIGURES: &str = "figures";
 
 /// A page with a heading, a sentence, and what was found.
 #[derive(Clone, Debug)]

@@ -134,7 +134,12 @@ fn a_run_leaves_its_tree() {
         assert!(read(out.join(format!("figures/{figure}.svg"))).starts_with("<svg"));
         assert!(read(out.join(format!("figures/{figure}.csv"))).starts_with("layer,kind,"));
     }
-    assert!(read(out.join("report.html")).matches("<svg").count() == 3);
+    let maps = names(&out.join("figures"), "fracture_0_", ".svg").len();
+    assert!(maps > 0, "no map of the fracture");
+    assert_eq!(
+        read(out.join("report.html")).matches("<svg").count(),
+        3 + maps
+    );
     assert_eq!(names(&out.join("checkpoint"), "", "").len(), 2);
     assert!(names(&out, ".", ".tmp").is_empty());
 }

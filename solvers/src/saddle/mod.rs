@@ -63,7 +63,7 @@ pub use relaxation::{REACH, RELAXATION, Relaxation, RelaxationSummary};
 pub use simple::{Correction, Simple, SimpleInverse};
 pub use system::{Assembled, ResidualNorms, SaddleSystem};
 pub use three_fields::{
-    Form, NearSchur, PressureFactors, PressureSchur, PressureSystem, ThreeFields,
+    Form, NearSchur, PressureFactors, PressureSchur, PressureSystem, Surface, ThreeFields,
     ThreeFieldsInverse,
 };
 pub use unit::unit_of_tractions;

@@ -51,6 +51,7 @@ fn the_jacobian_of_three_fields_is_the_derivative_in_every_state() {
             injected: vec![1e-3; faces],
             held: vec![None; faces],
             held_edges: Vec::new(),
+            wells: Vec::new(),
         };
         let attempt = Attempt {
             problem: &problem,
@@ -143,6 +144,7 @@ fn a_checkerboard_of_pressure_moves_no_rock_and_is_held_as_stiffly_as_one_of_tra
         injected: vec![0.0; faces],
         held: vec![None; faces],
         held_edges: Vec::new(),
+        wells: Vec::new(),
     };
     let zero = vec![0.0; 3 * faces];
     let held = problem

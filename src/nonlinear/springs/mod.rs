@@ -165,6 +165,7 @@ impl Holding for SpringMethod {
                     error,
                     unstable: None,
                     flow: None,
+                    wells: Vec::new(),
                 });
             }
             if self.max_updates.is_some_and(|most| update + 1 >= most) {

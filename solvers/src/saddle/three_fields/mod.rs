@@ -4,13 +4,16 @@ mod fixed_stress;
 mod form;
 mod half_order;
 mod near;
+mod poles;
 mod pressure;
 mod reuse;
+mod surface;
 
 pub use form::{Form, UnknownForm};
 pub use near::NearSchur;
 pub use pressure::{PressureSchur, PressureSystem, UnknownPressureSchur};
 pub use reuse::PressureFactors;
+pub use surface::Surface;
 
 use super::P;
 use fracas_operators::{Field, Layout, LinearOperator, Preconditioner, Properties};

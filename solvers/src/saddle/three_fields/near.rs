@@ -65,6 +65,16 @@ impl NearSchur {
         self.rows[near]
     }
 
+    /// How many rows.
+    pub(super) fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// A diagonal entry of S_u.
+    pub(super) fn diagonal(&self, near: usize) -> f64 {
+        self.s_u.get(near, near).copied().unwrap_or(0.0)
+    }
+
     /// S_u between these rows.
     pub(super) fn matrix(&self) -> &SparseMatrix<f64> {
         &self.s_u

@@ -16,13 +16,14 @@ use std::str::FromStr;
 #[serde(rename_all = "snake_case")]
 pub enum PressureSchur {
     /// `T + M`, `M_ii = −r(q2_i) (S_u|_i)⁻¹ r(q1_i)` on the displacements at which the pressure of face i acts.
-    #[default]
     FixedStress,
     /// `T + α M` with the α that brings M to the middle of what the rock gives.
     ScaledFixedStress,
     /// `T + M`, `M_ij = −r(q2_i) (S_u|_i)⁻¹ r(q1_j)` on the displacements of face i and its neighbours in T, which j is one of.
     PatchFixedStress,
-    /// `T + K M_s`, `M_s = D^½ L^(−½) D^½` with the graph Laplacian L of open faces: smooth pressures count as much as they open.
+    /// `T + K M`, `M = W D^½ L^(−½) D^½ Wᵀ` with a Laplacian L on the nodes of open faces: each wave of pressures counts as much as it
+    /// opens.
+    #[default]
     HalfOrder,
     /// `T`.
     Transmissibility,

@@ -1,0 +1,89 @@
+//! The linear systems of rock, contact and flow by one factorization: the exact choice.
+
+use super::krylov::Solved;
+use super::linear::Linear;
+use super::newton::{Attempt, Iterate};
+use super::{ContactProblem, Evaluation, LinearFailure};
+use crate::contact::ContactState;
+use fracas_operators::LinearOperator;
+use fracas_operators::sparse::{Csr, SparseMatrix, Triplets};
+use fracas_operators::vector::{axpy, norm2};
+use fracas_solvers::SetupError;
+use fracas_solvers::direct::Kind;
+use fracas_solvers::saddle::{SaddleBlocks, SaddleOperator};
+
+/// Share of the compliance of a face that its tractions are given as a pivot. Unit: 1.
+const FIRM: f64 = 1e-9;
+
+impl Linear {
+    /// `δ ← J⁻¹ (−r)` for `J = [A B1 Q1; B2 −H 0; Q2 0 T]` by a sparse LU factorization of all fields.
+    ///
+    /// # Errors
+    /// [`LinearFailure::Singular`] where the states hold too little; other states may hold more.
+    pub(super) fn factorize_coupled(
+        &mut self,
+        attempt: &Attempt<'_>,
+        (states, h, lagged): (&[ContactState], Option<&Csr<f64>>, bool),
+        (x, at): (&Iterate, &Evaluation),
+        correction: &mut [f64],
+    ) -> Result<Solved, LinearFailure> {
+        let unit = attempt.problem.saddle().unit();
+        let stick = match &self.stick_blocks {
+            Some(stick) => stick,
+            None => {
+                let blocks = attempt.problem.stick_blocks()?.into_traction_unit(unit);
+                self.stick_blocks.insert(blocks)
+            }
+        };
+        let place = (h, x);
+        let blocks = attempt.coupled((stick.clone(), unit), states, place, at, lagged);
+        let matrix = firm(&blocks, attempt.problem).assembled();
+        let singular = |error: SetupError| match error {
+            SetupError::Singular { .. } => {
+                LinearFailure::Singular(error.in_block("[A B1 Q1; B2 −H 0; Q2 0 T]"))
+            }
+            error => LinearFailure::Setup(error),
+        };
+        let solver = self.settings().inner.backend().solver()?;
+        let symbolic = solver.analyze(&matrix, Kind::General).map_err(singular)?;
+        let factors = symbolic.factor(&matrix).map_err(singular)?;
+        let mut work = vec![0.0; factors.work_len()];
+        factors.solve(&at.residual, correction, &mut work);
+        // refined on J itself
+        let operator = SaddleOperator::new(&blocks);
+        let mut products = vec![0.0; operator.work_len()];
+        let mut left = at.residual.clone();
+        operator.apply_add(-1.0, correction, &mut left, &mut products);
+        let mut more = vec![0.0; left.len()];
+        factors.solve(&left, &mut more, &mut work);
+        axpy(1.0, &more, correction);
+        left.copy_from_slice(&at.residual);
+        operator.apply_add(-1.0, correction, &mut left, &mut products);
+        Ok(Solved {
+            krylov: "direct",
+            iterations: 1,
+            relative_residual: norm2(&left) / norm2(&at.residual),
+            smallest_ritz: None,
+            stopped: false,
+            setup: true,
+        })
+    }
+}
+
+/// The blocks with `ε ω A_f` on the diagonal of H: tractions that no displacement sees (one cell between rollers) have a pivot, and the
+/// correction leaves them where they are. Refinement takes the rest of it out.
+fn firm(blocks: &SaddleBlocks, problem: &ContactProblem<'_>) -> SaddleBlocks {
+    let n = blocks.n_t();
+    let mut pivots = Triplets::new((n, n));
+    for i in 0..n {
+        pivots.add_triplet(i, i, FIRM * problem.law_entry(i / 3));
+    }
+    let pivots: SparseMatrix<f64> = pivots.to_csr();
+    SaddleBlocks {
+        h: Some(match &blocks.h {
+            Some(h) => h + &pivots,
+            None => pivots,
+        }),
+        ..blocks.clone()
+    }
+}

@@ -1,0 +1,250 @@
+//! Rows of p multiplied by S_p⁻¹: residuals of volume as the pressures that they stand for.
+
+use super::jacobian::ContactJacobian;
+use fracas_operators::operator::assert_product;
+use fracas_operators::sparse::{Csr, SparseMatrix};
+use fracas_operators::{Layout, LinearOperator, Preconditioner, Properties, Shape};
+use fracas_solvers::SetupError;
+use fracas_solvers::saddle::{FlowBlocks, P, PressureFactors, PressureSystem, U};
+
+/// Share of the diagonal of T below which the sum of a row is rounding. Unit: 1.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// S_p⁻¹ that outlives the system it was made for.
+#[derive(Default)]
+pub(super) struct PressureSolver {
+    factors: PressureFactors,
+    known: Option<Known>,
+}
+
+/// Factors of a matrix.
+struct Known {
+    matrix: SparseMatrix<f64>,
+    inverse: Box<dyn Preconditioner<f64>>,
+    /// Force of a pressure on a face, the largest.
+    force: f64,
+}
+
+impl PressureSolver {
+    /// Factors of S_p, those at hand where it is the same to the last bit.
+    ///
+    /// # Errors
+    /// Of a singular S_p.
+    pub(super) fn prepare(
+        &mut self,
+        system: &PressureSystem,
+        flow: &FlowBlocks,
+    ) -> Result<(), SetupError> {
+        let force = flow.q1.data().iter().fold(0.0, |m: f64, q| m.max(q.abs()));
+        match &mut self.known {
+            Some(known) if known.matrix == *system.matrix() => known.force = force,
+            _ => {
+                self.known = Some(Known {
+                    inverse: self.factors.factor(system)?,
+                    matrix: system.matrix().clone(),
+                    force,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// A residual with its part of p as forces of pressures; `None` where S_p is not known.
+    pub(super) fn scaled(&self, layout: &Layout, residual: &[f64]) -> Option<Vec<f64>> {
+        let known = self.known.as_ref()?;
+        let mut scaled = residual.to_vec();
+        known.scale(layout, &mut scaled);
+        Some(scaled)
+    }
+}
+
+impl Known {
+    fn scale(&self, layout: &Layout, r: &mut [f64]) {
+        let [r_p] = layout.split_mut([P], r);
+        let mut work = vec![0.0; self.inverse.work_len()];
+        let mut p = vec![0.0; r_p.len()];
+        self.inverse.solve(r_p, &mut p, &mut work);
+        (r_p.iter_mut().zip(&p)).for_each(|(r, p)| *r = self.force * p);
+    }
+}
+
+/// `b S_p⁻¹ [Q2 T]`, b the largest entry of Q1: the rows of p, in which an error of a pressure counts as its force.
+///
+/// A residual of volumes says little: that of a conductive fracture is made of fluxes far larger than the volumes that it holds, and the
+/// mean pressure, which these alone determine, would be lost among them. `S_p⁻¹` weighs each by what it does.
+///
+/// T acts by differences of pressures, `Σ_j T_ij (p_j − p_i)` and the sum of its row where it is more than rounding: what leaves one face
+/// comes to another to the last bit.
+pub(super) struct Pressed<'a> {
+    known: &'a Known,
+    q2: Csr<f64>,
+    t: &'a SparseMatrix<f64>,
+    sums: Vec<f64>,
+}
+
+impl<'a> Pressed<'a> {
+    /// For these blocks; `solver` is prepared.
+    pub(super) fn new(solver: &'a PressureSolver, flow: &'a FlowBlocks) -> Self {
+        let Some(known) = &solver.known else {
+            unreachable!("prepared before")
+        };
+        let sums = flow.t.outer_iterator().map(|row| {
+            let (mut sum, mut size) = (0.0, 0.0);
+            for value in row.data() {
+                sum += value;
+                size += f64::abs(*value);
+            }
+            if f64::abs(sum) <= ROUNDING * size {
+                0.0
+            } else {
+                sum
+            }
+        });
+        Self {
+            known,
+            q2: Csr::new(flow.q2.clone()),
+            t: &flow.t,
+            sums: sums.collect(),
+        }
+    }
+
+    /// The rows of p of a residual.
+    pub(super) fn scale(&self, layout: &Layout, r: &mut [f64]) {
+        self.known.scale(layout, r);
+    }
+
+    /// `b S_p⁻¹ Q2`.
+    pub(super) fn q2(&self) -> PressedVolumes<'_> {
+        PressedVolumes(self)
+    }
+
+    /// `b S_p⁻¹ S_p`, inverted.
+    pub(super) fn unit(&self) -> Forces {
+        Forces {
+            n: self.sums.len(),
+            force: self.known.force,
+        }
+    }
+
+    /// `y ← y + α b S_p⁻¹ w`, w in the first part of `work`.
+    fn add(&self, alpha: f64, y: &mut [f64], work: &mut [f64]) {
+        let (w, work) = work.split_at_mut(y.len());
+        let (p, work) = work.split_at_mut(y.len());
+        self.known.inverse.solve(w, p, work);
+        let scale = alpha * self.known.force;
+        y.iter_mut().zip(p).for_each(|(y, p)| *y += scale * *p);
+    }
+
+    fn work_len(&self) -> usize {
+        2 * self.sums.len() + self.known.inverse.work_len()
+    }
+
+    fn flops(&self) -> u64 {
+        self.known.inverse.flops() + 2 * self.sums.len() as u64
+    }
+}
+
+/// `b S_p⁻¹ Q2`.
+pub(super) struct PressedVolumes<'a>(&'a Pressed<'a>);
+
+impl LinearOperator<f64> for PressedVolumes<'_> {
+    fn shape(&self) -> Shape {
+        self.0.q2.shape()
+    }
+
+    fn apply_add(&self, alpha: f64, x: &[f64], y: &mut [f64], work: &mut [f64]) {
+        assert_product(self.shape(), x, y);
+        let w = &mut work[..y.len()];
+        w.fill(0.0);
+        self.0.q2.apply_add(1.0, x, w, &mut []);
+        self.0.add(alpha, y, work);
+    }
+
+    fn work_len(&self) -> usize {
+        self.0.work_len()
+    }
+
+    fn flops(&self) -> u64 {
+        self.0.q2.flops() + self.0.flops()
+    }
+}
+
+/// `y = x/b`.
+pub(super) struct Forces {
+    n: usize,
+    force: f64,
+}
+
+impl Preconditioner<f64> for Forces {
+    fn size(&self) -> usize {
+        self.n
+    }
+
+    fn solve(&self, x: &[f64], y: &mut [f64], _: &mut [f64]) {
+        y.iter_mut().zip(x).for_each(|(y, x)| *y = x / self.force);
+    }
+
+    fn flops(&self) -> u64 {
+        self.n as u64
+    }
+
+    fn properties(&self) -> Properties {
+        Properties::LINEAR
+    }
+}
+
+/// `[J Q1; b S_p⁻¹Q2 b S_p⁻¹T]` around the J of rock and contact, of which nothing is assembled.
+pub(super) struct CoupledJacobian<'a> {
+    rock: &'a ContactJacobian<'a>,
+    q1: &'a Csr<f64>,
+    pressed: &'a Pressed<'a>,
+    layout: Layout,
+}
+
+impl<'a> CoupledJacobian<'a> {
+    pub(super) fn new(
+        rock: &'a ContactJacobian<'a>,
+        (q1, pressed): (&'a Csr<f64>, &'a Pressed<'a>),
+        layout: Layout,
+    ) -> Self {
+        Self {
+            rock,
+            q1,
+            pressed,
+            layout,
+        }
+    }
+}
+
+impl LinearOperator<f64> for CoupledJacobian<'_> {
+    fn shape(&self) -> Shape {
+        Shape::square(self.layout.len())
+    }
+
+    fn apply_add(&self, alpha: f64, x: &[f64], y: &mut [f64], work: &mut [f64]) {
+        assert_product(self.shape(), x, y);
+        let flow = self.layout.range(P).start;
+        let ((x_ut, x_p), (y_ut, y_p)) = (x.split_at(flow), y.split_at_mut(flow));
+        let n_u = self.layout.length(U);
+        self.rock.apply_add(alpha, x_ut, y_ut, work);
+        self.q1.apply_add(alpha, x_p, &mut y_ut[..n_u], work);
+        // Q2 x_u + T x_p
+        let w = &mut work[..x_p.len()];
+        let rows = self.pressed.t.outer_iterator().zip(&self.pressed.sums);
+        for (i, (w, (row, sum))) in w.iter_mut().zip(rows).enumerate() {
+            let flux = |(j, t): (usize, &f64)| t * (x_p[j] - x_p[i]);
+            *w = sum * x_p[i] + row.iter().map(flux).sum::<f64>();
+        }
+        self.pressed.q2.apply_add(1.0, &x_ut[..n_u], w, &mut []);
+        self.pressed.add(alpha, y_p, work);
+    }
+
+    fn work_len(&self) -> usize {
+        self.rock.work_len().max(self.pressed.work_len())
+    }
+
+    fn flops(&self) -> u64 {
+        let flow = self.q1.flops() + self.pressed.q2.flops() + 3 * self.pressed.t.nnz() as u64;
+        self.rock.flops() + flow + self.pressed.flops()
+    }
+}
