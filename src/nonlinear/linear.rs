@@ -2,6 +2,7 @@
 
 use super::active_set::{Log, Settled, active_set};
 use super::assembled::Assembled;
+use super::chosen::chosen;
 use super::jacobian::FaceTangent;
 use super::kept::{Kept, Ready};
 use super::krylov::{self, Asked, Ended, Solved};
@@ -15,19 +16,14 @@ use super::{
 };
 use crate::contact::ContactState;
 use crate::matrix_free::MatrixFreeError;
-use crate::scene::{FACTORIZED, RunInner};
+use crate::scene::RunInner;
 use fracas_operators::Preconditioner;
 use fracas_operators::sparse::SparseMatrix;
 use fracas_solvers::krylov::{KrylovChoice, Sqmr, System, least};
 use fracas_solvers::saddle::{
-    AugmentationChoice, Block, EnergyNorms, InnerChoice, Racp, RacpInverse, SaddleBlocks, T, U,
-    probe,
+    Block, EnergyNorms, InnerChoice, Racp, RacpInverse, SaddleBlocks, T, U, probe,
 };
 use fracas_solvers::{Observer, Step};
-
-/// C where the scene does not choose: half of H also where cells are flat. S̃_u is kept while faces slip and open, and less of H in
-/// C leaves stiffer springs in it: flat cells of 1:50 all opening take 91 iterations with fitted_h, 48 with this.
-const AUGMENTATION: AugmentationChoice = AugmentationChoice::HalfH;
 
 /// Jumps per face by which states differ from those of S̃_u where, with flow, one of their own is built. Unit: 1.
 const FAR: f64 = 0.1;
@@ -430,26 +426,4 @@ const IN_DOUBLE: &str = "preconditioner, in f64 because f32 would lose it";
 fn distance(a: &[ContactState], b: &[ContactState]) -> usize {
     let jumps = |(a, b): (&ContactState, &ContactState)| a.constrained().abs_diff(b.constrained());
     a.iter().zip(b).map(jumps).sum()
-}
-
-/// The preconditioner that the scene asks for, or that its size suggests.
-fn chosen(problem: &ContactProblem<'_>) -> Racp {
-    let body = problem.body();
-    let around = |inner| Racp {
-        augmentation: AUGMENTATION,
-        inner,
-        ..Racp::default()
-    };
-    let amg = InnerChoice::Amg(Default::default());
-    let small = body.constraints.free_len() <= FACTORIZED;
-    match (body.solver.racp, body.solver.inner) {
-        (Some(racp), _) => racp,
-        (None, RunInner::Exact) => around(InnerChoice::default()),
-        (None, RunInner::Auto) if small => around(InnerChoice::default()),
-        (None, RunInner::Auto) if body.mesh.grid.is_none() => around(amg),
-        (None, RunInner::Amg) => around(amg),
-        (None, RunInner::Auto | RunInner::Geometric) => {
-            around(InnerChoice::Geometric(Default::default()))
-        }
-    }
 }

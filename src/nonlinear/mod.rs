@@ -16,6 +16,7 @@ mod accuracy;
 mod active_set;
 mod all_steps;
 mod assembled;
+mod chosen;
 mod coupled;
 mod creeping;
 mod cycling;
