@@ -22,7 +22,7 @@ pub enum PressureSchur {
     /// `T + M`, `M_ij = −r(q2_i) (S_u|_i)⁻¹ r(q1_j)` on the displacements of face i and its neighbours in T, which j is one of.
     PatchFixedStress,
     /// `T + K M`, `M = W D^½ L^(−½) D^½ Wᵀ` with a Laplacian L on the nodes of open faces: each wave of pressures counts as much as it
-    /// opens.
+    /// opens. Where Q1 is not that of a surface, so that its L is not positive definite, it is [`FixedStress`](Self::FixedStress).
     #[default]
     HalfOrder,
     /// `T`.
@@ -81,7 +81,10 @@ impl PressureSchur {
         }
         let near = near(NearSchur::rows(flow))?;
         if self == Self::HalfOrder {
-            return half_order::system(flow, &near, &faces, s_u_inverse);
+            match half_order::system(flow, &near, &faces, s_u_inverse) {
+                Err(SetupError::NotPositiveDefinite { .. }) => {}
+                system => return system,
+            }
         }
         let m = match self {
             Self::Diagonal => fixed_stress::by_diagonal(flow, &near, &faces)?,

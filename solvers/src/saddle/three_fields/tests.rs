@@ -14,7 +14,7 @@ use crate::saddle::{
 use crate::{Prepare, SetupError};
 use faer::Mat;
 use fracas_operators::laws::{check_parts, check_preconditioner, probe};
-use fracas_operators::random::signed;
+use fracas_operators::random::{Random, signed};
 use fracas_operators::sparse::{Csr, SparseMatrix, Triplets};
 use fracas_operators::{Identity, LinearOperator, Preconditioner};
 
@@ -345,6 +345,37 @@ fn every_schur_complement_is_what_its_formula_says() {
             assert!(off < 1e-9 * size, "{choice} of seed {seed}: {off:e}");
         }
     }
+}
+
+/// Pressures of blocks from elsewhere may act on any displacements.
+#[test]
+fn where_pressures_act_on_no_surface_half_order_is_fixed_stress() {
+    let mut fallen = 0;
+    for seed in 0..8 {
+        let mut blocks = with_flow(trusses(3, 10.0, false), FLOW, seed);
+        let parts = Parts::new(&blocks, vec![0.5; blocks.n_t()]);
+        let random = &mut Random::new(seed);
+        let flow = blocks.flow.as_mut().unwrap();
+        let (n_u, n_p) = (flow.q1.rows(), flow.q1.cols());
+        let [mut q1, mut q2] = [Triplets::new((n_u, n_p)), Triplets::new((n_p, n_u))];
+        for i in 0..n_u {
+            for j in 0..n_p {
+                if random.chance(0.4) {
+                    let q = random.between(0.01, 0.1);
+                    q1.add_triplet(i, j, q);
+                    q2.add_triplet(j, i, -q);
+                }
+            }
+        }
+        (flow.q1, flow.q2) = (q1.to_csr(), q2.to_csr());
+        let [found, fixed] = [PressureSchur::HalfOrder, PressureSchur::FixedStress]
+            .map(|choice| system(choice, &blocks, &parts));
+        let is_fixed = found.matrix() == fixed.matrix();
+        // unknowns behind the pressures are those of a surface
+        assert_eq!(is_fixed, found.auxiliary() == 0, "seed {seed}");
+        fallen += usize::from(is_fixed);
+    }
+    assert!(fallen > 0);
 }
 
 /// Without an open face S_p = T to the last bit, S_u is not asked for, and an application costs one of mechanics.
