@@ -70,9 +70,7 @@ impl EdgeFlow<'_> {
         });
         held.chain(between)
     }
-}
 
-impl EdgeFlow<'_> {
     /// What comes to the face of every arm by the rate of a well [m³/s]; nothing on other edges.
     pub(super) fn inflows(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         let arms = self

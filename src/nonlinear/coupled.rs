@@ -106,8 +106,8 @@ impl Linear {
         let mut rhs = rhs.to_vec();
         pressed.scale(&attempt.layout(), &mut rhs);
         let form = self.settings().flow.form.for_coupling(flow.is_coupled());
-        let (q1, q2) = (Csr::new(flow.q1.clone()), pressed.q2());
-        let preconditioner = ThreeFieldsInverse::new(inverse, q1, q2, pressed.unit(), form);
+        let preconditioner =
+            ThreeFieldsInverse::new(inverse, &q1, pressed.q2(), pressed.unit(), form);
         let system = System {
             operator: &operator,
             preconditioner: &preconditioner,

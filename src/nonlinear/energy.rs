@@ -168,7 +168,7 @@ impl Simulation<'_> {
 }
 
 /// `A_f t_T·Δγ` of slipping faces, 0 of others [J].
-fn slip_work<'s>(
+pub(super) fn slip_work<'s>(
     simulation: &'s Simulation<'_>,
     before: &'s State,
     after: &'s State,

@@ -1,5 +1,6 @@
 //! What every fracture did in a step: rows of `fault.csv`.
 
+use super::energy::slip_work;
 use super::{Simulation, State};
 use crate::contact::ContactState;
 use crate::mesh::FractureFace;
@@ -53,13 +54,13 @@ impl Simulation<'_> {
             let of = |e: u32| body.materials[usize::from(body.mesh.regions[e as usize])].shear();
             0.5 * (of(face.minus.element) + of(face.plus.element))
         };
-        for (f, face) in problem.faces().iter().enumerate() {
+        let dissipated = slip_work(self, before, after);
+        for ((f, face), dissipated) in problem.faces().iter().enumerate().zip(dissipated) {
             let fracture = usize::from(face.fracture);
             let (record, (force, area)) = (&mut records[fracture], &mut sums[fracture]);
             let slip = |s: &State, k: usize| s.slip[2 * f + k];
             let moved = [0, 1].map(|k| slip(after, k) - slip(before, k));
             *area += face.area;
-            let slips = matches!(after.states[f], ContactState::NewSlip | ContactState::Slip);
             match after.states[f] {
                 ContactState::NewSlip | ContactState::Slip => record.slipping_area += face.area,
                 ContactState::Open => record.open_area += face.area,
@@ -79,10 +80,7 @@ impl Simulation<'_> {
                 let mean = 0.5 * (before.t[3 * f + k] + after.t[3 * f + k]);
                 record.released += face.area * mean * (fields.jump[3 * f + k] - from[3 * f + k]);
             }
-            if slips {
-                let along = |k: usize| after.t[3 * f + 1 + k] * moved[k];
-                record.dissipated += face.area * (along(0) + along(1));
-            }
+            record.dissipated += dissipated;
         }
         for (record, (force, area)) in records.iter_mut().zip(sums) {
             record.shear_force = force[0].hypot(force[1]).hypot(force[2]);
