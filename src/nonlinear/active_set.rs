@@ -1,22 +1,21 @@
 //! The active set: states change until every face agrees with its own.
 
 use super::accuracy::Accuracy;
-use super::judge::{Judge, or_closing};
+use super::judge::Judge;
 use super::linear::Linear;
+use super::natural::Natural;
 use super::newton::{Attempt, Iterate};
-use super::proximal::Proximal;
 use super::rounds::{Ended, Search};
+use super::turns::Turns;
 use super::{Event, Failure, Instability, LinearRecord};
 use crate::contact::ContactState;
 use crate::flow::{FlowRecord, WellRecord};
 use fracas_operators::Fields;
+use fracas_operators::sparse::Csr;
 use fracas_solvers::{Observer, Step};
 
 /// Krylov iterations of a step, over the most of one system, from which on it is given up. Unit: 1.
 const SPENT: usize = 50;
-
-/// Traction that would close the widest jump, over the largest traction, beyond which a body is taken to fly away. Unit: 1.
-const AWAY: f64 = 1e5;
 
 /// What an attempt found.
 pub(super) struct Settled {
@@ -62,7 +61,7 @@ impl Log {
         iterations.sum::<usize>() >= SPENT * most
     }
 
-    /// A round failed: proximal iterations take over, or go on.
+    /// A round failed: another remedy takes over.
     pub(super) fn failed(&mut self, round: usize, failure: &Failure) {
         self.events.push(Event::Projection {
             round: round + 1,
@@ -72,10 +71,11 @@ impl Log {
 }
 
 /// Rounds of Newton and new states; where states return, still change after `patience` rounds, or Newton fails at those at
-/// hand, proximal iterations towards tractions in Coulomb's cones, after whose states the rounds go on.
+/// hand, Newton on the [natural](Natural) map of all faces with an H that acts on all of them, then rounds again.
 ///
-/// There H does not lose what it had: it acts on every jump that a state since then constrained. Rounds return where H of
-/// a face that opens drops out of its neighbours' rows, so that it is in slight tension when closed and overlaps when open.
+/// Rounds return where H of a face that opens drops out of its neighbours' rows, so that it is in slight tension when closed and
+/// overlaps when open. So H is held at first; rounds with that of the states themselves come last, and where these do not settle,
+/// on how many faces H acts beyond their states is told.
 pub(super) fn active_set(
     attempt: &Attempt<'_>,
     states: Vec<ContactState>,
@@ -97,85 +97,114 @@ pub(super) fn active_set(
         observer,
     };
     let (from, first) = (x.clone(), log.rounds + 1);
+    let held = states.iter().map(|state| match state {
+        ContactState::Open => ContactState::Open,
+        _ => ContactState::Stick,
+    });
+    let held: Vec<ContactState> = held.collect();
     let patience = settings.patience.min(most);
-    let (mut form, why) = match search.rounds(states, &mut x, None, patience, log)? {
+    let why = match search.rounds(states, &mut x, None, patience, log)? {
         Ended::Settled(found) => return Ok(search.settled(*found, x)),
         // linear equations that cannot be solved are no matter of states, and those at the start no matter of the load
-        Ended::Not(_, Some(why)) if attempt.is_linear(&log.states) => {
+        Ended::Not(Some(why)) if attempt.is_linear(&log.states) => {
             return Err(match log.rounds == first && why.may_be_cut() {
                 true => Failure::Unsolvable(Box::new(why)),
                 false => why,
             });
         }
-        Ended::Not(form, why) => (form, why),
+        Ended::Not(why) => why,
     };
-    // an iterate that Newton left is no better than the start
-    if !x.u.iter().chain(&x.t).chain(&x.p).all(|v| v.is_finite()) {
-        x = from;
-    }
     // pressures stay where they are until a round settles
-    let pressed = attempt.pressed(&x);
+    let is_finite = x.p.iter().all(|p| p.is_finite());
+    let pressed = attempt.pressed(if is_finite { &x } else { &from });
     let frozen = attempt.at_load(pressed.as_ref());
-    let mut proximal = Proximal::new(&frozen, search.linear, &mut x);
-    let mut h = problem.stabilization(&form);
-    let (mut before, mut tried, mut since) = (Vec::new(), Vec::new(), 0);
     let last = log.rounds + most - patience;
-    let max_krylov = problem.body().solver.max_krylov;
-    while log.rounds < last && !log.is_spent(max_krylov) {
-        let round = log.rounds;
-        log.rounds += 1;
-        let found = proximal.iterate(
-            h.as_ref(),
-            round,
-            &mut x,
-            &mut log.linear,
-            &mut search.linear.resources,
-            search.observer,
-        )?;
-        let torn = proximal.torn();
-        if !torn.is_empty() {
-            return Err(Failure::Torn { faces: torn });
-        }
-        let changed = count_changes(&found, &before);
-        log.states.clone_from(&found);
-        let step = Step::Round {
-            round: round + 1,
-            changed,
-        };
-        if search.observer.observe(&step).is_break() {
-            return Err(Failure::Stopped);
-        }
-        let jumps = problem.jumps(&x.u, attempt.load);
-        if or_closing(0.0, &jumps, problem.compliance()) > AWAY * search.judge.traction {
-            break;
-        }
-        let grown = grow(&mut form, &found);
-        if grown {
-            h = problem.stabilization(&form);
-        }
-        since += 1;
-        let again = changed == 0 && !grown && (found != tried || since >= settings.again);
-        before = found;
-        if !again {
-            continue;
-        }
-        tried.clone_from(&before);
-        since = 0;
-        let mut y = x.clone();
-        let fixed = Some(h.as_ref());
-        match search.rounds(before.clone(), &mut y, fixed, settings.finishing, log)? {
-            // H acts on all that these states constrain
-            Ended::Settled(found) if !grow(&mut form, &found.states) => {
-                return Ok(search.settled(*found, y));
-            }
-            Ended::Settled(..) => h = problem.stabilization(&form),
-            Ended::Not(..) => {}
-        }
+    match search.by_natural_map(&frozen, (held, from), last, log)? {
+        Some(settled) => Ok(settled),
+        None => Err(why.unwrap_or_else(|| Failure::ActiveSet {
+            rounds: log.rounds,
+            faces: log.changing.clone(),
+        })),
     }
-    Err(why.unwrap_or_else(|| Failure::ActiveSet {
-        rounds: log.rounds,
-        faces: log.changing.clone(),
-    }))
+}
+
+impl Search<'_, '_> {
+    /// Newton on the natural map from x, the first step in the states `held`, with H of all faces; then rounds.
+    fn by_natural_map(
+        &mut self,
+        frozen: &Attempt<'_>,
+        (held, mut x): (Vec<ContactState>, Iterate),
+        last: usize,
+        log: &mut Log,
+    ) -> Result<Option<Settled>, Failure> {
+        let problem = self.attempt.problem;
+        let max_krylov = problem.body().solver.max_krylov;
+        let h = problem.stabilization(&vec![ContactState::Stick; held.len()]);
+        let mut turns = Turns::new(held.len());
+        let mut natural = Natural::new(frozen, h.as_ref(), held);
+        let mut before = Vec::new();
+        while log.rounds < last && !log.is_spent(max_krylov) && !natural.is_over() {
+            let round = log.rounds;
+            log.rounds += 1;
+            let told = &mut *self.observer as &mut dyn Observer;
+            let with = (&mut *self.linear, told);
+            let found = match natural.iterate(h.as_ref(), round, &mut x, &mut log.linear, with) {
+                Err(failure) if failure.may_be_projected() => break,
+                found => found?,
+            };
+            turns.see(found.iter().copied());
+            let torn = turns.torn(self.attempt);
+            if !torn.is_empty() {
+                return Err(Failure::Torn { faces: torn });
+            }
+            let changed = count_changes(&found, &before);
+            log.states.clone_from(&found);
+            before = found;
+            let step = Step::Round {
+                round: round + 1,
+                changed,
+            };
+            if self.observer.observe(&step).is_break() {
+                return Err(Failure::Stopped);
+            }
+            if changed == 0
+                && natural.is_close()
+                && let Some(settled) = self.finished(&before, &x, h.as_ref(), log)?
+            {
+                return Ok(Some(settled));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Rounds from these states with this H of all faces, and then with that of the states they end at.
+    fn finished(
+        &mut self,
+        states: &[ContactState],
+        x: &Iterate,
+        h: Option<&Csr<f64>>,
+        log: &mut Log,
+    ) -> Result<Option<Settled>, Failure> {
+        let most = self.attempt.problem.body().solver.rounds.finishing;
+        let mut y = x.clone();
+        let found = match self.rounds(states.to_vec(), &mut y, Some(h), most, log)? {
+            Ended::Settled(found) => found,
+            Ended::Not(..) => return Ok(None),
+        };
+        let stick = ContactState::Stick.constrained();
+        let faces = found.states.iter().filter(|s| s.constrained() < stick);
+        let (faces, told) = (faces.count(), log.events.len());
+        if faces > 0 {
+            let mut z = y.clone();
+            match self.rounds(found.states.clone(), &mut z, None, most, log) {
+                Ok(Ended::Settled(own)) => return Ok(Some(self.settled(*own, z))),
+                Err(Failure::Stopped) => return Err(Failure::Stopped),
+                Ok(Ended::Not(..)) | Err(_) => log.events.truncate(told),
+            }
+            log.events.push(Event::Stabilized { faces });
+        }
+        Ok(Some(self.settled(*found, y)))
+    }
 }
 
 /// Faces whose states differ; all where there was none before.
@@ -184,16 +213,4 @@ fn count_changes(states: &[ContactState], before: &[ContactState]) -> usize {
         true => states.iter().zip(before).filter(|(a, b)| a != b).count(),
         false => states.len(),
     }
-}
-
-/// `form` then constrains what `states` constrain, too; true where it did not.
-fn grow(form: &mut [ContactState], states: &[ContactState]) -> bool {
-    let mut grown = false;
-    for (form, state) in form.iter_mut().zip(states) {
-        if state.constrained() > form.constrained() {
-            *form = *state;
-            grown = true;
-        }
-    }
-    grown
 }

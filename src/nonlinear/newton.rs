@@ -106,6 +106,17 @@ pub(super) struct Until {
     pub(super) lagged: bool,
 }
 
+impl Until {
+    /// It has not been reached: this residual is left.
+    pub(super) fn missed(&self, residual: f64) -> Failure {
+        Failure::Newton {
+            residual,
+            iterations: self.steps,
+            tolerance: self.residual,
+        }
+    }
+}
+
 /// Solves the equations at fixed `states`, from and to `x`; returns the last evaluation and its relative residual, which may
 /// be larger than asked when the steps run out.
 ///

@@ -272,6 +272,23 @@ impl<'a> ContactProblem<'a> {
         start: &Start,
         load: &Load,
     ) -> Evaluation {
+        self.evaluate_rows(h, [u, t], start, load, |effective| {
+            let rows = self.rows(states, t, effective, start, false);
+            let weakens = self.weakens && states.iter().any(|s| s.constrained() == 1);
+            let lagged = weakens.then(|| self.rows(states, t, effective, start, true));
+            (rows, lagged)
+        })
+    }
+
+    /// The equations at (u, t); `rows` makes those of the faces, and the same without weakening, of the effective jumps.
+    pub(super) fn evaluate_rows(
+        &self,
+        h: Option<&Csr<f64>>,
+        [u, t]: [&[f64]; 2],
+        start: &Start,
+        load: &Load,
+        rows: impl FnOnce(&[f64]) -> (Vec<FaceRows>, Option<Vec<FaceRows>>),
+    ) -> Evaluation {
         let s = self.saddle.unit();
         let layout = self.saddle.layout();
         let mut residual = vec![0.0; layout.len()];
@@ -287,9 +304,7 @@ impl<'a> ContactProblem<'a> {
             *g -= through;
         }
         // r_t = −s A_f r
-        let rows = self.rows(states, t, &effective, start, false);
-        let weakens = self.weakens && states.iter().any(|s| s.constrained() == 1);
-        let lagged = weakens.then(|| self.rows(states, t, &effective, start, true));
+        let (rows, lagged) = rows(&effective);
         for (f, face) in self.faces().iter().enumerate() {
             for k in 0..3 {
                 r_t[3 * f + k] = -s * face.area * rows[f].residual[k];
@@ -337,7 +352,13 @@ impl<'a> ContactProblem<'a> {
     }
 
     /// The law of a face and where it stands.
-    fn face(&self, f: usize, t: &[f64], jumps: &[f64], start: &Start) -> (FaceLaw, FacePoint) {
+    pub(super) fn face(
+        &self,
+        f: usize,
+        t: &[f64],
+        jumps: &[f64],
+        start: &Start,
+    ) -> (FaceLaw, FacePoint) {
         let three = |v: &[f64]| [v[3 * f], v[3 * f + 1], v[3 * f + 2]];
         let (mut jump, from) = (three(jumps), three(&start.jump));
         (1..3).for_each(|k| jump[k] -= from[k]);

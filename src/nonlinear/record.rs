@@ -94,12 +94,17 @@ pub enum Event {
         /// Faces that differ within the cycle.
         faces: Vec<usize>,
     },
-    /// Newton failed at fixed states: proximal iterations take over.
+    /// Newton failed at fixed states: Newton on the natural map of all faces takes over.
     Projection {
         /// Round in which it did.
         round: usize,
         /// Why it failed.
         reason: String,
+    },
+    /// H acts on more than the states constrain: with that of the states themselves they do not settle.
+    Stabilized {
+        /// Number of faces that it acts on beyond their state.
+        faces: usize,
     },
     /// Rounding leaves errors above `tolerance`, below `state_tolerance`.
     Rounding {

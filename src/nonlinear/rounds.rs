@@ -19,8 +19,8 @@ const LAGGED_STEPS: usize = 60;
 pub(super) enum Ended {
     /// No face changes.
     Settled(Box<Found>),
-    /// Not settled: per face the state of those at hand, or of the rounds that returned, that constrains most; and what failed.
-    Not(Vec<ContactState>, Option<Failure>),
+    /// Not settled; what failed, where states did not return or go on to change.
+    Not(Option<Failure>),
 }
 
 /// States that no face changes, and the equations there.
@@ -106,7 +106,7 @@ impl Search<'_, '_> {
             accuracy.begin();
             self.linear.other_states();
         }
-        // limits that proximal iterations found are those of the iterate before, too
+        // weakening beside an H that is held: limits are those of the iterate before
         let mut until = match fixed.is_some() && weakens {
             true => lagging,
             false => loose,
@@ -135,13 +135,20 @@ impl Search<'_, '_> {
                 }
                 Err(failure) if failure.may_be_projected() => {
                     log.failed(round, &failure);
-                    return Ok(Ended::Not(states, Some(failure)));
+                    return Ok(Ended::Not(Some(failure)));
                 }
                 Err(failure) => return Err(failure),
             };
-            // linear equations that steps do not solve are not solved by other states
+            // linear equations that steps do not solve are not solved by other states; rounding may leave a residual, not an error
             if residual > until.residual && attempt.is_linear(&states) && judged.is_none() {
-                return Ok(unsolved(states, (until, residual), (log, round)));
+                let stands = (&states[..], fixed.unwrap_or(h.as_ref()));
+                judged = match self.enough(stands, (x, &at, residual))? {
+                    Ok(judged) => Some(judged),
+                    Err(failure) => {
+                        let failure = failure.unwrap_or(until.missed(residual));
+                        return Ok(unsolved(failure, (log, round)));
+                    }
+                };
             }
             let zero = match until == loose {
                 true => settings.state_tolerance.max(settings.rounds.loose),
@@ -187,7 +194,17 @@ impl Search<'_, '_> {
                     false if until == tight && weakens => lagging,
                     false if until == loose && weakens => lagging,
                     false if until == loose => tight,
-                    false => return Ok(unsolved(states, (until, residual), (log, round))),
+                    false => {
+                        let stands = (&states[..], fixed.unwrap_or(h.as_ref()));
+                        match self.enough(stands, (x, &at, residual))? {
+                            Ok(enough) => judged = Some(enough),
+                            Err(_) => {
+                                let failure = until.missed(residual);
+                                return Ok(unsolved(failure, (log, round)));
+                            }
+                        }
+                        until
+                    }
                 };
                 continue;
             }
@@ -216,10 +233,27 @@ impl Search<'_, '_> {
                     period: cycle.period,
                     faces: cycle.faces,
                 });
-                return Ok(Ended::Not(cycle.most_constrained, None));
+                return Ok(Ended::Not(None));
             }
         }
-        Ok(Ended::Not(states, None))
+        Ok(Ended::Not(None))
+    }
+
+    /// The errors of an iterate whose residual steps do not lower, where they are small enough; else what is to be told of them, where
+    /// they are judged.
+    fn enough(
+        &mut self,
+        stands: (&[ContactState], Option<&Csr<f64>>),
+        (x, at, residual): (&Iterate, &Evaluation, f64),
+    ) -> Result<Result<Judged, Option<Failure>>, Failure> {
+        let errors = self.judged(stands, (x, at))?;
+        Ok(match (&self.accuracy, errors) {
+            (Some(accuracy), Some((judged, _))) => match accuracy.accepts(judged, residual) {
+                Ok(_) => Ok(judged),
+                Err(failure) => Err(Some(failure)),
+            },
+            _ => Err(None),
+        })
     }
 
     /// The errors of an iterate, and by how much the residual is still to be lowered; `None` where only residuals are judged.
@@ -241,17 +275,8 @@ impl Search<'_, '_> {
     }
 }
 
-/// Newton has not reached the residual asked at these states: proximal iterations take over, or go on.
-fn unsolved(
-    states: Vec<ContactState>,
-    (until, residual): (Until, f64),
-    (log, round): (&mut Log, usize),
-) -> Ended {
-    let failure = Failure::Newton {
-        residual,
-        iterations: until.steps,
-        tolerance: until.residual,
-    };
+/// The equations at these states are not solved: another remedy takes over.
+fn unsolved(failure: Failure, (log, round): (&mut Log, usize)) -> Ended {
     log.failed(round, &failure);
-    Ended::Not(states, Some(failure))
+    Ended::Not(Some(failure))
 }

@@ -4,7 +4,7 @@ use crate::nonlinear::Event;
 use serde_json::{Value, json};
 
 /// What is done where states do not settle.
-const PROJECTION: &str = "proximal iterations towards tractions in Coulomb's cones";
+const PROJECTION: &str = "Newton on Coulomb's law of all faces at once";
 
 /// Name and members of an event in `log.jsonl`.
 pub fn event(event: &Event) -> (&'static str, Value) {
@@ -20,6 +20,10 @@ pub fn event(event: &Event) -> (&'static str, Value) {
         Event::Projection { round, reason } => (
             "projection",
             json!({ "round": round, "reason": reason, "remedy": PROJECTION }),
+        ),
+        Event::Stabilized { faces } => (
+            "stabilized",
+            json!({ "faces": faces, "text": "the jump stabilization acts on these many faces beyond what their states constrain" }),
         ),
         Event::Torn { faces } => (
             "torn",

@@ -83,7 +83,7 @@ pub struct SolverSection {
     pub measure: solvers::Measure,
     /// What counts as zero when states are judged, relative to the largest traction of the step. Unit: 1.
     pub state_tolerance: f64,
-    /// Rounds of the active set in one attempt, proximal iterations included.
+    /// Rounds of the active set in one attempt, Newton steps on all faces at once included.
     pub max_active: usize,
     /// Newton steps in one round.
     pub max_newton: usize,

@@ -1,6 +1,6 @@
 //! A face as springs around multipliers.
 
-use crate::contact::{ContactState, Friction};
+use crate::contact::{ContactState, FaceLaw, FacePoint, FaceRows, Friction};
 use fracas_solvers::saddle::Block;
 
 /// Stiffness that the preconditioner gives a direction in which a face has none or less, times the local stiffness. Unit: 1.
@@ -16,15 +16,15 @@ const FLOOR: f64 = 0.1;
 /// # Source
 /// J. C. Simo, T. A. Laursen, Comput. Struct. 42 (1992) 97–116 (augmented Lagrangian; penalty is λ held at its start).
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SpringLaw {
+pub(in crate::nonlinear) struct SpringLaw {
     /// κ [Pa/m].
-    pub(super) stiffness: f64,
+    pub(in crate::nonlinear) stiffness: f64,
     /// λ = (λ_N, λ_1, λ_2) [Pa].
-    pub(super) multiplier: [f64; 3],
+    pub(in crate::nonlinear) multiplier: [f64; 3],
     /// Coulomb friction.
-    pub(super) friction: Friction,
+    pub(in crate::nonlinear) friction: Friction,
     /// K leaves out the derivative of weakening.
-    pub(super) lagged: bool,
+    pub(in crate::nonlinear) lagged: bool,
 }
 
 /// What the springs of a face do.
@@ -44,7 +44,12 @@ pub(in crate::nonlinear) struct Spring {
 impl SpringLaw {
     /// At the jump (g_N, Δg_1, Δg_2), slip (γ_1, γ_2) at the start of the step [m]. A `held` face that sticks
     /// or is open stays so, whatever its springs say.
-    pub(super) fn at(&self, jump: [f64; 3], start: [f64; 2], held: Option<ContactState>) -> Spring {
+    pub(in crate::nonlinear) fn at(
+        &self,
+        jump: [f64; 3],
+        start: [f64; 2],
+        held: Option<ContactState>,
+    ) -> Spring {
         let kappa = self.stiffness;
         let [normal, w1, w2] = std::array::from_fn(|k| self.multiplier[k] + kappa * jump[k]);
         let mut spring = Spring::held(ContactState::Open);
@@ -81,41 +86,26 @@ impl SpringLaw {
 }
 
 impl Spring {
-    /// The projection of w onto `K = {t_N ≤ 0} × {‖t_T‖ ≤ τ}` with a limit τ that nothing moves, and its derivative times κ,
-    /// which is symmetric; a direction in which it is none gets `loose` κ:
-    /// ```text
-    /// t_N = min(w_N, 0)        t_T = w_T min(1, τ/‖w_T‖)
-    /// ```
-    pub(in crate::nonlinear) fn projected(kappa: f64, w: [f64; 3], tau: f64, loose: f64) -> Self {
-        let mut spring = Self::held(ContactState::Stick);
-        let size = w[1].hypot(w[2]);
-        let soft = loose * kappa;
-        (0..3).for_each(|k| spring.tangent[k][k] = soft);
-        if size <= tau {
-            spring.traction = [0.0, w[1], w[2]];
-            (1..3).for_each(|k| spring.tangent[k][k] = kappa);
-        } else {
-            spring.state = ContactState::Slip;
-            let (m, turning) = ([w[1] / size, w[2] / size], tau / size);
-            spring.direction = m;
-            spring.across = kappa * turning;
-            for i in 0..2 {
-                spring.traction[1 + i] = tau * m[i];
-                for j in 0..2 {
-                    let one = f64::from(u8::from(i == j));
-                    let across = kappa * turning * (one - m[i] * m[j]);
-                    spring.tangent[1 + i][1 + j] = across + soft * one;
-                }
-            }
+    /// The rows `(P(t + κ g) − t)/κ` of a face around its own tractions t, and their derivatives: Newton on the natural map, per unit of
+    /// area [m]. An open face has those of the [`FaceLaw`].
+    pub(in crate::nonlinear) fn rows(
+        &self,
+        law: &FaceLaw,
+        point: &FacePoint,
+        kappa: f64,
+    ) -> FaceRows {
+        if self.state == ContactState::Open {
+            return law.rows(ContactState::Open, point);
         }
-        match w[0] > 0.0 {
-            true => spring.state = ContactState::Open,
-            false => {
-                spring.traction[0] = w[0];
-                spring.tangent[0][0] = kappa;
-            }
+        let each = |i: usize, j: usize| {
+            let one = f64::from(u8::from(i == j));
+            (self.tangent[i][j] / kappa - one) / kappa
+        };
+        FaceRows {
+            residual: std::array::from_fn(|k| (self.traction[k] - point.traction[k]) / kappa),
+            by_jump: self.tangent.map(|row| row.map(|v| v / kappa)),
+            by_traction: std::array::from_fn(|i| std::array::from_fn(|j| each(i, j))),
         }
-        spring
     }
 
     /// A face in stick without a traction.

@@ -3,7 +3,7 @@
 //! | method | tractions | what it costs |
 //! |---|---|---|
 //! | penalty | `t = P(λ + κ g)`, λ those of the initial stress and of the start of the step | faces overlap and give by O(1/κ); `A + B κ Bᵀ` has a condition number O(κ) |
-//! | augmented Lagrangian | the same, `λ ← t` until the overlap vanishes (Uzawa) | one non-linear problem per update |
+//! | augmented Lagrangian | the same, `λ ← t` until the overlap vanishes (Uzawa), κ larger where that is slow | one non-linear problem per update |
 //!
 //! P is the return to Coulomb's cone. One traction per face, as for multipliers, but no jump stabilization: springs leave
 //! no traction without stiffness.
@@ -27,6 +27,15 @@ use fracas_solvers::{Observer, Step};
 use law::Spring;
 use linear::SpringLinear;
 use newton::{Solution, Springs, newton};
+
+/// Share of the error that an update may leave without stiffer springs. Unit: 1.
+///
+/// # Source
+/// A. R. Conn, N. I. M. Gould, Ph. L. Toint, LANCELOT, Springer 1992, §3.4 (a quarter, and κ ten times as large).
+const SHRINKS: f64 = 0.25;
+
+/// Largest growth of κ within an attempt: springs beyond 1e6/ω lose digits of the tractions. Unit: 1.
+const GROWN: f64 = 1e4;
 
 /// Steps of a body whose faces are held by springs.
 pub(super) struct SpringMethod {
@@ -75,25 +84,19 @@ impl SpringMethod {
     pub(super) fn carried(&self) -> Option<Prepared> {
         self.linear.carried()
     }
+}
 
-    /// Faces whose overlap or slip error `‖t − λ‖/κ` is more than a face in stick may have.
-    fn wrong(
-        &self,
-        attempt: &Attempt<'_>,
-        multiplier: &[f64],
-        t: &[f64],
-        traction: f64,
-    ) -> Vec<usize> {
-        let problem = attempt.problem;
-        let zero = problem.body().solver.state_tolerance * traction;
-        let error = |f: usize| {
-            let d = |k: usize| t[3 * f + k] - multiplier[3 * f + k];
-            d(0).abs().max(d(1).hypot(d(2))) / self.stiffness[f]
-        };
-        (0..problem.faces().len())
-            .filter(|f| error(*f) > zero * problem.compliance()[*f])
-            .collect()
-    }
+/// Overlap or slip error `‖t − λ‖/κ` per face, over what a face in stick may have.
+fn errors(attempt: &Attempt<'_>, faces: Springs<'_>, t: &[f64], traction: f64) -> Vec<f64> {
+    let problem = attempt.problem;
+    let zero = problem.body().solver.state_tolerance * traction;
+    let error = |f: usize| {
+        let d = |k: usize| t[3 * f + k] - faces.multiplier[3 * f + k];
+        let error = d(0).abs().max(d(1).hypot(d(2))) / faces.stiffness[f];
+        let may = zero * problem.compliance()[f];
+        if error > may { error / may } else { 0.0 }
+    };
+    (0..problem.faces().len()).map(error).collect()
 }
 
 impl Holding for SpringMethod {
@@ -113,11 +116,12 @@ impl Holding for SpringMethod {
         let mut traction = attempt.traction;
         let compliance = attempt.problem.compliance();
         let mut accuracy = Accuracy::of_springs(attempt);
-        let mut update = 0;
+        let mut stiffness = self.stiffness.clone();
+        let (mut update, mut before) = (0, f64::INFINITY);
         loop {
             log.rounds += 1;
             let faces = Springs {
-                stiffness: &self.stiffness,
+                stiffness: &stiffness,
                 multiplier: &multiplier,
                 lagged: false,
             };
@@ -135,15 +139,14 @@ impl Holding for SpringMethod {
             let t = at.tractions();
             // iterates of stiff springs bear tractions of no scale
             traction = traction.max(at.largest_traction());
-            let wrong = match self.max_updates {
+            let errors = match self.max_updates {
                 None => Vec::new(),
-                Some(_) => self.wrong(
-                    attempt,
-                    &multiplier,
-                    &t,
-                    or_closing(traction, &at.jumps, compliance),
-                ),
+                Some(_) => {
+                    let largest = or_closing(traction, &at.jumps, compliance);
+                    errors(attempt, faces, &t, largest)
+                }
             };
+            let wrong: Vec<usize> = (0..errors.len()).filter(|f| errors[*f] > 0.0).collect();
             let step = Step::Round {
                 round: update + 1,
                 changed: wrong.len(),
@@ -176,6 +179,12 @@ impl Holding for SpringMethod {
             }
             multiplier = t;
             update += 1;
+            // κ ← 10 κ where an update leaves more than a quarter
+            let largest = errors.iter().fold(0.0, |m: f64, e| m.max(*e));
+            if largest > SHRINKS * before && stiffness[0] < GROWN * self.stiffness[0] {
+                stiffness.iter_mut().for_each(|kappa| *kappa *= 10.0);
+            }
+            before = largest;
         }
     }
 

@@ -1,0 +1,362 @@
+//! Newton on Coulomb's law of all faces at once, where rounds of fixed states do not settle.
+
+use super::linear::Linear;
+use super::newton::{Attempt, DECREASE, Iterate};
+use super::record::count;
+use super::springs::law::SpringLaw;
+use super::{ContactProblem, Evaluation, Failure, LinearRecord, Load, Start};
+use crate::contact::ContactState;
+use crate::mesh::FractureFace;
+use fracas_operators::sparse::Csr;
+use fracas_operators::vector::axpy;
+use fracas_solvers::saddle::{T, U};
+use fracas_solvers::{Observer, Step};
+
+/// Largest residual of a linear solve, relative to its right-hand side. Unit: 1.
+const FORCING: f64 = 1e-4;
+
+/// The same relative to the loads: what is left is no equilibrium of the rock. Unit: 1.
+const EQUILIBRIUM: f64 = 1e-6;
+
+/// κ times the compliance of a face and of what H lets through it. Unit: 1.
+const STIFFNESS: f64 = 10.0;
+
+/// Halvings of a step that the line search tries.
+const HALVINGS: usize = 12;
+
+/// Steps in a row that lower nothing, after which the merit is taken to be at a minimum that is no solution.
+const STUCK: usize = 3;
+
+/// √m over `√(Σ_f A_f ‖t‖²/κ)` from which on rounds may finish. Unit: 1.
+const CLOSE: f64 = 1e-5;
+
+/// Steps at most.
+const MOST: usize = 80;
+
+/// Newton steps on the natural map with H held,
+/// ```text
+/// f − A u − B t = 0      t − P(t + κ (g(u) − H t*/A_f)) = 0        m(u, t) = Σ_f A_f ‖t − P(·)‖²/κ
+/// ```
+/// every face in the state of its trial traction. The first step, with closed faces in stick, is taken in full and meets equilibrium,
+/// which is linear; the steps after it keep it and are halved until m falls (Armijo). Rounds of fixed states have no such measure: with steep friction beside rock of
+/// strong contrast a face that slips alone may ask for tractions that no later round takes back.
+///
+/// # Source
+/// P. Alart, A. Curnier, CMAME 92 (1991) 353–375 (the map); L. Qi, J. Sun, Math. Program. 58 (1993) 353–367 (semi-smooth Newton).
+pub(super) struct Natural<'s> {
+    attempt: &'s Attempt<'s>,
+    /// κ per face [Pa/m].
+    stiffness: Vec<f64>,
+    /// States of the first step.
+    held: Option<Vec<ContactState>>,
+    correction: Vec<f64>,
+    iterations: usize,
+    /// Steps in a row that lowered nothing.
+    stuck: usize,
+    /// √m over that of the tractions.
+    distance: f64,
+}
+
+impl<'s> Natural<'s> {
+    /// With this H, the first step in these states.
+    pub(super) fn new(
+        attempt: &'s Attempt<'s>,
+        h: Option<&Csr<f64>>,
+        held: Vec<ContactState>,
+    ) -> Self {
+        let problem = attempt.problem;
+        let s = problem.saddle().unit();
+        let stiffness = |(f, face): (usize, &FractureFace)| {
+            let diagonal = |i: usize| h.and_then(|h| h.matrix().get(i, i)).copied();
+            let let_through = (3 * f..3 * f + 3).filter_map(diagonal).sum::<f64>() / 3.0;
+            STIFFNESS / (problem.compliance()[f] + let_through / (s * s * face.area))
+        };
+        let stiffness: Vec<f64> = problem.faces().iter().enumerate().map(stiffness).collect();
+        Self {
+            attempt,
+            stiffness,
+            held: Some(held),
+            correction: vec![0.0; problem.saddle().layout().len()],
+            iterations: 0,
+            stuck: 0,
+            distance: f64::INFINITY,
+        }
+    }
+
+    /// True where m does not go down any more, or has not led to a solution.
+    pub(super) fn is_over(&self) -> bool {
+        self.stuck == STUCK || self.iterations == MOST
+    }
+
+    /// True where the last step led to a solution, or nearly.
+    pub(super) fn is_close(&self) -> bool {
+        self.distance <= CLOSE
+    }
+
+    /// One step with this H; the states by trial tractions there.
+    pub(super) fn iterate(
+        &mut self,
+        h: Option<&Csr<f64>>,
+        round: usize,
+        x: &mut Iterate,
+        records: &mut Vec<LinearRecord>,
+        (linear, observer): (&mut Linear, &mut dyn Observer),
+    ) -> Result<Vec<ContactState>, Failure> {
+        let (attempt, problem) = (self.attempt, self.attempt.problem);
+        let (layout, stiffness) = (problem.saddle().layout(), &self.stiffness[..]);
+        let point = |x: &Iterate| {
+            let at = [&x.u[..], &x.t];
+            problem.natural((h, stiffness), at, attempt.start, attempt.load)
+        };
+        let here = match self.held.take() {
+            Some(held) => NaturalPoint {
+                at: attempt.evaluate(&held, h, x),
+                states: held,
+                merit: f64::INFINITY,
+                size: 0.0,
+            },
+            None => point(x),
+        };
+        let residual = attempt.relative(&here.at);
+        if !residual.is_finite() {
+            let what = "the residual";
+            return Err(Failure::NotFinite { what });
+        }
+        let step = Step::Newton {
+            iteration: 0,
+            residual,
+        };
+        if observer.observe(&step).is_break() {
+            return Err(Failure::Stopped);
+        }
+        let forcing = FORCING.min(EQUILIBRIUM / residual);
+        // J δ = −r
+        let jacobian = problem.jacobian(&here.states, h, &here.at, false);
+        let solved = linear.solve(
+            problem,
+            (&jacobian, &here.states),
+            &here.at.residual,
+            forcing,
+            &mut self.correction,
+            observer,
+        )?;
+        if solved.stopped {
+            return Err(Failure::Stopped);
+        }
+        let (from, mut length) = (x.clone(), 1.0);
+        let mut halvings = 0;
+        let there = loop {
+            x.u.copy_from_slice(&from.u);
+            x.t.copy_from_slice(&from.t);
+            let [d_u, d_t] = layout.split([U, T], &self.correction);
+            axpy(length, d_u, &mut x.u);
+            axpy(length * layout.unit(T), d_t, &mut x.t);
+            let there = point(x);
+            let lowered = there.merit <= (1.0 - 2.0 * DECREASE * length) * here.merit;
+            if lowered {
+                self.stuck = 0;
+                break there;
+            }
+            if halvings == HALVINGS {
+                self.stuck += 1;
+                break there;
+            }
+            halvings += 1;
+            length *= 0.5;
+        };
+        let faces = count(&here.states);
+        let record = attempt.record([round, 0], faces, forcing, residual);
+        records.push(record.solved(&solved, length));
+        self.iterations += 1;
+        self.distance = (there.merit / there.size).sqrt();
+        Ok(there.states)
+    }
+}
+
+/// Where the natural map stands.
+struct NaturalPoint {
+    /// Of trial tractions.
+    states: Vec<ContactState>,
+    /// `Σ_f A_f ‖t − P(t + κ g)‖²/κ` [J].
+    merit: f64,
+    /// `Σ_f A_f ‖t‖²/κ` [J].
+    size: f64,
+    at: Evaluation,
+}
+
+impl ContactProblem<'_> {
+    /// The equations of the natural map at (u, t) with κ = `stiffness` per face [Pa/m], every face in the state of its trial traction.
+    fn natural(
+        &self,
+        (h, stiffness): (Option<&Csr<f64>>, &[f64]),
+        [u, t]: [&[f64]; 2],
+        start: &Start,
+        load: &Load,
+    ) -> NaturalPoint {
+        let (mut states, mut merit, mut size) = (Vec::new(), 0.0, 0.0);
+        let at = self.evaluate_rows(h, [u, t], start, load, |effective| {
+            let row = |f: usize| {
+                let (law, point) = self.face(f, t, effective, start);
+                let spring = SpringLaw {
+                    stiffness: stiffness[f],
+                    multiplier: point.traction,
+                    friction: law.friction,
+                    lagged: false,
+                };
+                let spring = spring.at(point.jump, point.start, None);
+                let squares = |v: [f64; 3]| v.iter().map(|v| v * v).sum::<f64>();
+                let weight = self.faces()[f].area / stiffness[f];
+                let t = point.traction;
+                merit += weight * squares(std::array::from_fn(|k| t[k] - spring.traction[k]));
+                size += weight * squares(t);
+                states.push(spring.state);
+                spring.rows(&law, &point, stiffness[f])
+            };
+            ((0..self.faces().len()).map(row).collect(), None)
+        });
+        NaturalPoint {
+            states,
+            merit,
+            size,
+            at,
+        }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::scene::named;
+    use fracas_operators::LinearOperator;
+    use fracas_operators::random::{Random, signed};
+    use fracas_operators::vector::norm2;
+    use fracas_solvers::Silent;
+
+    fn start(faces: usize) -> Start {
+        Start {
+            jump: vec![0.0; 3 * faces],
+            slip: vec![0.0; 2 * faces],
+            t: vec![0.0; 3 * faces],
+            torn: Vec::new(),
+        }
+    }
+
+    /// `−J δ` is the change of the residual to second order wherever no face changes its state.
+    #[test]
+    fn the_jacobian_is_the_derivative_of_the_rows() {
+        let body = named("crossing").unwrap().small_scene().unwrap();
+        let body = body.build().unwrap();
+        let problem = ContactProblem::new(&body).unwrap();
+        let faces = problem.faces().len();
+        let (start, load) = (start(faces), problem.loads().at(0.0, 1.0));
+        let h = problem.stabilization(&vec![ContactState::Stick; faces]);
+        let kappa: Vec<f64> = problem.compliance().iter().map(|w| 3.0 / w).collect();
+        let mut slips = 0;
+        for seed in 0..5u64 {
+            let random = |i: usize, scale: f64| scale * signed(1000 * seed + i as u64);
+            let u: Vec<f64> = (0..body.constraints.free_len())
+                .map(|i| random(i, 1e-4))
+                .collect();
+            let t: Vec<f64> = (0..3 * faces).map(|i| random(i + 77, 1e7)).collect();
+            let layout = problem.saddle().layout();
+            let d: Vec<f64> = (0..layout.len())
+                .map(|i| norm2(&u) * random(i + 7, 1e-7))
+                .collect();
+            let moved = |share: f64| {
+                let ([d_u, d_t], mut u, mut t) = (layout.split([U, T], &d), u.clone(), t.clone());
+                axpy(share, d_u, &mut u);
+                axpy(share * layout.unit(T), d_t, &mut t);
+                problem.natural((h.as_ref(), &kappa), [&u, &t], &start, &load)
+            };
+            let (plus, here, minus) = (moved(1.0), moved(0.0), moved(-1.0));
+            slips += count(&here.states)[2];
+            let mut product = vec![0.0; d.len()];
+            let j = problem.jacobian(&here.states, h.as_ref(), &here.at, false);
+            j.apply_add(1.0, &d, &mut product, &mut vec![0.0; j.work_len()]);
+            let [p_t] = layout.split([T], &product);
+            let scale = p_t.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+            for (f, state) in here.states.iter().enumerate() {
+                if plus.states[f] != *state || minus.states[f] != *state {
+                    continue;
+                }
+                for i in 3 * f..3 * f + 3 {
+                    let of = |point: &NaturalPoint| layout.split([T], &point.at.residual)[0][i];
+                    let difference = 0.5 * (of(&minus) - of(&plus));
+                    let error = (difference - p_t[i]).abs() / scale;
+                    assert!(error < 1e-5, "seed {seed}, face {f}, {state:?}: {error:e}");
+                }
+            }
+        }
+        assert!(slips > 5, "{slips}");
+    }
+
+    /// From any tractions, with friction that many faces cannot hold: m falls to a solution of Coulomb's law in equilibrium.
+    #[test]
+    fn the_merit_falls_to_tractions_of_the_law() {
+        let random = &mut Random::new(5);
+        for seed in 0u64..6 {
+            let (angle, ratio) = (random.between(10.0, 70.0), random.scale(1e-3, 1e3));
+            let own = [
+                format!("fracture.0.friction_angle={angle} deg"),
+                format!("material.0.young={} GPa", 10.0 * ratio),
+            ];
+            let scene = named("crossing").unwrap().small_scene().unwrap();
+            let body = scene.with_overrides(&own).unwrap().build().unwrap();
+            let problem = ContactProblem::new(&body).unwrap();
+            let faces = problem.faces().len();
+            let (start, load) = (start(faces), problem.loads().at(0.0, 1.0));
+            let attempt = Attempt {
+                problem: &problem,
+                start: &start,
+                load: &load,
+                scale: norm2(&load.force),
+                traction: 1e7,
+                size: problem.saddle().layout().values(0.0),
+                held: None,
+                flow: None,
+                step: 0,
+                attempt: 0,
+            };
+            let mut x = Iterate {
+                u: vec![0.0; body.constraints.free_len()],
+                t: (0..3 * faces)
+                    .map(|i| 1e7 * signed(1000 * seed + i as u64))
+                    .collect(),
+                p: Vec::new(),
+            };
+            let stick = vec![ContactState::Stick; faces];
+            let h = problem.stabilization(&stick);
+            let mut natural = Natural::new(&attempt, h.as_ref(), stick);
+            let mut linear = Linear::new(&problem);
+            let mut distances = Vec::new();
+            while !natural.is_over() && natural.distance > 1e-9 {
+                let told = &mut Silent;
+                let with = (&mut linear, told as &mut dyn Observer);
+                natural
+                    .iterate(h.as_ref(), 0, &mut x, &mut Vec::new(), with)
+                    .unwrap();
+                distances.push(natural.distance);
+            }
+            assert!(natural.is_close(), "seed {seed}: {distances:?}");
+            let jumps = problem.jumps(&x.u, &load);
+            let through = problem.let_through(h.as_ref(), &x.t, &start);
+            let largest = x.t.iter().fold(0.0, |m: f64, t| m.max(t.abs()));
+            for f in 0..faces {
+                let t = &x.t[3 * f..][..3];
+                let gap = jumps[3 * f] - through[3 * f];
+                let limit = problem.friction(f).limit(t[0], 0.0);
+                let omega = problem.compliance()[f];
+                assert!(t[0] < 1e-6 * largest && gap > -1e-6 * largest * omega);
+                assert!(t[0] * gap > -1e-6 * largest * largest * omega);
+                assert!(
+                    t[1].hypot(t[2]) <= limit + 1e-6 * largest,
+                    "seed {seed}, {f}"
+                );
+            }
+            let at = attempt.evaluate(&vec![ContactState::Stick; faces], h.as_ref(), &x);
+            let [r_u] = problem.saddle().layout().split([U], &at.residual);
+            assert!(norm2(r_u) <= 1e-4 * attempt.scale);
+        }
+    }
+}
