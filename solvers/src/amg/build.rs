@@ -3,7 +3,7 @@
 use super::finest::Sum;
 use super::node_map::NodeMap;
 use super::plan::first;
-use super::{Amg, AmgPlan};
+use super::{Amg, AmgPlan, HalvedMatrix};
 use crate::multigrid::MultigridInverse;
 use crate::{DofCoordinate, SetupError};
 use fracas_operators::sparse::{Pattern, SparseMatrix};
@@ -34,6 +34,18 @@ impl Amg {
         coordinates: Option<&[DofCoordinate]>,
     ) -> Result<MultigridInverse, SetupError> {
         Ok(first(self, &Sum::new(a, Some(f))?, coordinates, |_, _| ())?.0)
+    }
+
+    /// The same for half an A, which knows its nodes.
+    ///
+    /// # Errors
+    /// As [`Amg::build`].
+    pub fn build_halved(
+        &self,
+        a: &HalvedMatrix,
+        f: &SparseMatrix<f64>,
+    ) -> Result<MultigridInverse, SetupError> {
+        Ok(first(self, &Sum::of_half(a, Some(f)), None, |_, _| ())?.0)
     }
 
     /// The hierarchy of `A + F Fᵀ`, and what of it serves other values.

@@ -41,13 +41,21 @@ impl Frame {
         }
     }
 
+    /// P and Pᵀ by the blocks of P.
+    pub(super) fn transfer<R: Real, const N: usize>(
+        &self,
+        blocks: Vec<[[R; N]; 3]>,
+    ) -> Transfer<R> {
+        Transfer::new(self.transfer.clone(), blocks)
+    }
+
     /// P and `A_c = Pᵀ(A + Δ)P` for a P with these blocks.
     pub(super) fn values<S: Real, R: Real, const N: usize>(
         &self,
         a: &NodeMatrix<S>,
         defect: &[Matrix3<f64>],
         blocks: Vec<[[R; N]; 3]>,
-    ) -> Result<Values<R>, NotPositive> {
+    ) -> Result<Values<R, N>, NotPositive> {
         let p = Prolongation {
             pattern: &self.transfer.p,
             blocks: &blocks,
@@ -55,7 +63,7 @@ impl Frame {
         let coarse = galerkin::product(a, defect, p, &self.patterns);
         Ok(Values {
             matrix: coarse_matrix(self.patterns.coarse(), &coarse)?,
-            transfer: Transfer::new(self.transfer.clone(), blocks),
+            blocks,
         })
     }
 
@@ -65,9 +73,9 @@ impl Frame {
 }
 
 /// What follows from the values of a matrix.
-pub(super) struct Values<R> {
-    /// P and Pᵀ.
-    pub(super) transfer: Transfer<R>,
+pub(super) struct Values<R, const N: usize> {
+    /// P.
+    pub(super) blocks: Vec<[[R; N]; 3]>,
     /// `A_c = PᵀA P`.
     pub(super) matrix: NodeMatrix<f64>,
 }
@@ -107,7 +115,7 @@ pub(super) trait Coarsener<const N: usize, const K: usize>: Sized + Send + Sync 
         a: &NodeMatrix<S>,
         defect: &[Matrix3<f64>],
         lambda_max: f64,
-    ) -> Result<Values<R>, NotPositive>;
+    ) -> Result<Values<R, N>, NotPositive>;
 
     /// The coarse unknowns.
     fn frame(&self) -> &Frame;

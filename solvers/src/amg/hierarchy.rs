@@ -211,9 +211,10 @@ pub(super) fn build<R: Real, C: Coarsener<N, K>, const N: usize, const K: usize>
     let values = values.map_err(|e| names.indefinite::<N>(e, step.frame(), 1))?;
     drop(defect);
     let fsai = names.fsai(settings, &first)?;
-    let smooth = smoother(settings, Sweeps::new(&first), lambda_max, fsai);
-    drop(first);
-    levels.push(Level::new(smooth, Box::new(values.transfer), Vec::new()));
+    // what the finest level no longer needs makes room for what it needs
+    let smooth = smoother(settings, Sweeps::of(first), lambda_max, fsai);
+    let transfer = step.frame().transfer(values.blocks);
+    levels.push(Level::new(smooth, Box::new(transfer), Vec::new()));
     let next = N / 3;
     names.descend(step.frame(), [1, next]);
     let mut matrix = values.matrix;
@@ -222,7 +223,8 @@ pub(super) fn build<R: Real, C: Coarsener<N, K>, const N: usize, const K: usize>
         let values = values.map_err(|e| names.indefinite::<N>(e, step.frame(), next))?;
         let fsai = names.fsai(settings, &matrix)?;
         let smooth = smoother(settings, Sweeps::new(&matrix), lambda_max, fsai);
-        levels.push(Level::new(smooth, Box::new(values.transfer), Vec::new()));
+        let transfer = step.frame().transfer(values.blocks);
+        levels.push(Level::new(smooth, Box::new(transfer), Vec::new()));
         names.descend(step.frame(), [next, next]);
         matrix = values.matrix;
     }

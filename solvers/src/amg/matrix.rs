@@ -97,6 +97,11 @@ impl<R: Real> NodeMatrix<R> {
         )
     }
 
+    /// Its pattern, blocks with the one of zeros behind them, and inverse diagonal blocks.
+    pub(super) fn into_parts(self) -> (Pattern, Vec<Matrix3<R>>, Vec<Matrix3<R>>) {
+        (self.pattern, self.blocks, self.inverse)
+    }
+
     /// The entries that are to be kept, in f64.
     pub(super) fn to_csr(&self, keeps: impl Fn(f64) -> bool) -> SparseMatrix<f64> {
         let n = 3 * self.rows();

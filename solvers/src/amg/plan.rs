@@ -132,7 +132,7 @@ pub(super) fn first<P>(
     coordinates: Option<&[DofCoordinate]>,
     keep: impl FnOnce(&Arc<NodeMap>, &Pattern) -> P,
 ) -> Result<(MultigridInverse, Planned, P), SetupError> {
-    let map = Arc::new(NodeMap::new(sum.a, coordinates));
+    let map = sum.map(coordinates);
     let pattern = sum.pattern(&map);
     let kept = keep(&map, &pattern);
     let (inverse, steps) = match settings.precision {

@@ -111,7 +111,7 @@ impl<const K: usize> Coarsener<K, K> for SmoothedAggregation<K> {
         a: &NodeMatrix<S>,
         defect: &[Matrix3<f64>],
         lambda_max: f64,
-    ) -> Result<Values<R>, NotPositive> {
+    ) -> Result<Values<R, K>, NotPositive> {
         let (aggregates, pattern) = (&self.frame.aggregates, &self.frame.transfer.p);
         let blocks = if self.network {
             prolongation::tentative(self.group, aggregates, &self.tentative)
