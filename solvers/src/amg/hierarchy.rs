@@ -207,9 +207,8 @@ pub(super) fn build<R: Real, C: Coarsener<N, K>, const N: usize, const K: usize>
         let bottom = bottom(settings, &first, &names)?;
         return Ok(Hierarchy::new(levels, bottom, settings.cycle, about));
     };
-    let values = step.values::<R, R>(&first, &defect, lambda_max);
+    let values = step.values::<R, R>(&first, defect, lambda_max);
     let values = values.map_err(|e| names.indefinite::<N>(e, step.frame(), 1))?;
-    drop(defect);
     let fsai = names.fsai(settings, &first)?;
     // what the finest level no longer needs makes room for what it needs
     let smooth = smoother(settings, Sweeps::of(first), lambda_max, fsai);
@@ -219,7 +218,7 @@ pub(super) fn build<R: Real, C: Coarsener<N, K>, const N: usize, const K: usize>
     names.descend(step.frame(), [1, next]);
     let mut matrix = values.matrix;
     while let Some((step, lambda_max)) = steps.next(settings, levels.len(), &matrix) {
-        let values = step.values::<f64, R>(&matrix, &[], lambda_max);
+        let values = step.values::<f64, R>(&matrix, Vec::new(), lambda_max);
         let values = values.map_err(|e| names.indefinite::<N>(e, step.frame(), next))?;
         let fsai = names.fsai(settings, &matrix)?;
         let smooth = smoother(settings, Sweeps::new(&matrix), lambda_max, fsai);

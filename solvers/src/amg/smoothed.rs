@@ -109,7 +109,7 @@ impl<const K: usize> Coarsener<K, K> for SmoothedAggregation<K> {
     fn values<S: Real, R: Real>(
         &self,
         a: &NodeMatrix<S>,
-        defect: &[Matrix3<f64>],
+        defect: Vec<Matrix3<f64>>,
         lambda_max: f64,
     ) -> Result<Values<R, K>, NotPositive> {
         let (aggregates, pattern) = (&self.frame.aggregates, &self.frame.transfer.p);

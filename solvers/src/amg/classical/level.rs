@@ -70,7 +70,7 @@ impl<const K: usize> Coarsener<3, K> for Classical<K> {
     fn values<S: Real, R: Real>(
         &self,
         a: &NodeMatrix<S>,
-        defect: &[Matrix3<f64>],
+        defect: Vec<Matrix3<f64>>,
         _lambda_max: f64,
     ) -> Result<Values<R, 3>, NotPositive> {
         let nodes = nodes::of_level(a);
