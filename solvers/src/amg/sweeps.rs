@@ -2,19 +2,15 @@
 #![allow(unsafe_code, reason = "reads and writes of tasks that share no entry")]
 
 use super::half::{Half, ROWS_AHEAD, triple};
-use super::matrix::NodeMatrix;
+use super::matrix::{NodeMatrix, block_times};
 use super::schedule::Schedule;
 use fracas_operators::shared::Shared;
 use fracas_operators::simd::{Kernel, Lanes};
 use fracas_operators::small::{Matrix3, cast, times};
 use fracas_operators::sparse::Pattern;
-use fracas_operators::vector::for_row_ranges;
 use fracas_operators::{LinearOperator, Real, Shape};
 use rayon::prelude::*;
 use std::ops::Range;
-
-/// Block rows that one task divides by their diagonal blocks.
-const ROWS_PER_TASK: usize = 256;
 
 /// A symmetric matrix by half of its blocks, and its inverse diagonal blocks: sweeps and the residuals behind them read each block
 /// once, as products do.
@@ -145,12 +141,7 @@ impl<R: Real> Sweeps<R> {
 
     /// `z ← D⁻¹ r`.
     pub(super) fn diagonal_solve(&self, r: &[R], z: &mut [R]) {
-        for_row_ranges(0, 3 * ROWS_PER_TASK, z, &|start, part| {
-            let (r, inverse) = (&r[start..].as_chunks().0, &self.inverse[start / 3..]);
-            for ((z, r), inverse) in part.as_chunks_mut().0.iter_mut().zip(*r).zip(inverse) {
-                *z = times(inverse, r);
-            }
-        });
+        block_times(&self.inverse, r, z);
     }
 
     /// Every chunk of rows, colour after colour, in the order of a sweep.
