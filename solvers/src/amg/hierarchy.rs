@@ -22,7 +22,8 @@ const SMOOTHED_SHARE: f64 = 1.0 / 20.0;
 /// Levels beyond which coarsening has plainly failed.
 const MOST_LEVELS: usize = 30;
 
-/// Unknowns up to which a level that does not get coarser is solved directly after all, where no larger one was asked for.
+/// Unknowns up to which a level that does not get coarser is solved directly after all, where no larger one was asked for. Without it
+/// slabs of flat, graded cells have no hierarchy (`tests/multigrid/graded_slabs.rs`).
 const LARGEST_DIRECT: usize = 30_000;
 
 /// Names the unknown in a scalar row of the finest level.
