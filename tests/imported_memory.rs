@@ -1,5 +1,5 @@
-//! Claim: a system folder is solved by algebraic multigrid in little more memory than the rows of A take while they are read, and as it
-//! is where all of A stays.
+//! Claim: a system folder is solved by algebraic multigrid in less memory than with all rows of A, in as many iterations, to the same
+//! solution.
 
 mod counting;
 
@@ -13,15 +13,12 @@ use fracas_solvers::krylov::{KrylovChoice, Sqmr};
 use fracas_solvers::saddle::folder::{Manifest, write_folder};
 use fracas_solvers::saddle::{InnerChoice, Racp, SaddleMethod};
 
-/// Text and entries on their way, and what does not grow with the system.
-const IN_FLIGHT: usize = 32 << 20;
-
-/// Peak over the memory of the rows of A: 1.5 measured with 200 thousand displacements, 2.2 with all of A in memory.
-const OVER_ROWS: f64 = 1.75;
+/// What half of A saves at the peak, over the memory of the rows of A; 1.1 measured. Unit: 1.
+const SAVED: f64 = 0.9;
 
 #[test]
-fn a_folder_is_solved_in_little_more_memory_than_its_rows() {
-    let cells = ["mesh.x.cells=38", "mesh.y.cells=40", "mesh.z.cells=40"];
+fn a_folder_is_solved_with_half_of_its_matrix() {
+    let cells = ["mesh.x.cells=40", "mesh.y.cells=40", "mesh.z.cells=40"];
     let scene = named("layered_crossing").unwrap().scene().unwrap();
     let scene = scene.with_overrides(&cells).unwrap();
     let stuck = StuckBody::of_scene("layered_crossing", scene);
@@ -29,7 +26,6 @@ fn a_folder_is_solved_in_little_more_memory_than_its_rows() {
     let (_, blocks) = stuck.assemble(&mut Silent).unwrap();
     write_folder(&folder, &blocks, &Manifest::default()).unwrap();
     let rows = 12 * blocks.a.nnz();
-    let unit = blocks.traction_unit();
     let settings = Solve {
         method: SaddleMethod::Racp(Racp {
             inner: InnerChoice::Amg(Amg::default()),
@@ -37,17 +33,19 @@ fn a_folder_is_solved_in_little_more_memory_than_its_rows() {
         }),
         inner: InnerRule::Fixed,
         krylov: Some(KrylovChoice::Sqmr(Sqmr {})),
-        traction_unit: Some(unit),
+        traction_unit: Some(1.0),
         ..Solve::default()
     };
-    let whole = settings.solve(&Problem::from(blocks), &mut Silent).unwrap();
+    let in_memory = Problem::from(blocks);
+    let (whole, beside) = peak_bytes(|| settings.solve(&in_memory, &mut Silent).unwrap());
+    drop(in_memory);
     let problem = Problem::Folder(folder.clone());
     let (halved, peak) = peak_bytes(|| settings.solve(&problem, &mut Silent).unwrap());
     std::fs::remove_dir_all(&folder).unwrap();
-    println!("peak {peak} bytes, rows of A {rows}");
+    println!("peak {peak} bytes, with rows of A {rows} + {beside}");
     assert!(
-        peak - IN_FLIGHT < (OVER_ROWS * rows as f64) as usize,
-        "{peak} bytes for rows of {rows}"
+        (peak as f64) < beside as f64 + (1.0 - SAVED) * rows as f64,
+        "{peak} bytes, with rows of A {rows} + {beside}"
     );
     assert!(whole.has_converged() && halved.has_converged());
     assert!(whole.iterations.abs_diff(halved.iterations) <= 1);
