@@ -22,7 +22,7 @@ use fracas_operators::sparse::{Csr, Diagonal};
 use fracas_operators::tally::Tally;
 use fracas_operators::{
     Adjoint, AdjointOperator, BlockOperator, Counted, Dense, Identity, Layout, LinearOperator,
-    Preconditioner, Real, Timed,
+    Preconditioner, Real,
 };
 use fracas_solvers::Silent;
 use fracas_solvers::direct::{DirectChoice, Kind};
@@ -110,7 +110,6 @@ fn operators<R: Real>(name: &str, body: &Body) -> Vec<Listed<R>> {
     with_adjoint("Dense", Box::new(dense.clone()), 0.2);
     with_adjoint("Adjoint", Box::new(Adjoint(dense)), 0.2);
     with_adjoint("Counted", Box::new(Counted::new(csr())), PARTIAL_SUMS);
-    with_adjoint("Timed", Box::new(Timed::new(csr())), PARTIAL_SUMS);
     let coupling = || Coupling::<R>::new(&body.fractures, &body.constraints);
     with_adjoint("Coupling", Box::new(coupling()), PER_ELEMENT);
     with_adjoint(

@@ -29,7 +29,6 @@ pub mod simd;
 pub mod small;
 pub mod sparse;
 pub mod tally;
-pub mod timed;
 pub mod twofold;
 pub mod vector;
 
@@ -42,5 +41,4 @@ pub use operator::{AdjointOperator, LinearOperator};
 pub use preconditioner::{Identity, Preconditioner, Properties};
 pub use real::Real;
 pub use shape::Shape;
-pub use timed::Timed;
 pub use twofold::Twofold;

@@ -1,37 +1,11 @@
 //! Claim: reading a matrix takes hardly more memory than the matrix.
-#![allow(unsafe_code, reason = "an allocator that counts")]
 
+#[path = "../../tests/counting/mod.rs"]
+mod counting;
+
+use counting::peak_bytes;
 use fracas_operators::matrix_market::{Symmetry, read_sparse, write_sparse};
 use fracas_operators::sparse::SparseMatrix;
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
-
-/// Counts bytes in use and their largest number.
-struct Counting;
-
-static NOW: AtomicUsize = AtomicUsize::new(0);
-static PEAK: AtomicUsize = AtomicUsize::new(0);
-
-// SAFETY: every call goes to the system allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        PEAK.fetch_max(
-            NOW.fetch_add(layout.size(), Relaxed) + layout.size(),
-            Relaxed,
-        );
-        // SAFETY: as the caller promises.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        NOW.fetch_sub(layout.size(), Relaxed);
-        // SAFETY: as the caller promises.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 /// Text and entries on their way: one block of the file, parsed and waiting.
 const IN_FLIGHT: usize = 24 << 20;
@@ -50,10 +24,7 @@ fn a_symmetric_matrix_is_read_into_its_own_memory() {
     let matrix = SparseMatrix::new((n, n), starts, columns, values);
     let path = std::env::temp_dir().join(format!("fracas-reader-{}.mtx", std::process::id()));
     write_sparse(&path, &matrix, Symmetry::Symmetric).unwrap();
-    let before = NOW.load(Relaxed);
-    PEAK.store(before, Relaxed);
-    let read = read_sparse(&path).unwrap().matrix;
-    let peak = PEAK.load(Relaxed) - before;
+    let (read, peak) = peak_bytes(|| read_sparse(&path).unwrap().matrix);
     let text = std::fs::metadata(&path).unwrap().len() as usize;
     std::fs::remove_file(&path).unwrap();
     assert!(read == matrix);

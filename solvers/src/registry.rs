@@ -65,7 +65,7 @@ impl<T: ?Sized + Named> Registry<T> {
     }
 
     /// All of them.
-    pub(crate) fn all(&self) -> Vec<Registered<T>> {
+    fn all(&self) -> Vec<Registered<T>> {
         let parts = self.parts.read().unwrap_or_else(PoisonError::into_inner);
         parts.iter().map(|part| Registered(*part)).collect()
     }

@@ -12,7 +12,6 @@ mod inclined_crack;
 mod line_crack;
 mod nucleation;
 mod penny_crack;
-mod plane_slip;
 mod rock;
 
 pub use block_sliding::{BlockSliding, SlidingState};
@@ -27,5 +26,4 @@ pub use inclined_crack::InclinedCrack;
 pub use line_crack::LineCrack;
 pub use nucleation::{LinearWeakening, RESOLVED, nucleation_half_length};
 pub use penny_crack::PennyCrack;
-pub use plane_slip::PlaneSlip;
 pub use rock::Rock;

@@ -3,7 +3,8 @@
 use super::newton::Attempt;
 use crate::contact::ContactState;
 
-/// Iterations before which none is looked for.
+/// Iterations before which none is looked for. With none, 150 random networks take 41,406 Krylov iterations for 41,524, and another 150
+/// 60,446 for 52,940; where no face is taken for torn, 108,757.
 const PATIENCE: usize = 20;
 
 /// Times that a face opens or closes before its cohesion is taken to be lost.

@@ -4,8 +4,10 @@ use super::precision;
 use super::set_up::SetUp;
 use super::solver::{Equations, Names, Solver};
 use super::{Finding, Loaded, Problem, SolveError};
+use crate::elasticity::FreeStiffness;
 use crate::undetermined::blamed;
-use fracas_solvers::saddle::{SaddleBlocks, SaddleMethod};
+use fracas_solvers::saddle::{HalvedBlocks, SaddleBlocks, SaddleMethod};
+use fracas_solvers::{SetupError, Silent};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -30,8 +32,13 @@ impl SetUp<'_> {
         let (rhs, b) = self.right_hand_side(has_rhs, blocks.rhs());
         let start = Instant::now();
         self.observer.say(&"setting up");
+        let stiffness = match &body {
+            Some(body) => body.displaced_stiffness()?,
+            None => None,
+        };
+        let mut equations = self.equations(&method, blocks, stiffness)?;
         let (ready, lost) = loop {
-            match precision::ready(&method, &blocks) {
+            match precision::ready(&method, &equations) {
                 Ok(ready) => break ready,
                 Err(error) => {
                     let name = match self.problem {
@@ -41,8 +48,16 @@ impl SetUp<'_> {
                     let error = blamed(error, name, body.as_deref());
                     method = self.instead(error.into())?;
                     if method.matrix_free().is_some() {
-                        drop(blocks);
+                        drop(equations);
                         return self.by(method);
+                    }
+                    if let Equations::Halved { .. } = equations {
+                        drop(equations);
+                        let blocks = in_unit(self.problem.load(&mut Silent)?.blocks, unit);
+                        equations = Equations::Assembled {
+                            blocks,
+                            stiffness: None,
+                        };
                     }
                 }
             }
@@ -53,10 +68,6 @@ impl SetUp<'_> {
         if let Some(lost) = lost {
             self.found(Finding::Precision(lost));
         }
-        let stiffness = match &body {
-            Some(body) => body.displaced_stiffness()?,
-            None => None,
-        };
         Ok(Solver {
             names: match in_f64 {
                 true => Names {
@@ -67,7 +78,7 @@ impl SetUp<'_> {
             },
             double: precision::in_double(&method),
             method,
-            equations: Equations::Assembled { blocks, stiffness },
+            equations,
             ready,
             rhs,
             b,
@@ -77,6 +88,25 @@ impl SetUp<'_> {
             fallbacks: usize::from(in_f64),
             replaced: self.replaced,
             settings: self.settings.clone(),
+        })
+    }
+}
+
+impl SetUp<'_> {
+    /// The blocks, those of a folder with half of A where the method needs no more.
+    fn equations(
+        &self,
+        method: &SaddleMethod,
+        blocks: Arc<SaddleBlocks>,
+        stiffness: Option<FreeStiffness<f64>>,
+    ) -> Result<Equations, SetupError> {
+        let is_read = matches!(self.problem, Problem::Folder(_)) && !self.settings.explain;
+        if !is_read || !HalvedBlocks::serves(&blocks, method) {
+            return Ok(Equations::Assembled { blocks, stiffness });
+        }
+        Ok(Equations::Halved {
+            blocks: Box::new(HalvedBlocks::new(Arc::unwrap_or_clone(blocks))?),
+            problem: self.problem.clone(),
         })
     }
 }

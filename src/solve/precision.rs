@@ -1,11 +1,11 @@
 //! A preconditioner in f32 that failed: the same one in f64, where f32 is to blame.
 
 use super::Rounding;
-use super::solver::{Double, Solver};
+use super::solver::{Double, Equations, Solver};
 use fracas_operators::vector::norm2;
 use fracas_operators::{LinearOperator, Preconditioner};
 use fracas_solvers::krylov::{Breakdown, Outcome, Report};
-use fracas_solvers::saddle::{Ready, SaddleBlocks, SaddleMethod};
+use fracas_solvers::saddle::{Ready, SaddleMethod};
 use fracas_solvers::{Observer, SetupError, Step};
 use std::ops::ControlFlow;
 
@@ -41,19 +41,21 @@ pub(super) fn in_double(method: &SaddleMethod) -> Option<SaddleMethod> {
 /// Of the method as it was asked for.
 pub(super) fn ready(
     method: &SaddleMethod,
-    blocks: &SaddleBlocks,
+    equations: &Equations,
 ) -> Result<(Ready, Option<Rounding>), SetupError> {
-    let stiffness = blocks.stiffness();
-    let double = in_double(method).filter(|_| stiffness.exceeds_single());
-    if let Some(Ok(ready)) = double.map(|double| double.ready(blocks)) {
+    let stiffness = equations.blocks().map(|blocks| blocks.stiffness());
+    if let (Some(double), Some(stiffness)) = (in_double(method), stiffness)
+        && stiffness.exceeds_single()
+        && let Ok(ready) = equations.ready(&double)
+    {
         let spread = stiffness.spread();
         return Ok((ready, Some(Rounding::Spread { spread })));
     }
-    let error = match method.ready(blocks) {
+    let error = match equations.ready(method) {
         Ok(ready) => return Ok((ready, None)),
         Err(error) => error,
     };
-    match in_double(method).map(|double| double.ready(blocks)) {
+    match in_double(method).map(|double| equations.ready(&double)) {
         Some(Ok(ready)) => {
             let failure = error.to_string();
             Ok((ready, Some(Rounding::SetUp { failure })))

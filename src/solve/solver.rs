@@ -1,14 +1,15 @@
 //! A system and its preconditioner, ready for right-hand sides.
 
-use super::{Finding, RightHandSide, Solve, SolveError, StuckBody, precision};
+use super::{Finding, Problem, RightHandSide, Solve, SolveError, StuckBody, precision};
 use crate::elasticity::FreeStiffness;
 use crate::matrix_free::{MatrixFreeSystem, RacpParts};
 use crate::memory;
-use fracas_solvers::Observer;
 use fracas_solvers::multigrid::Summary;
 use fracas_solvers::saddle::{
-    Assembled, Cost, Racp, Ready, SaddleBlocks, SaddleMethod, SaddleSystem, StrainNorm, T,
+    Assembled, Cost, HalvedBlocks, Racp, Ready, SaddleBlocks, SaddleMethod, SaddleSystem,
+    StrainNorm, T,
 };
+use fracas_solvers::{Observer, SetupError, Silent};
 use std::sync::Arc;
 
 /// `𝒜` and `M⁻¹`, ready; it owns all that it needs.
@@ -57,6 +58,12 @@ pub(super) enum Equations {
         /// Where displacements are prescribed: their part of the strain counts, too.
         stiffness: Option<FreeStiffness<f64>>,
     },
+    /// Blocks of a folder with half of A in memory.
+    Halved {
+        blocks: Box<HalvedBlocks>,
+        /// Read again where all of A is needed.
+        problem: Problem,
+    },
     MatrixFree {
         system: Box<MatrixFreeSystem>,
         /// Meshed again where f32 fails.
@@ -70,6 +77,7 @@ impl Equations {
     pub(super) fn with<T>(&self, work: impl FnOnce(&dyn SaddleSystem) -> T) -> T {
         match self {
             Self::MatrixFree { system, .. } => work(&**system),
+            Self::Halved { blocks, .. } => work(&blocks.system()),
             Self::Assembled { blocks, stiffness } => {
                 let strain = (stiffness.as_ref())
                     .map(|a| -> StrainNorm<'_> { Box::new(move |u| a.strain_norm(u)) });
@@ -81,7 +89,16 @@ impl Equations {
     pub(super) fn blocks(&self) -> Option<&Arc<SaddleBlocks>> {
         match self {
             Self::Assembled { blocks, .. } => Some(blocks),
-            Self::MatrixFree { .. } => None,
+            Self::Halved { .. } | Self::MatrixFree { .. } => None,
+        }
+    }
+
+    /// A method made from matrices.
+    pub(super) fn ready(&self, method: &SaddleMethod) -> Result<Ready, SetupError> {
+        match self {
+            Self::Assembled { blocks, .. } => method.ready(blocks),
+            Self::Halved { blocks, .. } => blocks.ready(method),
+            Self::MatrixFree { .. } => unreachable!("{} without matrices", method.name()),
         }
     }
 }
@@ -141,10 +158,10 @@ impl Solver {
     pub(super) fn in_double(&self, observer: &mut dyn Observer) -> Result<Double, SolveError> {
         memory::room_in_double(self.hierarchy())?;
         match &self.equations {
-            Equations::Assembled { blocks, .. } => {
+            Equations::Assembled { .. } | Equations::Halved { .. } => {
                 let double = self.double.unwrap_or(self.method);
                 Ok(Double {
-                    ready: double.ready(blocks)?,
+                    ready: self.equations.ready(&double)?,
                     inner: precision::name_in_double(&double).unwrap_or_default(),
                 })
             }
@@ -171,10 +188,16 @@ impl Solver {
         &self,
         observer: &mut dyn Observer,
     ) -> Option<Result<SaddleBlocks, SolveError>> {
-        let Equations::MatrixFree { stuck, .. } = &self.equations else {
-            return None;
+        let blocks = match &self.equations {
+            Equations::Assembled { .. } => return None,
+            Equations::Halved { problem, .. } => {
+                let loaded = problem.load(&mut Silent);
+                loaded.map(|loaded| Arc::unwrap_or_clone(loaded.blocks))
+            }
+            Equations::MatrixFree { stuck, .. } => {
+                stuck.assemble(observer).map(|(_, blocks)| blocks)
+            }
         };
-        let assembled = stuck.assemble(observer);
-        Some(assembled.map(|(_, blocks)| blocks.into_traction_unit(self.unit)))
+        Some(blocks.map(|blocks| blocks.into_traction_unit(self.unit)))
     }
 }

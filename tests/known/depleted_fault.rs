@@ -2,7 +2,7 @@
 //! plane of a full space whose tractions are known.
 
 use crate::graded::growing;
-use fracas::analytic::{Depletion, PlaneSlip, Rock};
+use fracas::analytic::{Depletion, FaultFriction, Rock, Strength};
 use fracas::nonlinear::{FaceFields, Simulation};
 use fracas::scene::{Body, Scene};
 use fracas_solvers::Silent;
@@ -180,19 +180,15 @@ fn friction_slips_a_displaced_fault_as_the_plane_in_a_full_space() {
         .windows(2)
         .map(|e| stuck(0.5 * (e[0] + e[1])))
         .collect();
-    let plane = PlaneSlip {
-        rock: Rock {
-            young: 14.95e9,
-            poisson: 0.15,
-        },
-        shear: tractions.iter().map(|t| t[1]).collect(),
-        limit: tractions
-            .iter()
-            .map(|t| -t[0] * friction.to_radians().tan())
-            .collect(),
-        ends: ends.clone(),
+    let rock = Rock {
+        young: 14.95e9,
+        poisson: 0.15,
     };
-    let reference = plane.slip();
+    let shear: Vec<f64> = tractions.iter().map(|t| t[1]).collect();
+    let limit = |t: &[f64; 2]| Strength::constant(-t[0] * friction.to_radians().tan());
+    let limits: Vec<Strength> = tractions.iter().map(limit).collect();
+    let plane = FaultFriction::new(rock, tractions.len(), 900.0 / f64::from(n));
+    let reference = plane.slip(&shear, &limits).unwrap();
     let (mut error, mut size, mut total, mut peak, mut found) = (0.0, 0.0, 0.0, 0.0f64, 0.0f64);
     let h = 75.0 / 4.0;
     for [z, .., slip] in on_fault(4, friction) {

@@ -3,7 +3,7 @@
 use super::finest::Sum;
 use super::node_map::NodeMap;
 use super::plan::first;
-use super::{Amg, AmgPlan};
+use super::{Amg, AmgPlan, HalvedMatrix};
 use crate::multigrid::MultigridInverse;
 use crate::{DofCoordinate, SetupError};
 use fracas_operators::sparse::{Pattern, SparseMatrix};
@@ -20,7 +20,7 @@ impl Amg {
         a: &SparseMatrix<f64>,
         coordinates: Option<&[DofCoordinate]>,
     ) -> Result<MultigridInverse, SetupError> {
-        Ok(first(self, &Sum::new(a, None)?, coordinates, |_, _| ())?.0)
+        Ok(first(self, Sum::new(a, None)?, coordinates, |_, _| ())?.0)
     }
 
     /// The hierarchy of `A + F Fᵀ`, which is assembled in node blocks only.
@@ -33,7 +33,19 @@ impl Amg {
         f: &SparseMatrix<f64>,
         coordinates: Option<&[DofCoordinate]>,
     ) -> Result<MultigridInverse, SetupError> {
-        Ok(first(self, &Sum::new(a, Some(f))?, coordinates, |_, _| ())?.0)
+        Ok(first(self, Sum::new(a, Some(f))?, coordinates, |_, _| ())?.0)
+    }
+
+    /// The same for half an A, which knows its nodes.
+    ///
+    /// # Errors
+    /// As [`Amg::build`].
+    pub fn build_halved(
+        &self,
+        a: &HalvedMatrix,
+        f: &SparseMatrix<f64>,
+    ) -> Result<MultigridInverse, SetupError> {
+        Ok(first(self, Sum::of_half(a, Some(f)), None, |_, _| ())?.0)
     }
 
     /// The hierarchy of `A + F Fᵀ`, and what of it serves other values.
@@ -48,7 +60,7 @@ impl Amg {
     ) -> Result<(MultigridInverse, AmgPlan), SetupError> {
         let sum = Sum::new(a, f)?;
         let kept = |map: &Arc<NodeMap>, pattern: &Pattern| (map.clone(), pattern.clone());
-        let (inverse, steps, (map, pattern)) = first(self, &sum, coordinates, kept)?;
+        let (inverse, steps, (map, pattern)) = first(self, sum, coordinates, kept)?;
         let plan = AmgPlan {
             settings: *self,
             map,

@@ -2,7 +2,7 @@
 
 use super::Amg;
 use super::aggregation::Aggregates;
-use super::galerkin::{self, Patterns};
+use super::galerkin::{self, Patterns, Upper};
 use super::matrix::{NodeMatrix, SINGULAR};
 use super::prolongation::Prolongation;
 use super::transfer::{Transfer, TransferPattern};
@@ -41,21 +41,30 @@ impl Frame {
         }
     }
 
+    /// P and Pᵀ by the blocks of P.
+    pub(super) fn transfer<R: Real, const N: usize>(
+        &self,
+        blocks: Vec<[[R; N]; 3]>,
+    ) -> Transfer<R> {
+        Transfer::new(self.transfer.clone(), blocks)
+    }
+
     /// P and `A_c = Pᵀ(A + Δ)P` for a P with these blocks.
     pub(super) fn values<S: Real, R: Real, const N: usize>(
         &self,
         a: &NodeMatrix<S>,
-        defect: &[Matrix3<f64>],
+        defect: Vec<Matrix3<f64>>,
         blocks: Vec<[[R; N]; 3]>,
-    ) -> Result<Values<R>, NotPositive> {
+    ) -> Result<Values<R, N>, NotPositive> {
         let p = Prolongation {
             pattern: &self.transfer.p,
             blocks: &blocks,
         };
-        let coarse = galerkin::product(a, defect, p, &self.patterns);
+        let coarse = galerkin::product(a, &defect, p, &self.patterns);
+        drop(defect);
         Ok(Values {
             matrix: coarse_matrix(self.patterns.coarse(), &coarse)?,
-            transfer: Transfer::new(self.transfer.clone(), blocks),
+            blocks,
         })
     }
 
@@ -65,9 +74,9 @@ impl Frame {
 }
 
 /// What follows from the values of a matrix.
-pub(super) struct Values<R> {
-    /// P and Pᵀ.
-    pub(super) transfer: Transfer<R>,
+pub(super) struct Values<R, const N: usize> {
+    /// P.
+    pub(super) blocks: Vec<[[R; N]; 3]>,
     /// `A_c = PᵀA P`.
     pub(super) matrix: NodeMatrix<f64>,
 }
@@ -105,9 +114,9 @@ pub(super) trait Coarsener<const N: usize, const K: usize>: Sized + Send + Sync 
     fn values<S: Real, R: Real>(
         &self,
         a: &NodeMatrix<S>,
-        defect: &[Matrix3<f64>],
+        defect: Vec<Matrix3<f64>>,
         lambda_max: f64,
-    ) -> Result<Values<R>, NotPositive>;
+    ) -> Result<Values<R, N>, NotPositive>;
 
     /// The coarse unknowns.
     fn frame(&self) -> &Frame;
@@ -132,11 +141,11 @@ struct Task<'a> {
     inverses: &'a mut [Matrix3<f64>],
 }
 
-/// K×K blocks cut into 3×3 ones; those left of the diagonal are taken from the right. Unknowns without a column in P get a
+/// K×K blocks cut into 3×3 ones; those left of the diagonal mirror the others. Unknowns without a column in P get a
 /// diagonal entry that keeps them apart.
 fn coarse_matrix<const K: usize>(
     pattern: &Pattern,
-    nodes: &[[[f64; K]; K]],
+    nodes: &Upper<K>,
 ) -> Result<NodeMatrix<f64>, NotPositive> {
     let parts = K / 3;
     let rows = parts * pattern.rows();
@@ -146,7 +155,7 @@ fn coarse_matrix<const K: usize>(
         let length = parts * pattern.row(i).len();
         (0..parts).for_each(|_| offsets.push(offsets[offsets.len() - 1] + length));
     }
-    let entries = parts * parts * nodes.len();
+    let entries = parts * parts * pattern.columns.len();
     let mut columns = vec![0; entries];
     let mut blocks = vec![[[0.0; 3]; 3]; entries];
     let mut inverses = vec![[[0.0; 3]; 3]; rows];
@@ -183,10 +192,11 @@ fn coarse_matrix<const K: usize>(
                 let j = pattern.columns[at];
                 let node = match (j as usize).cmp(&i) {
                     std::cmp::Ordering::Less => {
-                        transposed(&nodes[pattern.place(j as usize, i as u32)])
+                        let j = j as usize;
+                        transposed(nodes.at(j, pattern.place(j, i as u32)))
                     }
                     std::cmp::Ordering::Equal => diagonal,
-                    std::cmp::Ordering::Greater => nodes[at],
+                    std::cmp::Ordering::Greater => *nodes.at(i, at),
                 };
                 for part in 0..parts {
                     for other in 0..parts {
@@ -216,8 +226,8 @@ fn coarse_matrix<const K: usize>(
 }
 
 /// The diagonal block of a node, symmetric to the last bit and without a zero row.
-fn diagonal<const K: usize>(pattern: &Pattern, nodes: &[[[f64; K]; K]], i: usize) -> [[f64; K]; K] {
-    let stored = &nodes[pattern.place(i, i as u32)];
+fn diagonal<const K: usize>(pattern: &Pattern, nodes: &Upper<K>, i: usize) -> [[f64; K]; K] {
+    let stored = nodes.at(i, pattern.place(i, i as u32));
     let mut own: [[f64; K]; K] =
         std::array::from_fn(|r| std::array::from_fn(|c| stored[r.min(c)][r.max(c)]));
     let largest = (0..K).map(|k| own[k][k]).fold(0.0, f64::max);

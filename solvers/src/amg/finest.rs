@@ -1,13 +1,15 @@
 //! The finest level: A, or S_u = A + F Fᵀ, in 3×3 node blocks.
 
+use super::halved::HalvedMatrix;
 use super::matrix::{NodeMatrix, SINGULAR};
 use super::node_map::{NONE, NodeMap};
-use crate::SetupError;
 use crate::smoothers::entries::finite_entries;
+use crate::{DofCoordinate, SetupError};
 use fracas_operators::small::{Matrix3, cast, equilibrated_inverse};
-use fracas_operators::sparse::{Pattern, SparseMatrix};
+use fracas_operators::sparse::{Pattern, SparseMatrix, Transposed};
 use fracas_operators::{Real, Shape};
 use rayon::prelude::*;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Nodes whose blocks one task sums.
@@ -29,9 +31,16 @@ pub(super) struct Finest<R> {
 
 /// `A + F Fᵀ`, assembled node by node; F is absent for a plain A.
 pub(super) struct Sum<'a> {
-    pub(super) a: &'a SparseMatrix<f64>,
+    a: Stored<'a>,
     /// F and Fᵀ, both by rows.
-    pub(super) factor: Option<(SparseMatrix<f64>, SparseMatrix<f64>)>,
+    factor: Option<(SparseMatrix<f64>, SparseMatrix<f64>)>,
+}
+
+/// A in either form.
+enum Stored<'a> {
+    Rows(&'a SparseMatrix<f64>),
+    /// And the transpose of the pattern of its L.
+    Half(&'a HalvedMatrix, Transposed),
 }
 
 impl<'a> Sum<'a> {
@@ -53,23 +62,32 @@ impl<'a> Sum<'a> {
         if let Some(f) = factor {
             assert_eq!(f.rows(), a.rows(), "rows of F and of A");
         }
-        let factor = factor.map(|f| {
-            let f = if f.is_csr() { f.clone() } else { f.to_csr() };
-            let transpose = f.transpose_view().to_csr();
-            (f, transpose)
-        });
-        Ok(Self { a, factor })
+        Ok(Self {
+            a: Stored::Rows(a),
+            factor: factor.map(with_transpose),
+        })
     }
 
-    /// Calls `visit(column, value)` for every contribution to row i.
-    #[inline(always)]
-    fn for_each(&self, i: usize, mut visit: impl FnMut(usize, f64)) {
-        let row = |m: &SparseMatrix<f64>, i: usize| m.indptr().outer_inds_sz(i);
-        let range = row(self.a, i);
-        let (columns, values) = (self.a.indices(), self.a.data());
-        for k in range {
-            visit(columns[k] as usize, values[k]);
+    /// Of half an A, which has been checked.
+    pub(super) fn of_half(a: &'a HalvedMatrix, factor: Option<&SparseMatrix<f64>>) -> Self {
+        Self {
+            a: Stored::Half(a, a.transposed()),
+            factor: factor.map(with_transpose),
         }
+    }
+
+    /// Nodes of the unknowns.
+    pub(super) fn map(&self, coordinates: Option<&[DofCoordinate]>) -> Arc<NodeMap> {
+        match &self.a {
+            Stored::Rows(a) => Arc::new(NodeMap::new(a, coordinates)),
+            Stored::Half(a, _) => a.map.clone(),
+        }
+    }
+
+    /// Calls `visit(column, value)` for every contribution of F Fᵀ to row i.
+    #[inline(always)]
+    fn for_each_added(&self, i: usize, mut visit: impl FnMut(usize, f64)) {
+        let row = |m: &SparseMatrix<f64>, i: usize| m.indptr().outer_inds_sz(i);
         if let Some((f, transpose)) = &self.factor {
             for k in row(f, i) {
                 let (t, f_it) = (f.indices()[k] as usize, f.data()[k]);
@@ -82,21 +100,17 @@ impl<'a> Sum<'a> {
 
     /// Node columns of every node row, those of F Fᵀ included.
     pub(super) fn pattern(&self, map: &NodeMap) -> Pattern {
-        self.nodes(map, |i, visit| self.for_each(i, |j, _| visit(j)))
+        self.nodes(map, |i, visit| self.for_each_added(i, |j, _| visit(j)))
     }
 
     /// Node columns of every node row of A alone, where F Fᵀ adds others: nodes that an element joins.
     pub(super) fn bonds(&self, map: &NodeMap) -> Option<Pattern> {
         self.factor.as_ref()?;
-        Some(self.nodes(map, |i, visit| {
-            let range = self.a.indptr().outer_inds_sz(i);
-            self.a.indices()[range]
-                .iter()
-                .for_each(|j| visit(*j as usize));
-        }))
+        Some(self.nodes(map, |_, _| ()))
     }
 
-    fn nodes(&self, map: &NodeMap, row: impl Fn(usize, &mut dyn FnMut(usize)) + Sync) -> Pattern {
+    /// Node columns of A and those of the unknowns that `added` visits for a row.
+    fn nodes(&self, map: &NodeMap, added: impl Fn(usize, &mut dyn FnMut(usize)) + Sync) -> Pattern {
         let slots = map.slots();
         let scratch = || vec![NONE; map.nodes()];
         Pattern::collect(map.nodes(), scratch, |node, seen, columns| {
@@ -111,8 +125,16 @@ impl<'a> Sum<'a> {
                 last = other;
             };
             see(node);
+            if let Stored::Half(a, transposed) = &self.a {
+                (a.half.pattern.row(node).iter()).for_each(|j| see(*j as usize));
+                (transposed.row(node).iter()).for_each(|(j, _)| see(*j as usize));
+            }
             for i in map.of_node(node).iter().filter(|i| **i != NONE) {
-                row(*i as usize, &mut |j| see(slots[j] as usize / 3));
+                if let Stored::Rows(a) = self.a {
+                    let range = a.indptr().outer_inds_sz(*i as usize);
+                    (a.indices()[range].iter()).for_each(|j| see(slots[*j as usize] as usize / 3));
+                }
+                added(*i as usize, &mut |j| see(slots[j] as usize / 3));
             }
             columns[start..].sort_unstable();
         })
@@ -120,10 +142,13 @@ impl<'a> Sum<'a> {
 
     /// Largest diagonal entry of A, for scaling.
     fn scale(&self) -> f64 {
-        let largest = (0..self.a.rows())
-            .into_par_iter()
-            .filter_map(|i| self.a.get(i, i).copied())
-            .reduce(|| 0.0_f64, f64::max);
+        let largest = match &self.a {
+            Stored::Rows(a) => (0..a.rows())
+                .into_par_iter()
+                .filter_map(|i| a.get(i, i).copied())
+                .reduce(|| 0.0_f64, f64::max),
+            Stored::Half(a, _) => a.diagonal().fold(0.0, f64::max),
+        };
         if largest > 0.0 {
             largest.log2().round().exp2()
         } else {
@@ -209,9 +234,31 @@ impl<'a> Sum<'a> {
         for (k, j) in columns.iter().enumerate() {
             place[*j as usize] = k as u32;
         }
+        if let Stored::Half(a, transposed) = &self.a {
+            let at = |j: usize| {
+                let at = place[j] as usize;
+                let is_here = columns.get(at) == Some(&(j as u32));
+                if !is_here {
+                    let unknown = map.of_node(node).iter().min().copied().unwrap_or(0);
+                    outside.fetch_min(unknown as usize, Ordering::Relaxed);
+                }
+                is_here.then_some(at)
+            };
+            let own = [(node, &a.half.diagonal[node])];
+            for (j, block) in a.half.before(node).chain(own) {
+                if let Some(at) = at(j) {
+                    row[at] = *block;
+                }
+            }
+            for (j, k) in transposed.row(node) {
+                if let Some(at) = at(*j as usize) {
+                    row[at] = fracas_operators::small::transposed(&a.half.blocks[*k as usize]);
+                }
+            }
+        }
         for (c, i) in map.of_node(node).iter().enumerate() {
             if *i != NONE {
-                self.for_each(*i as usize, |j, value| {
+                let mut add = |j: usize, value: f64| {
                     let slot = slots[j] as usize;
                     let at = place[slot / 3] as usize;
                     if columns.get(at) == Some(&(slot as u32 / 3)) {
@@ -219,7 +266,13 @@ impl<'a> Sum<'a> {
                     } else {
                         outside.fetch_min(*i as usize, Ordering::Relaxed);
                     }
-                });
+                };
+                if let Stored::Rows(a) = self.a {
+                    for k in a.indptr().outer_inds_sz(*i as usize) {
+                        add(a.indices()[k] as usize, a.data()[k]);
+                    }
+                }
+                self.for_each_added(*i as usize, add);
             }
         }
         let own = &mut row[place[node] as usize];
@@ -230,6 +283,13 @@ impl<'a> Sum<'a> {
             }
         }
     }
+}
+
+/// A matrix and its transpose, both by rows.
+fn with_transpose(f: &SparseMatrix<f64>) -> (SparseMatrix<f64>, SparseMatrix<f64>) {
+    let f = if f.is_csr() { f.clone() } else { f.to_csr() };
+    let transpose = f.transpose_view().to_csr();
+    (f, transpose)
 }
 
 /// Rounds the blocks of a row, divided by `scale`; gives what that takes from their sum.

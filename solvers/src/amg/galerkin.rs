@@ -71,8 +71,35 @@ impl Patterns {
     }
 }
 
-/// The K×K blocks of `A_c = Pᵀ(A + Δ)P` in the order of [`Patterns::coarse`], those left of the diagonal left zero; Δ is the
-/// block-diagonal `defect` of rounded rows.
+/// Blocks of a symmetric matrix, those left of the diagonal left out.
+pub(super) struct Upper<const K: usize> {
+    /// Places of the pattern left of the diagonal in this row and those above it.
+    skipped: Vec<usize>,
+    blocks: Vec<[[f64; K]; K]>,
+}
+
+impl<const K: usize> Upper<K> {
+    /// Zero on a pattern.
+    fn zero(pattern: &Pattern) -> Self {
+        let mut skipped = Vec::with_capacity(pattern.rows());
+        let mut sum = 0;
+        for i in 0..pattern.rows() {
+            sum += upper(pattern, i as u32);
+            skipped.push(sum);
+        }
+        Self {
+            blocks: vec![[[0.0; K]; K]; pattern.columns.len() - sum],
+            skipped,
+        }
+    }
+
+    /// The block at a place of row i that is not left of the diagonal.
+    pub(super) fn at(&self, i: usize, place: usize) -> &[[f64; K]; K] {
+        &self.blocks[place - self.skipped[i]]
+    }
+}
+
+/// The K×K blocks of `A_c = Pᵀ(A + Δ)P` on [`Patterns::coarse`]; Δ is the block-diagonal `defect` of rounded rows.
 ///
 /// # Cost
 /// `A P` in full, half of `Pᵀ(A P)`: A is symmetric. Tasks sum over their own rows of the fine level; their sums are
@@ -82,9 +109,9 @@ pub(super) fn product<S: Real, R: Real, const K: usize>(
     defect: &[Matrix3<f64>],
     p: Prolongation<'_, R, K>,
     patterns: &Patterns,
-) -> Vec<[[f64; K]; K]> {
+) -> Upper<K> {
     let coarse = &patterns.coarse;
-    let mut blocks = vec![[[0.0; K]; K]; coarse.columns.len()];
+    let mut sums_of_all = Upper::zero(coarse);
     let level = Level::best();
     let tasks: Vec<Range<usize>> = (0..a.rows())
         .step_by(ROWS_PER_TASK)
@@ -107,9 +134,9 @@ pub(super) fn product<S: Real, R: Real, const K: usize>(
             })
             .collect();
         sums.iter()
-            .for_each(|partial| partial.add_to(coarse, &mut blocks));
+            .for_each(|partial| partial.add_to(coarse, &mut sums_of_all));
     }
-    blocks
+    sums_of_all
 }
 
 /// Sums of one task: the upper part of the coarse rows that its fine rows touch.
@@ -144,11 +171,12 @@ impl<const K: usize> Partial<K> {
         }
     }
 
-    fn add_to(&self, coarse: &Pattern, blocks: &mut [[[f64; K]; K]]) {
+    fn add_to(&self, coarse: &Pattern, all: &mut Upper<K>) {
         for (k, i) in self.rows.iter().enumerate() {
             let sums = &self.sums[self.offsets[k]..self.offsets[k + 1]];
             let start = coarse.offsets[*i as usize] + upper(coarse, *i);
-            for (block, sum) in blocks[start..].iter_mut().zip(sums) {
+            let start = start - all.skipped[*i as usize];
+            for (block, sum) in all.blocks[start..].iter_mut().zip(sums) {
                 for (row, sum) in block.iter_mut().zip(sum) {
                     row.iter_mut().zip(sum).for_each(|(b, s)| *b += s);
                 }

@@ -22,7 +22,8 @@ const SMOOTHED_SHARE: f64 = 1.0 / 20.0;
 /// Levels beyond which coarsening has plainly failed.
 const MOST_LEVELS: usize = 30;
 
-/// Unknowns up to which a level that does not get coarser is solved directly after all, where no larger one was asked for.
+/// Unknowns up to which a level that does not get coarser is solved directly after all, where no larger one was asked for. Without it
+/// slabs of flat, graded cells have no hierarchy (`tests/multigrid/graded_slabs.rs`).
 const LARGEST_DIRECT: usize = 30_000;
 
 /// Names the unknown in a scalar row of the finest level.
@@ -207,22 +208,23 @@ pub(super) fn build<R: Real, C: Coarsener<N, K>, const N: usize, const K: usize>
         let bottom = bottom(settings, &first, &names)?;
         return Ok(Hierarchy::new(levels, bottom, settings.cycle, about));
     };
-    let values = step.values::<R, R>(&first, &defect, lambda_max);
+    let values = step.values::<R, R>(&first, defect, lambda_max);
     let values = values.map_err(|e| names.indefinite::<N>(e, step.frame(), 1))?;
-    drop(defect);
     let fsai = names.fsai(settings, &first)?;
-    let smooth = smoother(settings, Sweeps::new(&first), lambda_max, fsai);
-    drop(first);
-    levels.push(Level::new(smooth, Box::new(values.transfer), Vec::new()));
+    // what the finest level no longer needs makes room for what it needs
+    let smooth = smoother(settings, Sweeps::of(first), lambda_max, fsai);
+    let transfer = step.frame().transfer(values.blocks);
+    levels.push(Level::new(smooth, Box::new(transfer), Vec::new()));
     let next = N / 3;
     names.descend(step.frame(), [1, next]);
     let mut matrix = values.matrix;
     while let Some((step, lambda_max)) = steps.next(settings, levels.len(), &matrix) {
-        let values = step.values::<f64, R>(&matrix, &[], lambda_max);
+        let values = step.values::<f64, R>(&matrix, Vec::new(), lambda_max);
         let values = values.map_err(|e| names.indefinite::<N>(e, step.frame(), next))?;
         let fsai = names.fsai(settings, &matrix)?;
         let smooth = smoother(settings, Sweeps::new(&matrix), lambda_max, fsai);
-        levels.push(Level::new(smooth, Box::new(values.transfer), Vec::new()));
+        let transfer = step.frame().transfer(values.blocks);
+        levels.push(Level::new(smooth, Box::new(transfer), Vec::new()));
         names.descend(step.frame(), [next, next]);
         matrix = values.matrix;
     }

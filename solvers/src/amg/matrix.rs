@@ -93,8 +93,13 @@ impl<R: Real> NodeMatrix<R> {
         largest_generalized(
             3 * self.rows(),
             |x, y| self.apply(x, y),
-            |r, z| self.diagonal_solve(r, z),
+            |r, z| block_times(&self.inverse, r, z),
         )
+    }
+
+    /// Its pattern, blocks with the one of zeros behind them, and inverse diagonal blocks.
+    pub(super) fn into_parts(self) -> (Pattern, Vec<Matrix3<R>>, Vec<Matrix3<R>>) {
+        (self.pattern, self.blocks, self.inverse)
     }
 
     /// The entries that are to be kept, in f64.
@@ -118,16 +123,6 @@ impl<R: Real> NodeMatrix<R> {
         SparseMatrix::new((n, n), offsets, columns, values)
     }
 
-    /// `z ← D⁻¹ r`.
-    fn diagonal_solve(&self, r: &[R], z: &mut [R]) {
-        for_row_ranges(0, 3 * ROWS_PER_TASK, z, &|start, part| {
-            let (r, inverse) = (&r[start..].as_chunks().0, &self.inverse[start / 3..]);
-            for ((z, r), inverse) in part.as_chunks_mut().0.iter_mut().zip(*r).zip(inverse) {
-                *z = times(inverse, r);
-            }
-        });
-    }
-
     /// `y ← A x`.
     fn apply(&self, x: &[R], y: &mut [R]) {
         assert!(x.len() == 3 * self.rows() && y.len() == x.len());
@@ -141,6 +136,16 @@ impl<R: Real> NodeMatrix<R> {
             });
         });
     }
+}
+
+/// `z ← D⁻¹ r` by these inverse diagonal blocks.
+pub(super) fn block_times<R: Real>(inverse: &[Matrix3<R>], r: &[R], z: &mut [R]) {
+    for_row_ranges(0, 3 * ROWS_PER_TASK, z, &|start, part| {
+        let (r, inverse) = (&r[start..].as_chunks().0, &inverse[start / 3..]);
+        for ((z, r), inverse) in part.as_chunks_mut().0.iter_mut().zip(*r).zip(inverse) {
+            *z = times(inverse, r);
+        }
+    });
 }
 
 /// Consecutive rows of a product.

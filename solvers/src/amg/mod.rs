@@ -15,7 +15,8 @@
 //! | `A_c = PᵀA P` | `galerkin`, `coarse` |
 //! | what outlives a change of values | `plan`, `smoothed`, `classical` |
 //! | what a level is made from | `matrix` |
-//! | Gauss–Seidel in coloured chunks, products, by half of the matrix | `sweeps`, `sums`, `schedule` |
+//! | Gauss–Seidel in coloured chunks, products, by half of the matrix | `half`, `sweeps`, `sums`, `schedule` |
+//! | A kept by half | `halved` |
 //! | Gauss–Seidel and FSAI as smoothers, and where FSAI is called for | `gauss_seidel`, `fsai`, `chains` |
 //! | coarse nodes that are fine ones | `classical` |
 //!
@@ -29,6 +30,8 @@ mod finest;
 mod fsai;
 mod galerkin;
 mod gauss_seidel;
+mod half;
+mod halved;
 mod hierarchy;
 mod matrix;
 mod node_map;
@@ -44,5 +47,6 @@ mod sweeps;
 mod tentative;
 mod transfer;
 
+pub use halved::HalvedMatrix;
 pub use plan::AmgPlan;
 pub use settings::{Amg, Coarsening};

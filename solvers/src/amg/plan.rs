@@ -128,11 +128,11 @@ fn inverse(
 /// The first hierarchy of a matrix, the steps that it took, and what `keep` makes of its nodes and the finest pattern.
 pub(super) fn first<P>(
     settings: &Amg,
-    sum: &Sum<'_>,
+    sum: Sum<'_>,
     coordinates: Option<&[DofCoordinate]>,
     keep: impl FnOnce(&Arc<NodeMap>, &Pattern) -> P,
 ) -> Result<(MultigridInverse, Planned, P), SetupError> {
-    let map = Arc::new(NodeMap::new(sum.a, coordinates));
+    let map = sum.map(coordinates);
     let pattern = sum.pattern(&map);
     let kept = keep(&map, &pattern);
     let (inverse, steps) = match settings.precision {
@@ -144,17 +144,19 @@ pub(super) fn first<P>(
 
 fn new<R: Real>(
     settings: &Amg,
-    sum: &Sum<'_>,
+    sum: Sum<'_>,
     map: &NodeMap,
     pattern: Pattern,
     either: fn(Hierarchy<R>) -> SomeHierarchy,
 ) -> Result<(MultigridInverse, Planned), SetupError> {
     let finest = sum.blocks::<R>(map, pattern)?;
     let scale = finest.scale;
+    let bonds = sum.bonds(map);
+    drop(sum);
     let unknown = |row| unknown(map, row);
     let way = Way {
         settings,
-        bonds: sum.bonds(map),
+        bonds,
         positions: map.positions().map(<[_]>::to_vec).unwrap_or_default(),
         about: about(settings, &finest.matrix, map),
         unknown: &unknown,

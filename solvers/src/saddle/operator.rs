@@ -13,7 +13,11 @@ pub struct SaddleOperator<'a>(BlockOperator<'a, f64>);
 impl<'a> SaddleOperator<'a> {
     /// Borrows the blocks.
     pub fn new(blocks: &'a SaddleBlocks) -> Self {
-        let a = CsrView::new(&blocks.a);
+        Self::with_a(blocks, CsrView::new(&blocks.a))
+    }
+
+    /// With A by something else than the blocks.
+    pub(super) fn with_a(blocks: &'a SaddleBlocks, a: impl LinearOperator<f64> + 'a) -> Self {
         let b1 = CsrView::new(&blocks.b1);
         let b2: Box<dyn LinearOperator<f64> + 'a> = match &blocks.b2 {
             Some(b2) => Box::new(CsrView::new(b2)),
@@ -68,9 +72,14 @@ impl SaddleBlocks {
 
     /// `‖𝒜‖_∞`, the largest row sum of absolute values.
     pub fn norm_inf(&self) -> f64 {
+        self.norm_inf_with(|sums| add_row_sums(&self.a, sums))
+    }
+
+    /// The same where `of_a` adds the row sums of A.
+    pub(super) fn norm_inf_with(&self, of_a: impl FnOnce(&mut [f64])) -> f64 {
         let mut sums = vec![0.0; self.size()];
         let [of_u, of_t] = self.layout().split_mut([U, T], &mut sums);
-        add_row_sums(&self.a, of_u);
+        of_a(of_u);
         add_row_sums(&self.b1, of_u);
         match &self.b2 {
             Some(b2) => add_row_sums(b2, of_t),

@@ -190,47 +190,72 @@ impl Racp {
         matches!(self.inner, InnerChoice::Geometric(_))
     }
 
+    /// M⁻¹ around an `inner` of these blocks without flow, which is given the F of `S_u = A + F Fᵀ` and may know A better than the blocks.
+    pub(super) fn around<I: Into<Ready>>(
+        &self,
+        blocks: &SaddleBlocks,
+        inner: impl Fn(&SparseMatrix<f64>) -> Result<I, SetupError>,
+    ) -> Result<Ready, SetupError> {
+        let by = |_: &SaddleBlocks, c: &AugmentationMatrix| {
+            let f = &blocks.b1 * &c.inverse_root()?;
+            inner(&f)
+                .map(I::into)
+                .map_err(|error| error.in_block("S_u"))
+        };
+        Ok(self.relaxed(blocks, None, by)?.0)
+    }
+
+    /// The inverse of `[A B; Bᵀ −H]` around what `inner` makes of C, and S_p where flow is given.
+    fn relaxed(
+        &self,
+        blocks: &SaddleBlocks,
+        flow: Option<&FlowBlocks>,
+        inner: impl Fn(&SaddleBlocks, &AugmentationMatrix) -> Result<Ready, SetupError>,
+    ) -> Result<(Ready, Option<PressureSystem>), SetupError> {
+        let direct = self.inner.backend().solver()?;
+        let start = Instant::now();
+        let c = self.augmentation.compute(blocks, direct.as_ref())?.matrix;
+        let c_s = start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let Ready {
+            inverse, hierarchy, ..
+        } = inner(blocks, &c)?;
+        let parts = PartCost {
+            c_s,
+            inner_s: start.elapsed().as_secs_f64(),
+            inner_flops: inverse.flops(),
+        };
+        let s_p = match flow {
+            Some(flow) => {
+                let near = |rows| NearSchur::new(rows, (&blocks.a, &blocks.b1), &c);
+                Some(self.flow.schur.system(flow, near, inverse.as_ref())?)
+            }
+            None => None,
+        };
+        // a dense C serves theory: it is left as it is
+        let is_dense = matches!(c, AugmentationMatrix::Dense { .. });
+        let relaxed = blocks.h.as_ref().filter(|_| !is_dense);
+        let mut inverse = RacpInverse::new(blocks.b1.clone(), c, inverse);
+        if let Some(h) = relaxed {
+            inverse = inverse.relaxed(Box::new(Csr::new(h.clone())), self.relaxation);
+        }
+        let ready = Ready {
+            relaxation: inverse.relaxation(),
+            inverse: Box::new(inverse),
+            hierarchy,
+            parts: Some(parts),
+        };
+        Ok((ready, s_p))
+    }
+
     /// The inverse of `[A B1; B2 −H]`, and S_p where flow is given.
     fn mechanics(
         &self,
         blocks: &SaddleBlocks,
         flow: Option<&FlowBlocks>,
     ) -> Result<(Ready, Option<PressureSystem>), SetupError> {
-        let direct = self.inner.backend().solver()?;
         let racp = |blocks: &SaddleBlocks| {
-            let start = Instant::now();
-            let c = self.augmentation.compute(blocks, direct.as_ref())?.matrix;
-            let c_s = start.elapsed().as_secs_f64();
-            let start = Instant::now();
-            let Ready {
-                inverse, hierarchy, ..
-            } = self.inner.prepare(blocks, &c)?;
-            let parts = PartCost {
-                c_s,
-                inner_s: start.elapsed().as_secs_f64(),
-                inner_flops: inverse.flops(),
-            };
-            let s_p = match flow {
-                Some(flow) => {
-                    let near = |rows| NearSchur::new(rows, (&blocks.a, &blocks.b1), &c);
-                    Some(self.flow.schur.system(flow, near, inverse.as_ref())?)
-                }
-                None => None,
-            };
-            // a dense C serves theory: it is left as it is
-            let is_dense = matches!(c, AugmentationMatrix::Dense { .. });
-            let relaxed = blocks.h.as_ref().filter(|_| !is_dense);
-            let mut inverse = RacpInverse::new(blocks.b1.clone(), c, inverse);
-            if let Some(h) = relaxed {
-                inverse = inverse.relaxed(Box::new(Csr::new(h.clone())), self.relaxation);
-            }
-            let ready = Ready {
-                relaxation: inverse.relaxation(),
-                inverse: Box::new(inverse),
-                hierarchy,
-                parts: Some(parts),
-            };
-            Ok((ready, s_p))
+            self.relaxed(blocks, flow, |blocks, c| self.inner.prepare(blocks, c))
         };
         match Elimination::new(blocks) {
             Some(elimination) => {

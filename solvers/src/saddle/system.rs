@@ -56,6 +56,18 @@ pub struct ResidualNorms {
     pub contact: Option<f64>,
 }
 
+impl SaddleBlocks {
+    /// `|B1|ᵀ|u| + |b_t|`.
+    pub(super) fn contact_scale(&self, x: &[f64], b: &[f64]) -> Vec<f64> {
+        let ([u], [b_t]) = (self.layout().split([U], x), self.layout().split([T], b));
+        let mut scale: Vec<f64> = b_t.iter().map(|b| b.abs()).collect();
+        for (row, u) in self.b1.outer_iterator().zip(u) {
+            row.iter().for_each(|(j, b)| scale[j] += (b * u).abs());
+        }
+        scale
+    }
+}
+
 /// Assembled blocks.
 pub struct Assembled<'a> {
     blocks: &'a SaddleBlocks,
@@ -93,12 +105,7 @@ impl SaddleSystem for Assembled<'_> {
     }
 
     fn contact_scale(&self, x: &[f64], b: &[f64]) -> Vec<f64> {
-        let ([u], [b_t]) = (self.layout().split([U], x), self.layout().split([T], b));
-        let mut scale: Vec<f64> = b_t.iter().map(|b| b.abs()).collect();
-        for (row, u) in self.blocks.b1.outer_iterator().zip(u) {
-            row.iter().for_each(|(j, b)| scale[j] += (b * u).abs());
-        }
-        scale
+        self.blocks.contact_scale(x, b)
     }
 
     fn norms(&self, own: bool) -> EnergyNorms<'_> {

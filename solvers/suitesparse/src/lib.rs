@@ -27,8 +27,6 @@ pub const CHOLMOD_NOT_POSDEF: c_int = 1;
 pub const UMFPACK_OUT_OF_MEMORY: c_int = -1;
 /// UMFPACK's status: a pivot is zero.
 pub const UMFPACK_SINGULAR: c_int = 1;
-/// UMFPACK's status: row and column structure are singular.
-pub const UMFPACK_DIFFERENT_PATTERN: c_int = -11;
 
 /// A symbolic or numeric factorization of CHOLMOD with its own settings and memory.
 #[repr(C)]

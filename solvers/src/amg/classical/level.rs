@@ -70,9 +70,9 @@ impl<const K: usize> Coarsener<3, K> for Classical<K> {
     fn values<S: Real, R: Real>(
         &self,
         a: &NodeMatrix<S>,
-        defect: &[Matrix3<f64>],
+        defect: Vec<Matrix3<f64>>,
         _lambda_max: f64,
-    ) -> Result<Values<R>, NotPositive> {
+    ) -> Result<Values<R, 3>, NotPositive> {
         let nodes = nodes::of_level(a);
         let inverse: Vec<Matrix3<f64>> = (0..a.rows()).map(|i| cast(a.inverse(i))).collect();
         let p = self.start.minimised(&nodes, &inverse, &self.modes);

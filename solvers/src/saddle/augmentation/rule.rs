@@ -3,7 +3,7 @@
 use super::{AugmentationChoice, AugmentationMatrix};
 use crate::SetupError;
 use crate::direct::DirectSolver;
-use crate::registry::{NameTaken, Named, Registered, Registry};
+use crate::registry::{NameTaken, Named, Registry};
 use crate::saddle::SaddleBlocks;
 
 /// A definition of C. [`register`](AugmentationChoice::register) gives it a name that scenes, studies and command lines know;
@@ -34,10 +34,5 @@ impl AugmentationChoice {
     /// [`NameTaken`] where another definition has it.
     pub fn register(rule: &'static dyn AugmentationRule) -> Result<Self, NameTaken> {
         RULES.register::<Self>(rule).map(Self::Other)
-    }
-
-    /// The registered ones.
-    pub fn registered() -> Vec<Registered<dyn AugmentationRule>> {
-        RULES.all()
     }
 }

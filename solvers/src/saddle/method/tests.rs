@@ -12,7 +12,7 @@ use crate::saddle::{
 };
 use fracas_operators::laws::{check_parts, check_preconditioner, probe};
 use fracas_operators::sparse::Triplets;
-use fracas_operators::{Counted, LinearOperator, Properties, Timed};
+use fracas_operators::{Counted, LinearOperator, Properties};
 
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 struct Study {
@@ -321,6 +321,5 @@ fn every_part_counts() {
     })
     .unwrap();
     check_parts::<1, f64, _>("counted", [3], |[m]| Counted::new(m)).unwrap();
-    check_parts::<1, f64, _>("timed", [3], |[m]| Timed::new(m)).unwrap();
     check_parts::<1, f64, Box<dyn Preconditioner<f64>>>("boxed", [3], |[m]| Box::new(m)).unwrap();
 }

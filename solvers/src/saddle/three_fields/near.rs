@@ -53,13 +53,6 @@ impl NearSchur {
         })
     }
 
-    /// From entries that are known: `s_u` has a row and a column for every one of `rows`, which ascend.
-    pub fn from_entries(rows: Vec<usize>, s_u: SparseMatrix<f64>) -> Self {
-        assert_eq!(s_u.rows(), rows.len(), "rows of S_u");
-        assert_eq!(s_u.cols(), rows.len(), "columns of S_u");
-        Self { rows, s_u }
-    }
-
     /// Its row of S_u.
     pub(super) fn row(&self, near: usize) -> usize {
         self.rows[near]
