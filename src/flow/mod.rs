@@ -11,6 +11,7 @@
 
 mod balance;
 mod fluid;
+mod front;
 mod network;
 mod pattern;
 mod record;

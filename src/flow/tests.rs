@@ -5,6 +5,8 @@ use crate::mesh::{Axis, BoxGrid, BuiltMesh, Grading, Incline, PlaneFracture};
 use fracas_operators::random::Random;
 use fracas_solvers::direct::{DirectChoice, Kind};
 
+mod front;
+
 const ROCK: Elastic = Elastic {
     young: 20e9,
     poisson: 0.2,

@@ -226,7 +226,6 @@ fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
     let scalars = [time, loaded, next, force, traction, krylov].map(|v| v.to_bits());
     let sizes = [states.len() as u64, fields.len() as u64];
     let words = [&whole[..], &scalars, &sizes].concat();
-    // pressures are not judged by a norm
     let norm = |field| match (field, creep) {
         (CREEP, Some(own)) => own.step.to_bits(),
         _ => size.get(field).unwrap_or(0.0).to_bits(),
@@ -375,7 +374,9 @@ fn content_of(mut rest: Rest<'_>) -> Option<Result<State, String>> {
         let letters: Vec<String> = letters.iter().map(letter).collect();
         return Some(Err(letters.join(", ").replace('\0', "")));
     }
-    let norms = [U, T].into_iter().zip(&table);
+    let judged = [U, T, P];
+    let norms = judged.into_iter().zip(&table);
+    let norms = norms.filter(|(field, [own, ..])| letter(*field) == *own);
     let size = Fields::new(norms.map(|(field, [.., norm])| (field, f64::from_bits(*norm))));
     let mut values = table
         .iter()

@@ -3,7 +3,7 @@
 use super::newton::{Attempt, Iterate};
 use super::{Event, Failure, LinearFailure};
 use fracas_operators::Fields;
-use fracas_solvers::saddle::{EnergyNorms, ErrorJudge, Judged, Measure, T, U};
+use fracas_solvers::saddle::{EnergyNorms, ErrorJudge, Judged, Measure, P, T};
 
 /// Errors of every field at states that no longer change: `e = J⁻¹r ≈ M⁻¹r` of a Newton iterate, judged as in `solve`, against
 /// the largest norms of the run so far.
@@ -21,14 +21,13 @@ pub(super) struct Accuracy<'s> {
 }
 
 impl<'s> Accuracy<'s> {
-    /// `None` where the scene asks for residuals alone, and with flow, whose errors nobody estimates yet.
+    /// `None` where the scene asks for residuals alone.
     pub(super) fn new(attempt: &'s Attempt<'s>) -> Option<Self> {
         let problem = attempt.problem;
         let asked = problem.body().solver.measure == Measure::Error;
-        let asked = asked && attempt.flow.is_none();
         asked.then(|| Self {
             attempt,
-            norms: problem.norms(attempt.held.as_ref()),
+            norms: attempt.norms(),
             judge: ErrorJudge::new(problem.body().solver.tolerance),
             size: attempt.size,
             seen: false,
@@ -56,20 +55,22 @@ impl<'s> Accuracy<'s> {
         }
     }
 
-    /// All fields, tractions in the balanced unit.
+    /// All fields, tractions and pressures in the balanced unit.
     fn balanced(&self, x: &Iterate) -> Vec<f64> {
-        let layout = self.attempt.problem.saddle().layout();
-        let mut whole = vec![0.0; layout.len()];
-        let [u, t] = layout.split_mut([U, T], &mut whole);
-        u.copy_from_slice(&x.u);
-        (t.iter_mut().zip(&x.t)).for_each(|(t, pascal)| *t = pascal / layout.unit(T));
+        let layout = self.attempt.layout();
+        let mut whole = x.u.clone();
+        whole.reserve_exact(layout.len() - x.u.len());
+        whole.extend(x.t.iter().map(|pascal| pascal / layout.unit(T)));
+        if self.attempt.flow.is_some() {
+            whole.extend(x.p.iter().map(|pascal| pascal / layout.unit(P)));
+        }
         whole
     }
 
     fn widen(&mut self, x: &[f64]) {
         let own = self.norms.solution(x);
         // NaN of an iterate that is lost does not count
-        self.size = self.size.map(|field, size| size.max(own[field]));
+        self.size = (self.size).map(|field, size| size.max(own.get(field).unwrap_or(0.0)));
         self.seen = true;
     }
 

@@ -8,11 +8,12 @@ use super::pressed::{CoupledJacobian, Pressed, PressureSolver};
 use super::{Evaluation, LinearFailure};
 use crate::contact::ContactState;
 use crate::flow::surface;
+use fracas_operators::Preconditioner;
 use fracas_operators::sparse::Csr;
 use fracas_operators::vector::norm2;
-use fracas_solvers::Observer;
 use fracas_solvers::krylov::System;
 use fracas_solvers::saddle::{FlowBlocks, PressureSchur, ThreeFieldsInverse};
+use fracas_solvers::{Observer, SetupError};
 
 impl Linear {
     /// `δ ← J⁻¹ (−r)` for `J = [A B1 Q1; B2 −H 0; Q2 0 T]` by the block LDU in the order t, u, p around RACP, or with
@@ -31,9 +32,70 @@ impl Linear {
         correction: &mut [f64],
         observer: &mut dyn Observer,
     ) -> Result<Solved, LinearFailure> {
+        let rhs = &at.residual;
         if self.is_direct(attempt.problem) {
-            return self.factorize_coupled(attempt, (states, h, lagged), (x, at), correction);
+            return self.factorize_coupled(attempt, (states, h, lagged), (x, at), rhs, correction);
         }
+        let place = (states, h, lagged);
+        self.linearized(attempt, place, (x, at), |linear, jacobian, fields| {
+            let place = (jacobian, states);
+            linear.iterate_coupled(attempt, place, fields, rhs, tolerance, correction, observer)
+        })
+    }
+
+    /// `e ← M⁻¹ r` of all fields, an estimate of the error that leaves the residual r, or `J⁻¹ r` where all is factorized; and the Ritz value
+    /// nearest to zero that was seen.
+    ///
+    /// # Errors
+    /// [`LinearFailure`] of what is built for it.
+    pub(super) fn error_of_coupled(
+        &mut self,
+        attempt: &Attempt<'_>,
+        (states, h): (&[ContactState], Option<&Csr<f64>>),
+        (x, at): (&Iterate, &Evaluation),
+        residual: &[f64],
+        observer: &mut dyn Observer,
+    ) -> Result<(Vec<f64>, Option<f64>), LinearFailure> {
+        let place = (states, h, false);
+        let mut e = vec![0.0; residual.len()];
+        if self.is_direct(attempt.problem) {
+            self.factorize_coupled(attempt, place, (x, at), residual, &mut e)?;
+            return Ok((e, Some(1.0)));
+        }
+        self.linearized(
+            attempt,
+            place,
+            (x, at),
+            |linear, jacobian, (flow, pressures)| {
+                let problem = attempt.problem;
+                linear.prepare(problem, jacobian, states, observer)?;
+                let inverse = linear.inverse(problem, jacobian, states)?;
+                let pressed = Pressed::new(pressures, flow);
+                let q1 = Csr::new(flow.q1.clone());
+                let mut r = residual.to_vec();
+                pressed.scale(&attempt.layout(), &mut r);
+                let form = linear.settings().flow.form.for_coupling(flow.is_coupled());
+                let preconditioner =
+                    ThreeFieldsInverse::new(inverse, &q1, pressed.q2(), pressed.unit(), form);
+                preconditioner.solve(&r, &mut e, &mut vec![0.0; preconditioner.work_len()]);
+                Ok(())
+            },
+        )?;
+        Ok((e, self.smallest_ritz()))
+    }
+
+    /// What `act` makes of the Jacobian of rock and contact, of Q1, Q2 and T, and of S_p⁻¹ at a point.
+    fn linearized<R>(
+        &mut self,
+        attempt: &Attempt<'_>,
+        (states, h, lagged): (&[ContactState], Option<&Csr<f64>>, bool),
+        (x, at): (&Iterate, &Evaluation),
+        act: impl FnOnce(
+            &mut Self,
+            &ContactJacobian<'_>,
+            (&FlowBlocks, &PressureSolver),
+        ) -> Result<R, LinearFailure>,
+    ) -> Result<R, LinearFailure> {
         let problem = attempt.problem;
         let unit = problem.saddle().unit();
         let b = self.normal_coupling.get_or_insert_with(|| {
@@ -53,23 +115,19 @@ impl Linear {
             false => flow.t.clone().into(),
         };
         let mut pressures = std::mem::take(&mut self.pressures);
-        let ready = pressures.prepare(&system, &flow);
-        let solved = ready.map_err(LinearFailure::from).and_then(|()| {
+        let ready = pressures
+            .prepare(&system, &flow)
+            .map_err(|error| match error {
+                // T is regular then: the iterate is what is wrong
+                SetupError::Singular { .. } if flow.is_coupled() => LinearFailure::Astray,
+                error => error.into(),
+            });
+        let done = ready.and_then(|()| {
             let jacobian = problem.jacobian(states, h, at, lagged);
-            let fields = (&flow, &pressures);
-            let rhs = &at.residual;
-            self.iterate_coupled(
-                attempt,
-                (&jacobian, states),
-                fields,
-                rhs,
-                tolerance,
-                correction,
-                observer,
-            )
+            act(self, &jacobian, (&flow, &pressures))
         });
         self.pressures = pressures;
-        solved
+        done
     }
 
     /// ‖r‖₂ of a residual of all fields, that of p as pressures by the S_p⁻¹ at hand.

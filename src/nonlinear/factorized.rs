@@ -16,7 +16,7 @@ use fracas_solvers::saddle::{SaddleBlocks, SaddleOperator};
 const FIRM: f64 = 1e-9;
 
 impl Linear {
-    /// `δ ← J⁻¹ (−r)` for `J = [A B1 Q1; B2 −H 0; Q2 0 T]` by a sparse LU factorization of all fields.
+    /// `δ ← J⁻¹ b` for `J = [A B1 Q1; B2 −H 0; Q2 0 T]` by a sparse LU factorization of all fields.
     ///
     /// # Errors
     /// [`LinearFailure::Singular`] where the states hold too little; other states may hold more.
@@ -25,6 +25,7 @@ impl Linear {
         attempt: &Attempt<'_>,
         (states, h, lagged): (&[ContactState], Option<&Csr<f64>>, bool),
         (x, at): (&Iterate, &Evaluation),
+        rhs: &[f64],
         correction: &mut [f64],
     ) -> Result<Solved, LinearFailure> {
         let unit = attempt.problem.saddle().unit();
@@ -48,21 +49,21 @@ impl Linear {
         let symbolic = solver.analyze(&matrix, Kind::General).map_err(singular)?;
         let factors = symbolic.factor(&matrix).map_err(singular)?;
         let mut work = vec![0.0; factors.work_len()];
-        factors.solve(&at.residual, correction, &mut work);
+        factors.solve(rhs, correction, &mut work);
         // refined on J itself
         let operator = SaddleOperator::new(&blocks);
         let mut products = vec![0.0; operator.work_len()];
-        let mut left = at.residual.clone();
+        let mut left = rhs.to_vec();
         operator.apply_add(-1.0, correction, &mut left, &mut products);
         let mut more = vec![0.0; left.len()];
         factors.solve(&left, &mut more, &mut work);
         axpy(1.0, &more, correction);
-        left.copy_from_slice(&at.residual);
+        left.copy_from_slice(rhs);
         operator.apply_add(-1.0, correction, &mut left, &mut products);
         Ok(Solved {
             krylov: "direct",
             iterations: 1,
-            relative_residual: norm2(&left) / norm2(&at.residual),
+            relative_residual: norm2(&left) / norm2(rhs),
             smallest_ritz: None,
             stopped: false,
             setup: true,

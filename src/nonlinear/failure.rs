@@ -42,6 +42,11 @@ pub enum LinearFailure {
     /// A system of rock and flow that its states leave singular.
     #[error(transparent)]
     Singular(SetupError),
+    /// Apertures and pressures of an iterate at which the balance of the fluid tells double precision nothing.
+    #[error(
+        "Newton has led the fluid astray: apertures and pressures at hand are so far from balance that the Schur complement of the pressures is singular to working precision; shorter steps or a conductivity of the closed fractures closer to that of the open ones may help"
+    )]
+    Astray,
     /// Iterations ran out.
     #[error(
         "{krylov} reached a relative residual of {residual:.1e} in {iterations} iterations, asked {tolerance:.1e}: the preconditioner is too weak for this system, or a block is held by next to nothing; another inner solver in [solver] or more support may help"

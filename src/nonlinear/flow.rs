@@ -8,10 +8,10 @@ use crate::elasticity::ElasticityError;
 use crate::flow::{FlowStep, Fluid};
 use crate::mesh::FractureFace;
 use crate::scene::Method;
-use fracas_operators::Layout;
 use fracas_operators::sparse::{Csr, SparseMatrix, Triplets};
 use fracas_operators::vector::{axpy, norm2};
-use fracas_solvers::saddle::{FlowBlocks, P, PressureSchur, SaddleBlocks};
+use fracas_operators::{Fields, Layout};
+use fracas_solvers::saddle::{EnergyNorms, FlowBlocks, P, PressureSchur, SaddleBlocks};
 
 /// How much more strictly lost volume is judged than residuals: a run adds the losses of its steps up. Unit: 1.
 const STRICT: f64 = 1e3;
@@ -24,6 +24,15 @@ impl ContactProblem<'_> {
         };
         let of = |face| share * balance.fluid().initial_pressure(face);
         self.faces().iter().map(of).collect()
+    }
+
+    /// 0 for every field that is judged.
+    pub(super) fn nothing(&self) -> Fields<f64> {
+        let fields = self.saddle().layout().values(0.0);
+        match self.balance() {
+            Some(_) => fields.with(P, 0.0),
+            None => fields,
+        }
     }
 
     /// Flow goes with multipliers alone.
@@ -134,6 +143,21 @@ impl Attempt<'_> {
             Some(step) => {
                 let three = saddle.layout().with(P, step.pressure.len());
                 three.counted_in(P, saddle.unit())
+            }
+        }
+    }
+
+    /// Norms of errors; those of pressures, where something flows, by what they move: `e_pᵀ diag(Q1ᵀ diag(A)⁻¹ Q1) e_p`, as in
+    /// [`solve`](mod@crate::solve).
+    pub(super) fn norms(&self) -> EnergyNorms<'_> {
+        let norms = self.problem.norms(self.held.as_ref());
+        match self.flow {
+            None => norms,
+            Some(_) => {
+                let normal = norms.compliance().iter().step_by(3);
+                let weights: Vec<f64> = normal.copied().collect();
+                let none = SparseMatrix::zero((weights.len(), weights.len()));
+                norms.and(P, weights, &none)
             }
         }
     }
@@ -249,7 +273,14 @@ impl Attempt<'_> {
             return Ok(changes);
         };
         let mut next = states.to_vec();
-        changes.iter().for_each(|(f, state)| next[*f] = *state);
+        let opens = |(_, state): &&(usize, ContactState)| *state == ContactState::Open;
+        let opening: Vec<usize> = changes.iter().filter(opens).map(|(f, _)| *f).collect();
+        for (f, state) in changes.iter().filter(|change| !opens(change)) {
+            next[*f] = *state;
+        }
+        for f in balance.front(&next, &opening, step) {
+            next[f] = ContactState::Open;
+        }
         let sealed = balance.sealed(&next, step);
         let drained = sealed.iter().find(|part| part.excess < 0.0);
         if let (Some(part), true) = (drained, changes.is_empty()) {
@@ -347,6 +378,8 @@ impl Simulation<'_> {
         (conductivity, flux)
     }
 }
+
+mod limits;
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]

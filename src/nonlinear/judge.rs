@@ -7,8 +7,8 @@ use crate::contact::{ContactState, Thresholds, next_state};
 /// Judges faces.
 pub(super) struct Judge<'s> {
     attempt: &'s Attempt<'s>,
-    /// Faces that a round of this attempt has opened: they close in slip.
-    opened: Vec<bool>,
+    /// How often rounds of this attempt have opened a face: it closes in slip then, where a fluid flows from the second time on.
+    opened: Vec<u8>,
     /// Largest traction so far [Pa].
     pub(super) traction: f64,
 }
@@ -17,7 +17,7 @@ impl<'s> Judge<'s> {
     pub(super) fn new(attempt: &'s Attempt<'s>, faces: usize) -> Self {
         Self {
             attempt,
-            opened: vec![false; faces],
+            opened: vec![0; faces],
             traction: attempt.traction,
         }
     }
@@ -39,6 +39,7 @@ impl<'s> Judge<'s> {
         self.traction = self.traction.max(largest);
         // jumps are known relative to the largest of them
         let traction = or_closing(self.traction, &at.jumps, compliance);
+        let spared = u8::from(self.attempt.flow.is_some());
         let mut changes = Vec::new();
         for (f, state) in states.iter().enumerate() {
             let measure = problem.measure(f, *state, &x.t, &at.effective, self.attempt.start);
@@ -47,14 +48,15 @@ impl<'s> Judge<'s> {
                 traction: zero * traction,
             };
             let next = match next_state(*state, &measure, &thresholds) {
-                // in stick it would carry again what tore it open
-                ContactState::Stick if *state == ContactState::Open && self.opened[f] => {
+                // in stick it would carry again what tore it open, unless a fluid did that came no farther
+                ContactState::Stick if *state == ContactState::Open && self.opened[f] > spared => {
                     ContactState::Slip
                 }
                 next => next,
             };
             if next != *state {
-                self.opened[f] |= next == ContactState::Open;
+                self.opened[f] =
+                    (self.opened[f]).saturating_add(u8::from(next == ContactState::Open));
                 changes.push((f, next));
             }
         }

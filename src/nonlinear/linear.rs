@@ -112,6 +112,11 @@ impl Linear {
         };
     }
 
+    /// Ritz value nearest to zero since states last changed.
+    pub(super) fn smallest_ritz(&self) -> Option<f64> {
+        self.smallest_ritz
+    }
+
     /// Systems are those of other states from now on.
     pub(super) fn other_states(&mut self) {
         (self.smallest_ritz, self.probed) = (None, false);

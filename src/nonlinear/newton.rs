@@ -217,7 +217,7 @@ pub(super) fn newton(
         }
         let from_size = linear.size_of(attempt, &at.residual);
         // x ← x + α δ with the largest α = 1, ½, … that lowers the residual
-        let (from, mut length) = (x.clone(), 1.0);
+        let (from, mut length) = (x.clone(), attempt.first_length(states, &at, &correction));
         for backtrack in 0..=BACKTRACKS {
             x.u.copy_from_slice(&from.u);
             x.t.copy_from_slice(&from.t);

@@ -239,7 +239,15 @@ impl<'a> ContactProblem<'a> {
 
     /// Mean jump (n, t1, t2) per face [m].
     pub fn jumps(&self, u: &[f64], load: &Load) -> Vec<f64> {
-        let mut jump = load.jump.clone();
+        self.jumps_from(load.jump.clone(), u)
+    }
+
+    /// Mean jump per face of displacements alone, or of a change of them [m].
+    pub(super) fn jump_changes(&self, u: &[f64]) -> Vec<f64> {
+        self.jumps_from(vec![0.0; 3 * self.faces().len()], u)
+    }
+
+    fn jumps_from(&self, mut jump: Vec<f64>, u: &[f64]) -> Vec<f64> {
         let b = self.saddle.coupling();
         let mut work = vec![0.0; b.work_len()];
         b.apply_adjoint_add(1.0 / self.saddle.unit(), u, &mut jump, &mut work);
@@ -346,7 +354,10 @@ impl<'a> ContactProblem<'a> {
     ) -> Vec<FaceRows> {
         let row = |(f, state): (usize, &ContactState)| {
             let (law, point) = self.face(f, t, jumps, start);
-            law.projected_rows(*state, &point, lagged)
+            match self.balance().is_some() {
+                true => law.damped_rows(*state, &point, lagged),
+                false => law.projected_rows(*state, &point, lagged),
+            }
         };
         states.iter().enumerate().map(row).collect()
     }

@@ -79,14 +79,16 @@ impl Search<'_, '_> {
         let settings = problem.body().solver;
         let loose = Until {
             residual: settings.tolerance.max(settings.rounds.loose),
-            steps: settings.rounds.loose_steps.min(settings.max_newton),
+            steps: attempt.loose_steps(settings.rounds.loose_steps.min(settings.max_newton)),
             lagged: false,
         };
         let tight = Until {
             residual: settings.tolerance,
-            steps: settings.max_newton,
+            steps: attempt.tight_steps(settings.max_newton),
             lagged: false,
         };
+        // times that it may go on where a round of Newton was cut short to look at the faces
+        let mut more = settings.max_newton.div_ceil(tight.steps) - 1;
         // what the lag of weakening takes: it converges by a factor a step
         let lagging = Until {
             steps: LAGGED_STEPS,
@@ -115,10 +117,18 @@ impl Search<'_, '_> {
             let round = log.rounds;
             log.rounds += 1;
             log.states.clone_from(&states);
+            // what is linear is solved at once
+            let least = match attempt.is_linear(&states) {
+                true => settings.rounds.loose_steps.min(settings.max_newton),
+                false => 0,
+            };
             let solved = newton(
                 attempt,
                 (&states, fixed.unwrap_or(h.as_ref())),
-                until,
+                Until {
+                    steps: until.steps.max(least),
+                    ..until
+                },
                 (self.linear, round),
                 x,
                 &mut log.linear,
@@ -191,6 +201,10 @@ impl Search<'_, '_> {
                 }
                 until = match converged {
                     true => tight,
+                    false if until == tight && more > 0 => {
+                        more -= 1;
+                        tight
+                    }
                     false if until == tight && weakens => lagging,
                     false if until == loose && weakens => lagging,
                     false if until == loose => tight,
@@ -265,9 +279,12 @@ impl Search<'_, '_> {
         let Some(accuracy) = &mut self.accuracy else {
             return Ok(None);
         };
-        let (problem, linear) = (self.attempt.problem, &mut *self.linear);
-        let observer = &mut *self.observer;
+        let (attempt, linear) = (self.attempt, &mut *self.linear);
+        let (problem, observer) = (attempt.problem, &mut *self.observer);
         let judged = accuracy.of(x, at.residual.clone(), |residual, norms| {
+            if attempt.flow.is_some() {
+                return linear.error_of_coupled(attempt, (states, h), (x, at), residual, observer);
+            }
             let jacobian = problem.jacobian(states, h, at, false);
             linear.error_of(problem, (&jacobian, states), residual, norms, observer)
         })?;

@@ -70,7 +70,7 @@ impl Simulation<'_> {
             next: 1.0,
             force: 0.0,
             traction: 0.0,
-            size: self.problem.saddle().layout().values(0.0),
+            size: self.problem.nothing(),
             krylov: 0.0,
             prepared: None,
             u: vec![0.0; self.problem.body().constraints.free_len()],

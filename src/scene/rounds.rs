@@ -12,7 +12,8 @@ pub struct Rounds {
     /// Residual up to which Newton is solved while states still change, and what then counts as zero. `cycle`, `crossing` and
     /// `inclined_crack` together take 394, 393, 384 Krylov iterations with half, this and double. Unit: 1.
     pub loose: f64,
-    /// Newton steps that a round may take while states still change. Two in place of three: no change in the gallery.
+    /// Newton steps that a round may take while states still change. Two in place of three: no change in the gallery. With flow it takes
+    /// one.
     pub loose_steps: usize,
     /// Rounds after which Newton on all faces at once takes over though no states have returned. 10 and 40 change nothing in ten runs.
     pub patience: usize,

@@ -2,7 +2,7 @@
 //! factorizes, takes few iterations, and loses no volume.
 
 use fracas::contact::ContactState;
-use fracas::nonlinear::{Accepted, Simulation, StepFailure};
+use fracas::nonlinear::{Accepted, LinearRecord, Simulation, StepFailure};
 use fracas::scene::Scene;
 use fracas_operators::random::Random;
 use fracas_solvers::Silent;
@@ -150,6 +150,8 @@ struct Shown {
     slipped: usize,
     other_states: usize,
     differences: Vec<f64>,
+    /// Largest volume lost in a step over what came in or went out by then, and the seed of its run.
+    loss: (f64, u64),
     krylov: Vec<usize>,
     newton: Vec<usize>,
     rounds: Vec<usize>,
@@ -199,17 +201,22 @@ fn family(seeds: std::ops::Range<u64>, verbose: bool) -> Shown {
             shown.newton.push(step.record.newton_it);
             shown.rounds.push(step.record.active_it);
             for l in &step.linear {
-                if l.krylov.contains("gmres") {
-                    // to 1e-8
+                // less tells nothing of the rate
+                if l.krylov.contains("gmres") && l.relative_residual < 1e-4 {
                     let digits = -l.relative_residual.max(1e-16).log10();
-                    shown
-                        .krylov
-                        .push((l.iterations as f64 * 8.0 / digits.max(1.0)).ceil() as usize);
+                    (shown.krylov).push((l.iterations as f64 * 8.0 / digits).ceil() as usize);
                 }
             }
             if let Some(flow) = step.flow {
                 let size = injected.max(flow.out.abs());
-                assert!(flow.error.abs() <= 1e-10 * size, "seed {seed}: {flow:?}");
+                let loss = if size > 0.0 {
+                    flow.error.abs() / size
+                } else {
+                    0.0
+                };
+                if loss > shown.loss.0 {
+                    shown.loss = (loss, seed);
+                }
             }
         }
         shown.other_states += usize::from(!same);
@@ -243,9 +250,10 @@ fn runs_with_the_preconditioner_are_those_that_factorize() {
     report(&shown);
     assert!(4 * shown.other_states <= shown.runs && 4 * shown.finished >= 3 * shown.runs);
     assert!(shown.opened > 0 && shown.slipped > 0, "{shown:?}");
-    let close = shown.differences.iter().filter(|d| **d < 1e-6).count();
+    // errors of all fields are judged, each run for itself: what is said to be done is done
     let worst = shown.differences.iter().fold(0.0f64, |m, d| m.max(*d));
-    assert!(worst < 1e-4 && 4 * close >= 3 * shown.runs, "{shown:?}");
+    assert!(worst < 1e-6, "{shown:?}");
+    assert!(shown.loss.0 <= 1e-10, "{shown:?}");
     assert!(quantile(&shown.krylov, 0.5) <= 25, "{shown:?}");
 }
 
@@ -255,23 +263,27 @@ fn systems_of_a_run() {
     let seed = std::env::var("FRACAS_SEED").map_or(0, |s| s.parse().unwrap());
     let inner = std::env::var("FRACAS_INNER").unwrap_or("auto".into());
     let (steps, why) = run(&scene(seed, &inner));
-    for step in &steps {
-        for l in &step.linear {
-            println!(
-                "{} r{} n{} {:?} {} {} {:.1e} asked {:.1e} residual {:.1e} length {} {}",
-                l.step,
-                l.active,
-                l.newton,
-                l.faces,
-                l.krylov,
-                l.iterations,
-                l.relative_residual,
-                l.tolerance,
-                l.residual,
-                l.step_length,
-                l.setup
-            );
-        }
+    let tell = |l: &LinearRecord| {
+        println!(
+            "{} {} r{} n{} {:?} {} {} {:.1e} asked {:.1e} residual {:.1e} length {} {}",
+            l.step,
+            l.attempt,
+            l.active,
+            l.newton,
+            l.faces,
+            l.krylov,
+            l.iterations,
+            l.relative_residual,
+            l.tolerance,
+            l.residual,
+            l.step_length,
+            l.setup
+        );
+    };
+    steps.iter().flat_map(|step| &step.linear).for_each(tell);
+    if let Some(failure) = &why {
+        failure.linear.iter().for_each(tell);
+        println!("{:?}", failure.events);
     }
     println!("{:?}", why.map(|w| w.reason.to_string()));
 }
@@ -294,5 +306,8 @@ fn report(shown: &Shown) {
         shown.runs, shown.finished, shown.steps, shown.opened, shown.slipped, shown.other_states
     );
     let worst = shown.differences.iter().fold(0.0f64, |m, d| m.max(*d));
-    println!("largest difference of fields {worst:.1e}");
+    println!(
+        "largest difference of fields {worst:.1e}, volume lost {:.1e} of what flowed (seed {})",
+        shown.loss.0, shown.loss.1
+    );
 }

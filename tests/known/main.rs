@@ -9,6 +9,7 @@ mod creep_runs;
 mod crossing_cracks;
 mod crossing_exact;
 mod depleted_fault;
+mod flow_counts;
 mod flow_errors;
 mod flow_family;
 mod fracture_flow;

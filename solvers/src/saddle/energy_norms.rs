@@ -105,6 +105,11 @@ impl<'a> EnergyNorms<'a> {
         self
     }
 
+    /// C_0.
+    pub fn compliance(&self) -> &[f64] {
+        &self.c
+    }
+
     /// The fields of an error.
     pub fn layout(&self) -> Layout {
         self.layout
@@ -201,13 +206,13 @@ impl<'a> EnergyNorms<'a> {
     /// `√(vᵀA v)`, with the springs of the jumps where they are asked for.
     fn displacements(&self, v: &[f64], jumps: bool) -> f64 {
         let [u] = self.layout.split([U], v);
-        let mut part = vec![0.0; v.len()];
-        let [part_u] = self.layout.split_mut([U], &mut part);
-        part_u.copy_from_slice(u);
-        let mut image = vec![0.0; v.len()];
+        // 𝒜 may be that of u and t alone, which come first
+        let mut part = vec![0.0; self.operator.shape().cols];
+        part[self.layout.range(U)].copy_from_slice(u);
+        let mut image = vec![0.0; part.len()];
         let mut work = vec![0.0; self.operator.work_len()];
         self.operator.apply(&part, &mut image, &mut work);
-        let [force, jump] = self.layout.split([U, T], &image);
+        let [force, jump] = [U, T].map(|field| &image[self.layout.range(field)]);
         let energy = dot(u, force);
         let weights = self.diagonal.iter().filter(|_| jumps);
         let springs = jump.iter().zip(weights).map(|(g, c)| g * g / c);
