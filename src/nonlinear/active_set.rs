@@ -5,7 +5,7 @@ use super::judge::Judge;
 use super::linear::Linear;
 use super::natural::Natural;
 use super::newton::{Attempt, Iterate};
-use super::rounds::{Ended, Search};
+use super::rounds::{Ended, Found, Search};
 use super::turns::Turns;
 use super::{Event, Failure, Instability, LinearRecord};
 use crate::contact::ContactState;
@@ -16,6 +16,9 @@ use fracas_solvers::{Observer, Step};
 
 /// Krylov iterations of a step, over the most of one system, from which on it is given up. Unit: 1.
 const SPENT: usize = 50;
+
+/// Times that what H is held on may grow before another remedy is taken.
+const FORMS: usize = 4;
 
 /// What an attempt found.
 pub(super) struct Settled {
@@ -70,12 +73,12 @@ impl Log {
     }
 }
 
-/// Rounds of Newton and new states; where states return, still change after `patience` rounds, or Newton fails at those at
-/// hand, Newton on the [natural](Natural) map of all faces with an H that acts on all of them, then rounds again.
+/// Rounds of Newton and new states, which end where no face changes.
 ///
-/// Rounds return where H of a face that opens drops out of its neighbours' rows, so that it is in slight tension when closed and
-/// overlaps when open. So H is held at first; rounds with that of the states themselves come last, and where these do not settle,
-/// on how many faces H acts beyond their states is told.
+/// They return where H of a face that opens or slips drops out of its neighbours' rows, so that it is in slight tension when closed and
+/// overlaps when open: then H is held on all that the states that return constrain. Where this does not settle, or states still change
+/// after `patience` rounds, or Newton fails at those at hand, Newton on the [natural](Natural) map solves the law of all faces, H held
+/// on all of them, and rounds with the H of the states themselves follow. On how many faces H acts beyond their states at last is told.
 pub(super) fn active_set(
     attempt: &Attempt<'_>,
     states: Vec<ContactState>,
@@ -103,17 +106,21 @@ pub(super) fn active_set(
     });
     let held: Vec<ContactState> = held.collect();
     let patience = settings.patience.min(most);
-    let why = match search.rounds(states, &mut x, None, patience, log)? {
+    let (form, why) = match search.rounds(states, &mut x, None, patience, log)? {
         Ended::Settled(found) => return Ok(search.settled(*found, x)),
         // linear equations that cannot be solved are no matter of states, and those at the start no matter of the load
-        Ended::Not(Some(why)) if attempt.is_linear(&log.states) => {
+        Ended::Not(_, Some(why)) if attempt.is_linear(&log.states) => {
             return Err(match log.rounds == first && why.may_be_cut() {
                 true => Failure::Unsolvable(Box::new(why)),
                 false => why,
             });
         }
-        Ended::Not(why) => why,
+        Ended::Not(form, why) => (form, why),
     };
+    let returned = why.is_none() && log.rounds < first + patience - 1;
+    if returned && let Some(settled) = search.by_held_form(form, &x, log)? {
+        return Ok(settled);
+    }
     // pressures stay where they are until a round settles
     let is_finite = x.p.iter().all(|p| p.is_finite());
     let pressed = attempt.pressed(if is_finite { &x } else { &from });
@@ -177,7 +184,7 @@ impl Search<'_, '_> {
         Ok(None)
     }
 
-    /// Rounds from these states with this H of all faces, and then with that of the states they end at.
+    /// Rounds from these states with this H of all faces, and from there with that of the states they end at, or of those that return.
     fn finished(
         &mut self,
         states: &[ContactState],
@@ -191,20 +198,78 @@ impl Search<'_, '_> {
             Ended::Settled(found) => found,
             Ended::Not(..) => return Ok(None),
         };
-        let stick = ContactState::Stick.constrained();
-        let faces = found.states.iter().filter(|s| s.constrained() < stick);
-        let (faces, told) = (faces.count(), log.events.len());
-        if faces > 0 {
+        let all = vec![ContactState::Stick; states.len()];
+        let told = log.events.len();
+        if beyond(&all, &found.states) > 0 {
             let mut z = y.clone();
             match self.rounds(found.states.clone(), &mut z, None, most, log) {
                 Ok(Ended::Settled(own)) => return Ok(Some(self.settled(*own, z))),
+                Ok(Ended::Not(form, None)) => {
+                    if let Some(settled) = self.by_held_form(form, &y, log)? {
+                        return Ok(Some(settled));
+                    }
+                }
                 Err(Failure::Stopped) => return Err(Failure::Stopped),
-                Ok(Ended::Not(..)) | Err(_) => log.events.truncate(told),
+                Ok(Ended::Not(..)) | Err(_) => {}
             }
+            log.events.truncate(told);
+        }
+        Ok(Some(self.accepted(*found, y, &all, log)))
+    }
+
+    /// Rounds from x with H of what `form` constrains, and of what they constrain then.
+    fn by_held_form(
+        &mut self,
+        mut form: Vec<ContactState>,
+        x: &Iterate,
+        log: &mut Log,
+    ) -> Result<Option<Settled>, Failure> {
+        let problem = self.attempt.problem;
+        let most = problem.body().solver.rounds.finishing;
+        for _ in 0..FORMS {
+            let h = problem.stabilization(&form);
+            let mut y = x.clone();
+            match self.rounds(form.clone(), &mut y, Some(h.as_ref()), most, log) {
+                Ok(Ended::Settled(found)) if !grow(&mut form, &found.states) => {
+                    return Ok(Some(self.accepted(*found, y, &form, log)));
+                }
+                Ok(Ended::Settled(_)) => {}
+                Ok(Ended::Not(other, None)) if grow(&mut form, &other) => {}
+                Err(Failure::Stopped) => return Err(Failure::Stopped),
+                Ok(Ended::Not(..)) | Err(_) => break,
+            }
+        }
+        Ok(None)
+    }
+
+    /// What was found with an H that acts on all that `form` constrains.
+    fn accepted(&self, found: Found, x: Iterate, form: &[ContactState], log: &mut Log) -> Settled {
+        let faces = beyond(form, &found.states);
+        if faces > 0 {
             log.events.push(Event::Stabilized { faces });
         }
-        Ok(Some(self.settled(*found, y)))
+        self.settled(found, x)
     }
+}
+
+/// Number of faces of which `form` constrains more than their state.
+fn beyond(form: &[ContactState], states: &[ContactState]) -> usize {
+    let pairs = form.iter().zip(states);
+    pairs
+        .filter(|(form, s)| form.constrained() > s.constrained())
+        .count()
+}
+
+/// `form` then constrains what `states` constrain, too; true where it did not.
+fn grow(form: &mut [ContactState], states: &[ContactState]) -> bool {
+    let mut grown = false;
+    for (form, state) in form.iter_mut().zip(states) {
+        if state.constrained() > form.constrained() {
+            *form = *state;
+            grown = true;
+        }
+    }
+    grown
 }
 
 /// Faces whose states differ; all where there was none before.

@@ -9,6 +9,8 @@ pub(super) struct Cycle {
     pub(super) period: usize,
     /// Faces that differ within the cycle.
     pub(super) faces: Vec<usize>,
+    /// Per face the state of the cycle that constrains most.
+    pub(super) most_constrained: Vec<ContactState>,
 }
 
 /// The states of rounds that follow each other.
@@ -26,9 +28,16 @@ impl Rounds {
         };
         let cycle = self.seen.split_off(first);
         let differs = |f: &usize| cycle.iter().any(|round| round[*f] != states[*f]);
+        let most = |f: usize| {
+            let states = cycle.iter().map(|round| round[f]);
+            states
+                .max_by_key(|s| s.constrained())
+                .unwrap_or(ContactState::Stick)
+        };
         Some(Cycle {
             period: cycle.len(),
             faces: (0..states.len()).filter(differs).collect(),
+            most_constrained: (0..states.len()).map(most).collect(),
         })
     }
 }
@@ -49,6 +58,7 @@ mod tests {
         let cycle = Cycle {
             period: 3,
             faces: vec![0, 1],
+            most_constrained: vec![Stick, Stick, Open],
         };
         assert_eq!(rounds.enter(&a), Some(cycle));
     }

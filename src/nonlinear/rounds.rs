@@ -19,8 +19,8 @@ const LAGGED_STEPS: usize = 60;
 pub(super) enum Ended {
     /// No face changes.
     Settled(Box<Found>),
-    /// Not settled; what failed, where states did not return or go on to change.
-    Not(Option<Failure>),
+    /// Not settled: per face the state of those at hand, or of the rounds that returned, that constrains most; and what failed.
+    Not(Vec<ContactState>, Option<Failure>),
 }
 
 /// States that no face changes, and the equations there.
@@ -145,7 +145,7 @@ impl Search<'_, '_> {
                 }
                 Err(failure) if failure.may_be_projected() => {
                     log.failed(round, &failure);
-                    return Ok(Ended::Not(Some(failure)));
+                    return Ok(Ended::Not(states, Some(failure)));
                 }
                 Err(failure) => return Err(failure),
             };
@@ -156,7 +156,7 @@ impl Search<'_, '_> {
                     Ok(judged) => Some(judged),
                     Err(failure) => {
                         let failure = failure.unwrap_or(until.missed(residual));
-                        return Ok(unsolved(failure, (log, round)));
+                        return Ok(unsolved(states, failure, (log, round)));
                     }
                 };
             }
@@ -214,7 +214,7 @@ impl Search<'_, '_> {
                             Ok(enough) => judged = Some(enough),
                             Err(_) => {
                                 let failure = until.missed(residual);
-                                return Ok(unsolved(failure, (log, round)));
+                                return Ok(unsolved(states, failure, (log, round)));
                             }
                         }
                         until
@@ -247,10 +247,10 @@ impl Search<'_, '_> {
                     period: cycle.period,
                     faces: cycle.faces,
                 });
-                return Ok(Ended::Not(None));
+                return Ok(Ended::Not(cycle.most_constrained, None));
             }
         }
-        Ok(Ended::Not(None))
+        Ok(Ended::Not(states, None))
     }
 
     /// The errors of an iterate whose residual steps do not lower, where they are small enough; else what is to be told of them, where
@@ -293,7 +293,7 @@ impl Search<'_, '_> {
 }
 
 /// The equations at these states are not solved: another remedy takes over.
-fn unsolved(failure: Failure, (log, round): (&mut Log, usize)) -> Ended {
+fn unsolved(states: Vec<ContactState>, failure: Failure, (log, round): (&mut Log, usize)) -> Ended {
     log.failed(round, &failure);
-    Ended::Not(Some(failure))
+    Ended::Not(states, Some(failure))
 }

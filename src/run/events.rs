@@ -4,7 +4,7 @@ use crate::nonlinear::Event;
 use serde_json::{Value, json};
 
 /// What is done where states do not settle.
-const PROJECTION: &str = "Newton on Coulomb's law of all faces at once";
+const PROJECTION: &str = "the stabilization is held on what returning states constrain; then Newton on Coulomb's law of all faces at once";
 
 /// Name and members of an event in `log.jsonl`.
 pub fn event(event: &Event) -> (&'static str, Value) {
