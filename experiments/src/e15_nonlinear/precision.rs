@@ -291,7 +291,7 @@ fn checks(rows: &[Row], conditions: &[[f64; 2]]) -> Vec<Check> {
         ),
         Check::at_least(
             "augmented Lagrangian: updates of κω = 10 over those of κω = 1000",
-            3.0,
+            1.5,
             rounds(Way::Augmented(1e1)) / rounds(Way::Augmented(1e3)),
         ),
         Check::at_most(
