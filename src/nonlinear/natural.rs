@@ -8,8 +8,6 @@ use super::{ContactProblem, Evaluation, Failure, LinearRecord, Load, Start};
 use crate::contact::ContactState;
 use crate::mesh::FractureFace;
 use fracas_operators::sparse::Csr;
-use fracas_operators::vector::axpy;
-use fracas_solvers::saddle::{T, U};
 use fracas_solvers::{Observer, Step};
 
 /// Largest residual of a linear solve, relative to its right-hand side. Unit: 1.
@@ -146,11 +144,7 @@ impl<'s> Natural<'s> {
         let (from, mut length) = (x.clone(), 1.0);
         let mut halvings = 0;
         let there = loop {
-            x.u.copy_from_slice(&from.u);
-            x.t.copy_from_slice(&from.t);
-            let [d_u, d_t] = layout.split([U, T], &self.correction);
-            axpy(length, d_u, &mut x.u);
-            axpy(length * layout.unit(T), d_t, &mut x.t);
+            x.step(&from, length, &layout, &self.correction);
             let there = point(x);
             let lowered = there.merit <= (1.0 - 2.0 * DECREASE * length) * here.merit;
             if lowered {
@@ -230,8 +224,9 @@ mod tests {
     use crate::scene::named;
     use fracas_operators::LinearOperator;
     use fracas_operators::random::{Random, signed};
-    use fracas_operators::vector::norm2;
+    use fracas_operators::vector::{axpy, norm2};
     use fracas_solvers::Silent;
+    use fracas_solvers::saddle::{T, U};
 
     fn start(faces: usize) -> Start {
         Start {

@@ -9,9 +9,9 @@ use super::{
 use crate::contact::ContactState;
 use crate::elasticity::Constraints;
 use crate::flow::FlowStep;
-use fracas_operators::Fields;
 use fracas_operators::sparse::Csr;
 use fracas_operators::vector::{axpy, norm2};
+use fracas_operators::{Fields, Layout};
 use fracas_solvers::saddle::{P, T, U};
 use fracas_solvers::{Observer, Step};
 
@@ -28,6 +28,25 @@ pub(super) struct Iterate {
     pub(super) t: Vec<f64>,
     /// Empty where nothing flows.
     pub(super) p: Vec<f64>,
+}
+
+impl Iterate {
+    /// `x ← y + α δ` in the fields of `layout`, which δ has; others stay as they are.
+    pub(super) fn step(&mut self, from: &Self, alpha: f64, layout: &Layout, correction: &[f64]) {
+        let fields = [
+            (U, &mut self.u, &from.u),
+            (T, &mut self.t, &from.t),
+            (P, &mut self.p, &from.p),
+        ];
+        let moved = layout.values(());
+        for (field, x, y) in fields {
+            if moved.get(field).is_some() {
+                x.copy_from_slice(y);
+                let [delta] = layout.split([field], correction);
+                axpy(alpha * layout.unit(field), delta, x);
+            }
+        }
+    }
 }
 
 /// One attempt at a step: what does not change within it.
@@ -219,16 +238,7 @@ pub(super) fn newton(
         // x ← x + α δ with the largest α = 1, ½, … that lowers the residual
         let (from, mut length) = (x.clone(), attempt.first_length(states, &at, &correction));
         for backtrack in 0..=BACKTRACKS {
-            x.u.copy_from_slice(&from.u);
-            x.t.copy_from_slice(&from.t);
-            let [d_u, d_t] = layout.split([U, T], &correction);
-            axpy(length, d_u, &mut x.u);
-            axpy(length * layout.unit(T), d_t, &mut x.t);
-            if attempt.flow.is_some() {
-                let [d_p] = layout.split([P], &correction);
-                x.p.copy_from_slice(&from.p);
-                axpy(length * layout.unit(P), d_p, &mut x.p);
-            }
+            x.step(&from, length, &layout, &correction);
             at = evaluate(x);
             let new = linear.size_of(attempt, &at.residual);
             let lowered = new <= (1.0 - DECREASE * length) * from_size;

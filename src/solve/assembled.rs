@@ -90,9 +90,7 @@ impl SetUp<'_> {
             settings: self.settings.clone(),
         })
     }
-}
 
-impl SetUp<'_> {
     /// The blocks, those of a folder with half of A where the method needs no more.
     fn equations(
         &self,

@@ -190,3 +190,27 @@ impl<R: Real> Kernel<R> for Product<'_, R> {
         }
     }
 }
+
+/// Leaves of every row, in their memory, the entries (row, column) that are to stay; their number. Columns of the rest are given back, values
+/// are left to the caller.
+pub(super) fn retain<V: Copy>(
+    (offsets, columns): (&mut [usize], &mut Vec<u32>),
+    values: &mut [V],
+    stays: impl Fn(usize, usize) -> bool,
+) -> usize {
+    let (mut end, mut from) = (0, offsets[0]);
+    for i in 0..offsets.len() - 1 {
+        let to = offsets[i + 1];
+        for k in from..to {
+            if stays(i, columns[k] as usize) {
+                (columns[end], values[end]) = (columns[k], values[k]);
+                end += 1;
+            }
+        }
+        from = to;
+        offsets[i + 1] = end;
+    }
+    columns.truncate(end);
+    columns.shrink_to_fit();
+    end
+}

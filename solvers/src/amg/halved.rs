@@ -1,7 +1,7 @@
 //! A symmetric matrix that is kept by half, in 3×3 blocks of nodes: a third of the memory of its rows.
 
 use super::finest::Sum;
-use super::half::Half;
+use super::half::{Half, retain};
 use super::node_map::{NONE, NodeMap};
 use super::schedule::Schedule;
 use crate::{DofCoordinate, SetupError};
@@ -157,20 +157,7 @@ fn node_row(
 fn retained(a: SparseMatrix<f64>, stays: impl Fn(usize, usize) -> bool) -> SparseMatrix<f64> {
     let shape = a.shape();
     let (mut offsets, mut columns, mut values) = a.into_raw_storage();
-    let (mut end, mut from) = (0, offsets[0]);
-    for i in 0..shape.0 {
-        let to = offsets[i + 1];
-        for k in from..to {
-            if stays(i, columns[k] as usize) {
-                (columns[end], values[end]) = (columns[k], values[k]);
-                end += 1;
-            }
-        }
-        from = to;
-        offsets[i + 1] = end;
-    }
-    columns.truncate(end);
-    columns.shrink_to_fit();
+    let end = retain((&mut offsets, &mut columns), &mut values, stays);
     values.truncate(end);
     values.shrink_to_fit();
     SparseMatrix::new(shape, offsets, columns, values)

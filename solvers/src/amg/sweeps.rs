@@ -1,7 +1,7 @@
 //! Gauss–Seidel sweeps and products with half a symmetric matrix of 3×3 blocks.
 #![allow(unsafe_code, reason = "reads and writes of tasks that share no entry")]
 
-use super::half::{Half, ROWS_AHEAD, triple};
+use super::half::{Half, ROWS_AHEAD, retain, triple};
 use super::matrix::{NodeMatrix, block_times};
 use super::schedule::Schedule;
 use fracas_operators::shared::Shared;
@@ -75,20 +75,8 @@ impl<R: Real> Sweeps<R> {
         let diagonal = diagonal.map(|i| *a.diagonal(i)).collect();
         let (mut pattern, mut blocks, inverse) = a.into_parts();
         let Pattern { offsets, columns } = &mut pattern;
-        let (mut end, mut from) = (0, 0);
-        for i in 0..inverse.len() {
-            let to = offsets[i + 1];
-            for k in from..to {
-                if schedule.before(columns[k] as usize, i) {
-                    (columns[end], blocks[end]) = (columns[k], blocks[k]);
-                    end += 1;
-                }
-            }
-            from = to;
-            offsets[i + 1] = end;
-        }
-        columns.truncate(end);
-        columns.shrink_to_fit();
+        let before = |i, j| schedule.before(j, i);
+        let end = retain((offsets, columns), &mut blocks, before);
         blocks[end] = [[R::zero(); 3]; 3];
         blocks.truncate(end + 1);
         blocks.shrink_to_fit();
