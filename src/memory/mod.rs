@@ -265,3 +265,32 @@ pub fn reset_peak() {
     // elsewhere the mark is that of the whole process, as before
     let _ = std::fs::write("/proc/self/clear_refs", "5");
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Peaks of `solve` with geometric multigrid [MiB] behind the nodes, copies and faces of networks.
+    const PEAKS: [(u128, u128, u128, f64); 6] = [
+        (4913, 27_855, 11_520, 473.0),
+        (15_625, 94_967, 39_744, 1464.0),
+        (15_625, 31_031, 19_008, 159.0),
+        (15_625, 17_143, 12_096, 218.0),
+        (15_625, 11_375, 8640, 73.0),
+        (68_921, 56_079, 43_200, 294.0),
+    ];
+
+    /// Networks of 16³, 24³ and 40³ cells with fractures on every, every second, third and fourth line, sides held.
+    #[test]
+    fn the_estimate_of_a_dense_network_is_near_its_measured_peak() {
+        for (nodes, copies, faces, peak) in PEAKS {
+            let size = SceneSize {
+                nodes,
+                copies,
+                faces,
+            };
+            let ratio = MATRIX_FREE.bytes(size, true) / (peak * 1_048_576.0);
+            assert!((0.4..1.2).contains(&ratio), "{size:?}: {ratio}");
+        }
+    }
+}
