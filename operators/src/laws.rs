@@ -318,7 +318,7 @@ impl<R: Real> Preconditioner<R> for Part {
 }
 
 /// Checks that the preconditioner made of parts of these `sizes` is no linear map, or rounded to 32 bits, or local, where any one
-/// part says so, and linear where all are.
+/// part says so, and linear where all are; it may be blind by itself, and is where a part is.
 pub fn check_parts<const N: usize, R: Real, M: Preconditioner<R>>(
     subject: &str,
     sizes: [usize; N],
@@ -326,9 +326,19 @@ pub fn check_parts<const N: usize, R: Real, M: Preconditioner<R>>(
 ) -> Result<(), Violation> {
     let judge = Judge { subject };
     let both = Properties::SINGLE.and(Properties::NONLINEAR);
+    let own = whole(sizes.map(|n| Part {
+        n,
+        properties: Properties::LINEAR,
+    }));
+    let own = own.properties();
+    let strange = f64::from(u8::from(
+        ![Properties::LINEAR, Properties::BLIND].contains(&own),
+    ));
+    judge.small("a whole of linear parts is linear", strange, 1.0, 0.0)?;
     for said in [
         Properties::LINEAR,
         Properties::LOCAL,
+        Properties::BLIND,
         Properties::SINGLE,
         Properties::NONLINEAR,
         both,
@@ -338,7 +348,7 @@ pub fn check_parts<const N: usize, R: Real, M: Preconditioner<R>>(
                 n: sizes[k],
                 properties: if k == place { said } else { Properties::LINEAR },
             });
-            let wrong = f64::from(u8::from(whole(parts).properties() != said));
+            let wrong = f64::from(u8::from(whole(parts).properties() != said.and(own)));
             judge.small("a whole says what its parts say", wrong, 1.0, 0.0)?;
         }
     }

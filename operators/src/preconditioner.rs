@@ -36,6 +36,9 @@ pub struct Properties {
     /// True for one level: an entry of `M⁻¹r` depends on entries of r a few rows away. `M⁻¹𝒜` then has eigenvalues close to zero
     /// that an iteration may not see, whose right-hand side has little of their vectors.
     pub local: bool,
+    /// True where the unknowns of one field do not see the residuals of another, as of a block-diagonal or block-triangular `M`, or where
+    /// nothing is known of that. `M⁻¹r` then says nothing of errors that one field passes on to the other.
+    pub blind: bool,
 }
 
 impl Properties {
@@ -44,6 +47,7 @@ impl Properties {
         linear: true,
         single: false,
         local: false,
+        blind: false,
     };
 
     /// Linear, of one level.
@@ -64,18 +68,25 @@ impl Properties {
         ..Self::LINEAR
     };
 
+    /// Linear, one field blind to the residuals of another.
+    pub const BLIND: Self = Self {
+        blind: true,
+        ..Self::LINEAR
+    };
+
     /// Linear to the rounding of the scalars: `M⁻¹(V y)` is as good as `(M⁻¹V) y`.
     pub const fn is_linear_map(self) -> bool {
         self.linear && !self.single
     }
 
-    /// Of a whole that applies this and another part: linear if both are, rounded or local if one is.
+    /// Of a whole that applies this and another part: linear if both are, rounded, local or blind if one is.
     #[must_use]
     pub const fn and(self, other: Self) -> Self {
         Self {
             linear: self.linear && other.linear,
             single: self.single || other.single,
             local: self.local || other.local,
+            blind: self.blind || other.blind,
         }
     }
 }

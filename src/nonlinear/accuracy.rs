@@ -90,7 +90,7 @@ impl<'s> Accuracy<'s> {
             true => (vec![0.0; whole.len()], Some(1.0)),
             false => solve(&residual, &self.norms)?,
         };
-        Ok((self.judge).judge(&self.norms, (&e, &whole), self.size, ritz))
+        Ok((self.judge).judge(&self.norms, (self.norms.error(&e), &whole), self.size, ritz))
     }
 
     /// By how much the residual is still to be lowered for errors below the tolerance; `None` where they are, or where rounding

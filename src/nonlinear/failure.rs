@@ -31,7 +31,7 @@ pub enum LinearFailure {
     Breakdown(#[from] Breakdown),
     /// Vectors that no iteration has room for.
     #[error(
-        "memory holds {vectors} more vectors of {n} unknowns and the shortest iteration takes 8; use fewer cells, or free memory"
+        "memory holds {vectors} more vectors of {n} unknowns ({:.1} MB each) and the shortest iteration takes 8; use fewer cells, or free memory", 8e-6 * *n as f64
     )]
     NoRoom {
         /// That fit.
@@ -49,7 +49,7 @@ pub enum LinearFailure {
     Astray,
     /// Iterations ran out.
     #[error(
-        "{krylov} reached a relative residual of {residual:.1e} in {iterations} iterations, asked {tolerance:.1e}: the preconditioner is too weak for this system, or a block is held by next to nothing; another inner solver in [solver] or more support may help"
+        "{krylov} reached a relative residual of {residual:.1e} in {iterations} iterations, asked {tolerance:.1e}: the preconditioner is too weak for this system, as slender bodies, flat cells, large contrasts or open faces may make it; another inner solver in [solver], such as exact, may help"
     )]
     IterationLimit {
         /// Method.

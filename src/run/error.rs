@@ -22,6 +22,12 @@ pub enum RunError {
     /// It does not fit into memory.
     #[error(transparent)]
     TooLarge(#[from] TooLarge),
+    /// Memory for the vectors of a step is not there; the state before it is written.
+    #[error("out of memory: {reason}")]
+    NoRoom {
+        /// Step and sizes.
+        reason: String,
+    },
     /// Tractions that nothing determines.
     #[error(transparent)]
     Singular(#[from] SingularScene),

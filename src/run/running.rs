@@ -5,7 +5,9 @@ use super::manifest::Manifest;
 use super::tree::{RESOLVED, Tree};
 use super::{Done, Ended, History, Outcome, RunError, RunFolder, Stop, Taken};
 use crate::io::Fields;
-use crate::nonlinear::{Accepted, Failure, Simulation, State, StepFailure, friction_remarks};
+use crate::nonlinear::{
+    Accepted, Failure, LinearFailure, Simulation, State, StepFailure, friction_remarks,
+};
 use fracas_solvers::{Observer, Step};
 use serde_json::json;
 use std::fmt::Display;
@@ -146,6 +148,11 @@ impl<'a> Running<'a> {
     fn give_up(&mut self, failure: StepFailure) -> Result<Taken, RunError> {
         self.tree.give_up(self.state.step, &failure)?;
         let reason = failure.to_string();
+        if let Failure::Linear(LinearFailure::NoRoom { .. }) = failure.reason {
+            // no answer about the rock: with more memory the run goes on from here
+            self.end(Outcome::NotConverged, Some(reason.clone()))?;
+            return Err(RunError::NoRoom { reason });
+        }
         let outcome = match failure.reason {
             Failure::Unstable(_) => Outcome::Unstable,
             _ => Outcome::NotConverged,

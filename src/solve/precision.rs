@@ -57,11 +57,21 @@ pub(super) fn ready(
     };
     match in_double(method).map(|double| equations.ready(&double)) {
         Some(Ok(ready)) => {
-            let failure = error.to_string();
+            let failure = of_single(error).to_string();
             Ok((ready, Some(Rounding::SetUp { failure })))
         }
         _ => Err(error),
     }
+}
+
+/// A failure in f32 that f64 does not have: no support is missing.
+fn of_single(mut error: SetupError) -> SetupError {
+    if let SetupError::Singular { advice, .. } | SetupError::NotPositiveDefinite { advice, .. } =
+        &mut error
+    {
+        "it is the rounding of f32, in f64 it is not".clone_into(advice);
+    }
+    error
 }
 
 /// Watches an iteration around f32, and stops it where its residual does not fall.

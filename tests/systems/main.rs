@@ -2,7 +2,9 @@
 #![allow(clippy::unwrap_used)]
 
 mod accuracy;
+mod foreign_accuracy;
 mod foreign_systems;
 mod library;
+mod reference;
 mod theorems;
 mod traction_unit;

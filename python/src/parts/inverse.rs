@@ -66,7 +66,8 @@ impl Preconditioner<f64> for Inverse {
     fn properties(&self) -> Properties {
         Properties {
             linear: self.linear,
-            ..Properties::LINEAR
+            // not known
+            ..Properties::BLIND
         }
     }
 }

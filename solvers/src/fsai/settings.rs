@@ -1,6 +1,7 @@
 //! Plain settings of FSAI.
 
 use super::FsaiInverse;
+use crate::steering;
 use crate::{Prepare, SetupError};
 use fracas_operators::Preconditioner;
 use fracas_operators::sparse::SparseMatrix;
@@ -86,6 +87,18 @@ impl Default for Static {
             filter: 0.0,
         }
     }
+}
+
+// a row of so many steps, or a pattern of such a power, is dense
+steering! {
+    Adaptive:
+    steps [0.0, 1e4],
+    entries_per_step [0.0, 1e4],
+}
+
+steering! {
+    Static:
+    power [0.0, 20.0],
 }
 
 impl Fsai {

@@ -92,7 +92,9 @@ impl<P: Preconditioner<f64>> Preconditioner<f64> for AugmentedLagrangianInverse<
     }
 
     fn properties(&self) -> Properties {
-        self.s_u.properties().and(self.c.properties())
+        let parts = self.s_u.properties().and(self.c.properties());
+        // y_t is −C⁻¹x_t
+        parts.and(Properties::BLIND)
     }
 }
 

@@ -65,7 +65,7 @@ impl Preconditioner<f64> for BlockDiagonalInverse<'_> {
 
     fn properties(&self) -> Properties {
         let of = self.blocks.iter().map(|(_, block)| block.properties());
-        of.fold(Properties::LINEAR, Properties::and)
+        of.fold(Properties::BLIND, Properties::and)
     }
 }
 

@@ -70,7 +70,8 @@ impl<P: Preconditioner<f64>, S: Preconditioner<f64>> Preconditioner<f64>
     }
 
     fn properties(&self) -> Properties {
-        self.p.properties().and(self.s.properties())
+        let parts = self.p.properties().and(self.s.properties());
+        parts.and(Properties::BLIND)
     }
 }
 

@@ -20,6 +20,9 @@ const GAIN: f64 = 0.5;
 
 /// Judges the errors of every field, pass by pass, by `e = 𝒜⁻¹r = (M⁻¹𝒜)⁻¹ M⁻¹r ≈ M⁻¹r`.
 ///
+/// Where one field of M⁻¹r does not see the residuals of another ([`blind`](fracas_operators::Properties)), the sizes given are the larger ones of
+/// M⁻¹r and of `M⁻¹r + M⁻¹(r − 𝒜M⁻¹r)`: tractions were wrong by 4e-2 where 8e-8 was said, by what errors of u of 8e-6 do to them.
+///
 /// Where M is poor, M⁻¹r may be too small by the eigenvalue θ of M⁻¹𝒜 nearest to zero: 1/|θ|, θ a Ritz value of the iteration, is
 /// a bound, and what a further pass changes shows the error before it. The geometric mean of both is taken, and no less than a tenth
 /// of the bound: a rule, not a theorem, tried over random systems (`tests/systems/accuracy.rs`).
@@ -92,19 +95,18 @@ impl ErrorJudge {
         }
     }
 
-    /// Errors of x for `e = M⁻¹r`, relative to the norms `of` ([`EnergyNorms::solution`] of x or more); `ritz` is the Ritz value
+    /// Errors of x of these sizes for `e = M⁻¹r`, relative to the norms `of` ([`EnergyNorms::solution`] of x or more); `ritz` is the Ritz value
     /// of M⁻¹𝒜 nearest to zero, where one is known.
     ///
     /// # Cost
-    /// One norm of e, and one of a change of x where M is poor.
+    /// One norm of a change of x where M is poor.
     pub fn judge(
         &mut self,
         norms: &EnergyNorms<'_>,
-        (e, x): (&[f64], &[f64]),
+        (size, x): (Fields<f64>, &[f64]),
         of: Fields<f64>,
         ritz: Option<f64>,
     ) -> Judged {
-        let size = norms.error(e);
         let relative = EnergyNorms::relative(size, of, self.tolerance);
         let is_poor = ritz.is_none_or(|ritz| ritz < TRUSTED);
         let bound = ritz.map_or(f64::INFINITY, |ritz| TRUSTED / ritz);

@@ -8,11 +8,13 @@ use crate::fsai::{Fsai, FsaiKind};
 use crate::multigrid::{Geometric, MultigridInverse, Precision, Smoother, Summary};
 use crate::registry::{NameTaken, Named, Registered, Registry};
 use crate::smoothers::{Jacobi, Ssor};
+use crate::steering::Steering;
 use crate::written::{self, Written};
 use crate::{DofCoordinate, Prepare, SetupError};
 use fracas_operators::Preconditioner;
 use fracas_operators::sparse::SparseMatrix;
 use schemars::JsonSchema;
+use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 use std::str::FromStr;
@@ -328,7 +330,18 @@ impl Written for InnerChoice {
     const EXPECTED: &'static str = "an inner solver such as \"ssor\" or { ssor = { omega = 1.2 } }";
 
     fn from_table<'de, D: Deserializer<'de>>(table: D) -> Result<Self, D::Error> {
-        Self::deserialize(table)
+        let inner = Self::deserialize(table)?;
+        // counts beyond these ranges end in no lifetime, and nothing stops an application
+        match &inner {
+            Self::Amg(settings) => settings.checked().err(),
+            Self::Geometric(settings) => settings.checked().err(),
+            Self::Fsai(Fsai { kind }) => match kind {
+                FsaiKind::Adaptive(settings) => settings.checked().err(),
+                FsaiKind::Static(settings) => settings.checked().err(),
+            },
+            _ => None,
+        }
+        .map_or(Ok(inner), |refused| Err(D::Error::custom(refused)))
     }
 }
 

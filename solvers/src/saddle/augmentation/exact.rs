@@ -6,12 +6,17 @@ use super::support::Columns;
 use crate::SetupError;
 use crate::direct::DirectSolver;
 use crate::eigen::dense::symmetrize;
+use crate::eigen::{LanczosSettings, extreme_eigenvalues};
 use crate::saddle::scaling::ScaledInverse;
 use faer::Mat;
+use fracas_operators::sparse::SparseMatrix;
 use rayon::prelude::*;
 
 /// Right-hand sides solved at once: bounds the memory at this many vectors of length n_u.
 const COLUMNS_AT_ONCE: usize = 128;
+
+/// Least eigenvalue over the largest one, both after scaling, below which A is indefinite and not only singular to rounding. Unit: 1.
+const INDEFINITE: f64 = 1e-10;
 
 /// `C = Bᵀ A⁻¹ B`; an empty column gets `C_ii = 1`.
 ///
@@ -19,13 +24,17 @@ const COLUMNS_AT_ONCE: usize = 128;
 /// One sparse Cholesky factorization of A and n_t solves; the products use only the rows of A⁻¹B where B has entries.
 ///
 /// # Errors
-/// [`SetupError::NotApplicable`] when A is singular (a block held by fractures only).
+/// [`SetupError::NotApplicable`] when A is not positive definite: singular (a block held by fractures only) or indefinite.
 pub(super) fn exact(
     blocks: &SaddleBlocks,
     columns: &Columns,
     direct: &dyn DirectSolver,
 ) -> Result<AugmentationMatrix, SetupError> {
-    let mut c = schur_complement(blocks, columns, direct)?;
+    let mut c = match blocks.b1.data().iter().all(|b| *b == 0.0) {
+        // nothing is asked of A
+        true => Mat::zeros(columns.len(), columns.len()),
+        false => schur_complement(blocks, columns, direct)?,
+    };
     for i in columns.empty() {
         c[(i, i)] = 1.0;
     }
@@ -46,7 +55,7 @@ pub(super) fn schur_complement(
     } = ScaledInverse::new(&blocks.a, direct, "A").map_err(|error| match error {
         SetupError::NotPositiveDefinite { .. }
         | SetupError::Singular { .. }
-        | SetupError::BadDiagonal { .. } => singular(),
+        | SetupError::BadDiagonal { .. } => not_definite(&blocks.a),
         other => other,
     })?;
     let mut s = Mat::zeros(n_t, n_t);
@@ -89,11 +98,32 @@ pub(super) fn schur_complement(
     Ok(s)
 }
 
-fn singular() -> SetupError {
+/// Why A has no Cholesky factors: the least eigenvalue of `D⁻¹AD⁻¹`, `D² = |diag A|`, tells a singular A from an indefinite one.
+fn not_definite(a: &SparseMatrix<f64>) -> SetupError {
+    let scale = |i: usize| match a.get(i, i).map_or(0.0, |a| a.abs()) {
+        0.0 => 1.0,
+        entry => 1.0 / entry.sqrt(),
+    };
+    let scale: Vec<f64> = (0..a.rows()).map(scale).collect();
+    let mut apply = |x: &[f64], y: &mut [f64]| {
+        for ((y, row), s) in y.iter_mut().zip(a.outer_iterator()).zip(&scale) {
+            let entries = row.iter().map(|(j, a)| a * scale[j] * x[j]);
+            *y = s * entries.sum::<f64>();
+        }
+    };
+    let ends = extreme_eigenvalues(a.rows(), &mut apply, None, LanczosSettings::default());
+    let why = match ends {
+        Ok((low, high)) if low.value < -INDEFINITE * high.value.abs() => {
+            "indefinite: no stiffness is (rows that determine their own traction are eliminated first, and may make it so)"
+        }
+        _ => {
+            "singular to working precision (a block held by fractures only, or a missing boundary condition)"
+        }
+    };
     SetupError::NotApplicable {
         method: "augmentation exact",
-        reason: "C = BᵀA⁻¹B needs a positive definite A, and this A is singular to working precision (a block held by \
-                 fractures only, or a missing boundary condition); take local, local_h or face_block"
-            .to_owned(),
+        reason: format!(
+            "C = BᵀA⁻¹B needs a positive definite A, and this A is {why}; take local, local_h or face_block"
+        ),
     }
 }

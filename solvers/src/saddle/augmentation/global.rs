@@ -7,7 +7,7 @@ use crate::eigen::{LanczosSettings, extreme_eigenvalues};
 use fracas_operators::sparse::Csr;
 use fracas_operators::{AdjointOperator, LinearOperator};
 
-/// `C = s γ I`, `γ = ‖B‖₂² / ‖A‖₂`, both norms by Lanczos to 1e-12.
+/// `C = s γ I`, `γ = ‖B‖₂² / ‖A‖₂`, both norms by Lanczos to 1e-12; 1 where B has no entries.
 ///
 /// # Source
 /// M. Ferronato, SNA'25 lecture: the classical choice of augmented Lagrangians.
@@ -21,6 +21,10 @@ pub(super) fn global(blocks: &SaddleBlocks, factor: f64) -> Result<AugmentationM
         y.fill(0.0);
         b.apply_adjoint_add(1.0, &middle, y, &mut []);
     };
+    // every row determines its own traction and was eliminated, say: an empty column counts as 1, as elsewhere
+    if blocks.b1.data().iter().all(|b| *b == 0.0) {
+        return Ok(AugmentationMatrix::diagonal(vec![1.0; blocks.n_t()]));
+    }
     let settings = LanczosSettings::one_sided();
     let (_, b_squared) = extreme_eigenvalues(blocks.n_t(), &mut gram, None, settings)?;
     let mut apply = |x: &[f64], y: &mut [f64]| a.apply(x, y, &mut []);
@@ -39,7 +43,9 @@ pub(super) fn global(blocks: &SaddleBlocks, factor: f64) -> Result<AugmentationM
     if !(gamma > 0.0 && gamma.is_finite()) {
         return Err(SetupError::NotApplicable {
             method: "augmentation global",
-            reason: format!("γ = ‖B‖²/‖A‖ is {gamma:e}: A or B has no entries"),
+            reason: format!(
+                "γ = ‖B‖²/‖A‖ is {gamma:e}: A has no entries, or those of A and B have distant units"
+            ),
         });
     }
     Ok(AugmentationMatrix::diagonal(vec![gamma; blocks.n_t()]))

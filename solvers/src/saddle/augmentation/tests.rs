@@ -416,3 +416,33 @@ fn faces_without_nodes_do_not_spoil_the_share_of_h() {
         );
     }
 }
+
+/// What A is said to be is what it is; where no traction is left that moves anything, nothing is asked of A.
+#[test]
+fn a_stiffness_that_has_no_factors_is_called_what_it_is() {
+    let reason = |d: [f64; 2]| {
+        let blocks = SaddleBlocks {
+            a: sparse(2, 2, |i, j| if i == j { d[i] } else { 0.0 }),
+            h: None,
+            b2: None,
+            ..random(2, 1, 0.0, 2)
+        };
+        compute(AugmentationChoice::Exact, &blocks)
+            .unwrap_err()
+            .to_string()
+    };
+    let (indefinite, singular) = (reason([2.0, -0.5]), reason([2.0, 0.0]));
+    assert!(indefinite.contains("is indefinite"), "{indefinite}");
+    assert!(singular.contains("is singular"), "{singular}");
+    let idle = SaddleBlocks {
+        a: sparse(2, 2, |i, j| if i == j { -1.0 } else { 0.0 }),
+        b1: sparse(2, 1, |_, _| 0.0),
+        h: None,
+        b2: None,
+        ..random(2, 1, 0.0, 2)
+    };
+    for choice in [AugmentationChoice::Exact, AugmentationChoice::Global] {
+        let c = compute(choice, &idle).unwrap();
+        assert_eq!(c.diagonal_entries(), [1.0]);
+    }
+}

@@ -2,8 +2,10 @@
 
 use super::{FolderError, Manifest};
 use crate::saddle::SaddleBlocks;
+use fracas_operators::sparse::SparseMatrix;
 
-/// Stops where the manifest contradicts the files: sizes, states, blocks that it lists and that are lost, a stabilization that
+/// Stops where the manifest contradicts the files: sizes, states, blocks that it lists and that are lost, or that its list leaves out and
+/// that are there, right-hand sides that it lists and that are lost, a stabilization that
 /// it says and that is lost, or that it denies and that is there. An H of zeros contradicts nothing.
 pub(super) fn contradictions(
     manifest: &Manifest,
@@ -41,6 +43,33 @@ pub(super) fn contradictions(
             return Err(FolderError::Lost {
                 says: said(manifest, Manifest::BLOCKS),
                 file,
+            });
+        }
+    }
+    for name in manifest.names(Manifest::SIDES).into_iter().flatten() {
+        let file = format!("{name}.mtx");
+        if !exists(&file)? {
+            return Err(FolderError::Lost {
+                says: said(manifest, Manifest::SIDES),
+                file,
+            });
+        }
+    }
+    let count = |m: &SparseMatrix<f64>| m.data().iter().filter(|v| **v != 0.0).count();
+    let flow = blocks.flow.as_ref();
+    for (name, file, block) in [
+        ("H", FILE, blocks.h.as_ref()),
+        ("B2", "B2.mtx", blocks.b2.as_ref()),
+        ("Q1", "Q1.mtx", flow.map(|flow| &flow.q1)),
+        ("Q2", "Q2.mtx", flow.map(|flow| &flow.q2)),
+        ("T", "T.mtx", flow.map(|flow| &flow.t)),
+    ] {
+        let entries = block.map_or(0, count);
+        if manifest.leaves_out(name) && entries > 0 {
+            return Err(FolderError::Unannounced {
+                says: said(manifest, Manifest::BLOCKS),
+                file,
+                entries,
             });
         }
     }

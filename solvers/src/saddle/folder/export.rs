@@ -85,6 +85,13 @@ pub fn write_folder(
     manifest
         .other
         .insert(Manifest::BLOCKS.into(), listed.into());
+    let sides: &[&str] = match blocks.flow {
+        Some(_) => &["rhs_u", "rhs_t", "rhs_p"],
+        None => &["rhs_u", "rhs_t"],
+    };
+    manifest
+        .other
+        .insert(Manifest::SIDES.into(), sides.to_vec().into());
     let file = at("manifest.json");
     let text = match one_key_a_line(&manifest) {
         Ok(text) => text,

@@ -203,6 +203,15 @@ pub enum Remark {
     /// No right-hand side at all.
     #[error("absent, and so are the other right-hand sides")]
     NoRightHandSide,
+    /// Other right-hand sides are there, forces are not.
+    #[error("absent: forces count as 0")]
+    NoForces,
+    /// Right-hand sides of zeros.
+    #[error("absent, and the right-hand sides that are there hold zeros only: the solution is 0")]
+    NoForcesAndZero,
+    /// No entry of any right-hand side.
+    #[error("it and all other right-hand sides hold zeros only: the solution is 0")]
+    ZeroRightHandSide,
     /// No manifest.
     #[error("absent: sizes are taken from the matrices")]
     NoManifest,

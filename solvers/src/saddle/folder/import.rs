@@ -96,11 +96,18 @@ pub fn read_folder(folder: &Path) -> Result<Imported, FolderError> {
         None => None,
     };
     let has_rhs = rhs_u.is_some() || rhs_t.is_some() || rhs_p.is_some();
-    if !has_rhs {
-        reader
-            .findings
-            .push(Finding::file("rhs_u.mtx", Remark::NoRightHandSide));
-    }
+    let given = [&rhs_u, &rhs_t, &rhs_p];
+    let is_zero = (given.iter().copied().flatten().flatten()).all(|b| *b == 0.0);
+    let remark = match (has_rhs, rhs_u.is_some(), is_zero) {
+        (false, ..) => Some(Remark::NoRightHandSide),
+        (true, false, true) => Some(Remark::NoForcesAndZero),
+        (true, false, false) => Some(Remark::NoForces),
+        (true, true, true) => Some(Remark::ZeroRightHandSide),
+        (true, true, false) => None,
+    };
+    reader
+        .findings
+        .extend(remark.map(|remark| Finding::file("rhs_u.mtx", remark)));
     if let Some(flow) = &mut flow {
         inspect::flow(flow, &mut reader.findings);
         flow.rhs_p = rhs_p.unwrap_or_else(|| vec![0.0; n_p]);

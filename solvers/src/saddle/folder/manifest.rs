@@ -5,7 +5,9 @@ use serde::{Deserialize, Serialize};
 /// `manifest.json`; keys of other codes are kept in [`other`](Self::other).
 ///
 /// Of these [`read_folder`](super::read_folder) holds against the files, where they are there: the sizes; `stabilization` (the
-/// factor of H, or true or false); `blocks` (names such as `["A", "B1", "H"]`); `states`.
+/// factor of H, or true or false: whether there is an H, as matrices do not tell which factor it has); `blocks` (names such as
+/// `["A", "B1", "H"]`, in both directions); `right_hand_sides` (names such as `["rhs_u"]`, that none is lost); `states`. `scene`, `step`,
+/// `newton` and `units` are what the writer says: matrices do not tell.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
     /// Program and version that wrote the folder.
@@ -44,6 +46,9 @@ impl Manifest {
     /// The key of [`lists`](Self::lists).
     pub(super) const BLOCKS: &'static str = "blocks";
 
+    /// The key of a list of right-hand sides, names such as `rhs_u`.
+    pub(super) const SIDES: &'static str = "right_hand_sides";
+
     /// The key of [`is_stabilized`](Self::is_stabilized).
     pub(super) const STABILIZATION: &'static str = "stabilization";
 
@@ -55,9 +60,18 @@ impl Manifest {
 
     /// Whether a block is listed; `None` without a list of names.
     pub(super) fn lists(&self, block: &str) -> Option<bool> {
-        let listed = self.other.get(Self::BLOCKS)?.as_array()?;
-        let names: Option<Vec<&str>> = listed.iter().map(|name| name.as_str()).collect();
-        Some(names?.contains(&block))
+        Some(self.names(Self::BLOCKS)?.contains(&block))
+    }
+
+    /// Whether the list of blocks leaves one out; a list without A has names of its own, and says nothing.
+    pub(super) fn leaves_out(&self, block: &str) -> bool {
+        self.lists("A") == Some(true) && self.lists(block) == Some(false)
+    }
+
+    /// The names listed under a key, where it has a list of names.
+    pub(super) fn names(&self, key: &str) -> Option<Vec<&str>> {
+        let listed = self.other.get(key)?.as_array()?;
+        listed.iter().map(|name| name.as_str()).collect()
     }
 
     /// True where fracas wrote the folder: three tractions per face.

@@ -58,6 +58,8 @@ pub(super) fn system() -> SaddleBlocks {
 fn with_files(name: &str, files: &[(&str, &str)]) -> Result<Imported, FolderError> {
     let folder = folder(name);
     write_folder(&folder, &system(), &Manifest::default()).unwrap();
+    // files come on top that a list of blocks would leave out
+    std::fs::write(folder.join("manifest.json"), "{}").unwrap();
     for (file, text) in files {
         std::fs::write(folder.join(file), text).unwrap();
     }
@@ -120,6 +122,8 @@ fn a_system_survives_the_round_trip_bit_for_bit() {
     let mut other = read.manifest.other.clone();
     let listed = other.remove("blocks").unwrap();
     assert_eq!(listed.to_string(), r#"["A","B1","B2","H","Q1","Q2","T"]"#);
+    let sides = other.remove("right_hand_sides").unwrap();
+    assert_eq!(sides.to_string(), r#"["rhs_u","rhs_t","rhs_p"]"#);
     assert_eq!(other, manifest.other);
     assert!(matches!(
         &read.findings[..],
@@ -339,6 +343,36 @@ fn what_is_remarkable_is_found_with_its_place() {
             Remark::NoCoordinates
         ]
     );
+}
+
+/// Forces that are lost, and right-hand sides of zeros, are said: a solution of zeros is no surprise then.
+#[test]
+fn a_right_hand_side_of_nothing_is_said() {
+    let said = |rhs_u: Option<f64>, rhs_t: f64| {
+        let folder = folder("sides");
+        let blocks = SaddleBlocks {
+            rhs_u: vec![rhs_u.unwrap_or(1.0); 6],
+            rhs_t: vec![rhs_t; 3],
+            ..system()
+        };
+        write_folder(&folder, &blocks, &Manifest::default()).unwrap();
+        if rhs_u.is_none() {
+            std::fs::remove_file(folder.join("rhs_u.mtx")).unwrap();
+            let lost = read_folder(&folder).unwrap_err().to_string();
+            assert!(lost.contains("holds no rhs_u.mtx"), "{lost}");
+            std::fs::write(folder.join("manifest.json"), "{}").unwrap();
+        }
+        let findings = read_folder(&folder).unwrap().findings;
+        findings
+            .into_iter()
+            .find(|finding| finding.file == "rhs_u.mtx")
+            .map(|finding| finding.remark)
+    };
+    assert_eq!(said(Some(1.0), 0.0), None);
+    assert_eq!(said(Some(0.0), 1.0), None);
+    assert_eq!(said(Some(0.0), 0.0), Some(Remark::ZeroRightHandSide));
+    assert_eq!(said(None, 1.0), Some(Remark::NoForces));
+    assert_eq!(said(None, 0.0), Some(Remark::NoForcesAndZero));
 }
 
 #[test]

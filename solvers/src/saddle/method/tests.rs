@@ -272,6 +272,12 @@ fn around_an_inner_solver_in_f32_or_no_linear_map_every_method_says_so() {
                     Some(_) => (method.with_parts(None, Some(amg)).unwrap(), expected),
                     None => (method, Properties::LINEAR),
                 };
+                let expected = match method.name() {
+                    "block_diagonal" | "block_triangular" | "augmented_lagrangian" => {
+                        expected.and(Properties::BLIND)
+                    }
+                    _ => expected,
+                };
                 let m = method.prepare(&blocks).unwrap();
                 assert_eq!(m.properties(), expected, "{method}");
                 let flexible = KrylovChoice::default().flexible_for(m.as_ref());
@@ -322,4 +328,27 @@ fn every_part_counts() {
     .unwrap();
     check_parts::<1, f64, _>("counted", [3], |[m]| Counted::new(m)).unwrap();
     check_parts::<1, f64, Box<dyn Preconditioner<f64>>>("boxed", [3], |[m]| Box::new(m)).unwrap();
+}
+
+/// A count that no lifetime ends is refused where it is read, whoever holds the inner solver.
+#[test]
+fn settings_of_an_inner_solver_out_of_their_range_are_refused() {
+    let huge = i64::MAX;
+    for inner in [
+        format!("amg = {{ sweeps = {huge} }}"),
+        format!("geometric = {{ degree = {huge} }}"),
+        format!("fsai = {{ kind = {{ adaptive = {{ steps = {huge} }} }} }}"),
+        format!("fsai = {{ kind = {{ static = {{ power = {huge} }} }} }}"),
+    ] {
+        for name in ["racp", "mcp", "simple"] {
+            let text = format!(r#"method = {{ {name} = {{ inner = {{ {inner} }} }} }}"#);
+            let read: Result<std::collections::BTreeMap<String, SaddleMethod>, _> =
+                toml::from_str(&text);
+            let refused = read.unwrap_err().to_string();
+            assert!(
+                refused.contains("expected a number from"),
+                "{text}: {refused}"
+            );
+        }
+    }
 }

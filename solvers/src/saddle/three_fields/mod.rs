@@ -149,7 +149,11 @@ impl Preconditioner<f64> for ThreeFieldsInverse<'_> {
     }
 
     fn properties(&self) -> Properties {
-        self.ut.properties().and(self.s_p.properties())
+        let parts = self.ut.properties().and(self.s_p.properties());
+        match self.form {
+            Form::Full => parts,
+            Form::Upper | Form::Lower => parts.and(Properties::BLIND),
+        }
     }
 }
 

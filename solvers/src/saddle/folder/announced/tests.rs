@@ -70,6 +70,16 @@ fn a_stabilization_that_is_said_and_lost_or_denied_and_there_is_an_error() {
         ),
         (
             system(),
+            r#"{"blocks": ["A", "B1"]}"#,
+            "but H.mtx holds 3 nonzero entries",
+        ),
+        (
+            system(),
+            r#"{"right_hand_sides": ["rhs_u", "rhs_p"]}"#,
+            "but the folder holds no rhs_p.mtx",
+        ),
+        (
+            system(),
             r#"{"n_p": 2}"#,
             "n_p = 2, but a folder without T.mtx gives 0",
         ),
@@ -98,8 +108,8 @@ fn a_stabilization_that_is_said_and_lost_or_denied_and_there_is_an_error() {
             bare(),
             r#"{"stabilization": "of another code", "blocks": 2}"#,
         ),
-        // added by hand
-        (system(), r#"{"blocks": ["A", "B1"], "stabilization": 1}"#),
+        // names of another code
+        (system(), r#"{"blocks": ["K", "C"], "stabilization": 1}"#),
         // rows of opening
         (system(), r#"{"stabilization": 0, "states": [3]}"#),
         // no edge between two faces

@@ -1,0 +1,210 @@
+//! Claim: what `solve` calls converged has u and t within ten tolerances, also for small systems of other codes that are no elasticity
+//! (entries over up to 20 decades, B2 ≠ B1ᵀ, H indefinite, negative or absent, A indefinite), whatever the method, the inner solver and
+//! the tolerance.
+//!
+//! `FOREIGN_CASES=2000 FOREIGN_SEED=7 cargo test --release --test systems foreign_accuracy:: -- --nocapture` tries more systems.
+
+use super::reference::reference;
+use fracas::solve::{End, InnerRule, Problem, Solve};
+use fracas_operators::random::Random;
+use fracas_operators::sparse::{SparseMatrix, Triplets};
+use fracas_solvers::Silent;
+use fracas_solvers::saddle::{SaddleBlocks, SaddleMethod};
+
+/// Systems tried where nobody asks for more.
+const CASES: u64 = 200;
+
+/// Methods, each tried with an inner solver of [`INNER`].
+const METHODS: [&str; 7] = [
+    "racp",
+    "racp:published",
+    "mcp",
+    "block_triangular",
+    "block_diagonal",
+    "simple",
+    "augmented_lagrangian",
+];
+
+const INNER: [&str; 5] = ["exact", "amg", "ssor", "fsai", "jacobi"];
+
+const TOLERANCES: [f64; 4] = [1e-4, 1e-6, 1e-8, 1e-10];
+
+/// What an error may be of the tolerance: estimates are no bounds. Unit: 1.
+const ALLOWED: f64 = 10.0;
+
+/// Least share of all that a field is judged against. Unit: 1.
+const SHARE: f64 = 1e-6;
+
+fn environment(name: &str, otherwise: u64) -> u64 {
+    std::env::var(name).map_or(otherwise, |value| value.parse().unwrap())
+}
+
+/// Rows of a dense matrix.
+type Dense = Vec<Vec<f64>>;
+
+fn sparse(m: &Dense, columns: usize) -> SparseMatrix<f64> {
+    let mut triplets = Triplets::new((m.len(), columns));
+    for (i, row) in m.iter().enumerate() {
+        for (j, v) in row.iter().enumerate().filter(|(_, v)| **v != 0.0) {
+            triplets.add_triplet(i, j, *v);
+        }
+    }
+    triplets.to_csr()
+}
+
+/// About the normal distribution.
+fn normal(r: &mut Random) -> f64 {
+    (0..12).map(|_| r.unit()).sum::<f64>() - 6.0
+}
+
+/// Random entries with this share of others than 0.
+fn random(r: &mut Random, rows: usize, columns: usize, share: f64) -> Dense {
+    let mut entry = |_: usize| if r.chance(share) { normal(r) } else { 0.0 };
+    (0..rows)
+        .map(|_| (0..columns).map(&mut entry).collect())
+        .collect()
+}
+
+/// `MMᵀ`.
+fn square(m: &Dense) -> Dense {
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    m.iter()
+        .map(|a| m.iter().map(|b| dot(a, b)).collect())
+        .collect()
+}
+
+/// The square of the Frobenius norm.
+fn size(m: &Dense) -> f64 {
+    m.iter().flatten().map(|v| v * v).sum()
+}
+
+fn system(r: &mut Random) -> SaddleBlocks {
+    let n = r.whole(6, 79) as usize;
+    let m = r.whole(1, (n as u32 / 3).max(2) - 1) as usize;
+    let mut a = square(&random(r, n, n, 0.15));
+    let least = 10f64.powf(r.between(-6.0, 1.0));
+    (0..n).for_each(|i| a[i][i] += least);
+    let spread = [r.one_of(&[0.0, 2.0, 5.0]), r.one_of(&[0.1, 2.0, 5.0])];
+    let scale: Vec<f64> = (0..n)
+        .map(|_| 10f64.powf(r.between(-spread[0], spread[1])))
+        .collect();
+    for i in 0..n {
+        (0..n).for_each(|j| a[i][j] *= scale[i] * scale[j]);
+    }
+    if r.chance(0.2) {
+        let i = r.below(n);
+        a[i][i] *= -r.between(0.1, 2.0);
+    }
+    let unit = 10f64.powi(r.one_of(&[-5, 0, 5]));
+    let mut b1 = random(r, n, m, 0.3);
+    for j in 0..m {
+        b1[r.below(n)][j] += 1.0;
+    }
+    b1.iter_mut().flatten().for_each(|b| *b *= unit);
+    let h = r.chance(0.7).then(|| {
+        let mut h = square(&random(r, m, m, 1.0));
+        let sign = if r.chance(0.3) { -1.0 } else { 1.0 };
+        let of_h = sign * size(&b1) / size(&a).sqrt() * 10f64.powi(r.one_of(&[-3, 0, 3]));
+        h.iter_mut().flatten().for_each(|h| *h *= of_h);
+        if r.chance(0.1) {
+            let i = r.below(m);
+            h[i][i] *= -1.0;
+        }
+        h
+    });
+    let b2 = r.chance(0.3).then(|| {
+        (0..m)
+            .map(|j| (0..n).map(|i| b1[i][j] * (1.0 + 0.3 * normal(r))).collect())
+            .collect::<Dense>()
+    });
+    let is_loaded = r.chance(0.6);
+    SaddleBlocks {
+        rhs_u: scale.iter().map(|s| s * normal(r)).collect(),
+        rhs_t: (0..m)
+            .map(|_| if is_loaded { normal(r) } else { 0.0 })
+            .collect(),
+        a: sparse(&a, n),
+        b1: sparse(&b1, m),
+        b2: b2.map(|b2| sparse(&b2, n)),
+        h: h.map(|h| sparse(&h, m)),
+        coordinates: None,
+        flow: None,
+    }
+}
+
+/// Errors of u and t in the norms of `|diag A|` and `C_0 + |diag H|`, `C_0 = diag(B1ᵀ |diag A|⁻¹ B1)`, each relative to the solution's.
+fn errors(blocks: &SaddleBlocks, x: &[f64], exact: &[f64]) -> [f64; 2] {
+    let n = blocks.n_u();
+    let diagonal = |m: &SparseMatrix<f64>, i| m.get(i, i).map_or(0.0, |v: &f64| v.abs());
+    let a: Vec<f64> = (0..n).map(|i| diagonal(&blocks.a, i)).collect();
+    let mut c: Vec<f64> = (0..blocks.n_t())
+        .map(|j| blocks.h.as_ref().map_or(0.0, |h| diagonal(h, j)))
+        .collect();
+    for (b, (i, j)) in &blocks.b1 {
+        c[j as usize] += b * b / a[i as usize];
+    }
+    let norm = |w: &[f64], v: &mut dyn Iterator<Item = f64>| {
+        w.iter().zip(v).map(|(w, v)| w * v * v).sum::<f64>().sqrt()
+    };
+    let of = |v: &[f64]| {
+        let [u, t] = [(&a, &v[..n]), (&c, &v[n..])].map(|(w, v)| norm(w, &mut v.iter().copied()));
+        [u, t]
+    };
+    let e: Vec<f64> = x.iter().zip(exact).map(|(x, y)| x - y).collect();
+    let (error, solution) = (of(&e), of(exact));
+    let least = SHARE * solution[0].hypot(solution[1]);
+    [0, 1].map(|k| error[k] / solution[k].max(least))
+}
+
+#[test]
+fn converged_means_accurate_for_systems_of_other_codes() {
+    let cases = environment("FOREIGN_CASES", CASES);
+    let first = environment("FOREIGN_SEED", 1);
+    let (mut known, mut converged, mut wrong) = (0, vec![0; METHODS.len()], Vec::new());
+    for seed in 0..cases {
+        let r = &mut Random::new(first.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(seed));
+        let blocks = system(r);
+        let Some(exact) = reference(&blocks, &blocks.rhs()) else {
+            continue;
+        };
+        known += 1;
+        for (k, name) in METHODS.iter().enumerate() {
+            let (inner, tolerance) = (r.one_of(&INNER), r.one_of(&TOLERANCES));
+            let method: SaddleMethod = name.parse().unwrap();
+            let settings = Solve {
+                method: method
+                    .with_parts(None, Some(inner.parse().unwrap()))
+                    .unwrap(),
+                inner: InnerRule::Fixed,
+                tolerance,
+                max_iterations: 400,
+                ..Solve::default()
+            };
+            let Ok(solved) = settings.solve(&Problem::from(blocks.clone()), &mut Silent) else {
+                continue;
+            };
+            if solved.outcome != End::Converged {
+                continue;
+            }
+            converged[k] += 1;
+            let [u, t] = errors(&blocks, &solved.x, &exact);
+            // NaN is wrong, too
+            if !(u.max(t) <= ALLOWED * tolerance) {
+                wrong.push(format!(
+                    "seed {first}+{seed}, {name} with {inner}, {tolerance:.0e}: errors {u:.1e} and {t:.1e}, said {:?} and {:?}, n {} and {}, {} iterations, Ritz {:?}, B2 {}, H {}",
+                    solved.error_u, solved.error_t, blocks.n_u(), blocks.n_t(), solved.iterations, solved.smallest_ritz,
+                    blocks.b2.is_some(), blocks.h.is_some()
+                ));
+            }
+        }
+    }
+    println!(
+        "{cases} systems, {known} with a reference; converged: {:?}; {} wrong",
+        METHODS.iter().zip(&converged).collect::<Vec<_>>(),
+        wrong.len()
+    );
+    assert!(2 * known > cases, "too few references");
+    let few = converged.iter().all(|n| 10 * n > known);
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(few, "too few were solved: {converged:?} of {known}");
+}
