@@ -74,9 +74,10 @@ impl Linear {
                 let q1 = Csr::new(flow.q1.clone());
                 let mut r = residual.to_vec();
                 pressed.scale(&attempt.layout(), &mut r);
-                let form = linear.settings().flow.form.for_coupling(flow.is_coupled());
+                let form = linear.settings().flow.form;
+                let q2 = flow.is_coupled().then(|| pressed.q2());
                 let preconditioner =
-                    ThreeFieldsInverse::new(inverse, &q1, pressed.q2(), pressed.unit(), form);
+                    ThreeFieldsInverse::new(inverse, &q1, q2, pressed.unit(), form);
                 preconditioner.solve(&r, &mut e, &mut vec![0.0; preconditioner.work_len()]);
                 Ok(())
             },
@@ -163,9 +164,9 @@ impl Linear {
         let operator = CoupledJacobian::new(jacobian, (&q1, &pressed), attempt.layout());
         let mut rhs = rhs.to_vec();
         pressed.scale(&attempt.layout(), &mut rhs);
-        let form = self.settings().flow.form.for_coupling(flow.is_coupled());
-        let preconditioner =
-            ThreeFieldsInverse::new(inverse, &q1, pressed.q2(), pressed.unit(), form);
+        let form = self.settings().flow.form;
+        let q2 = flow.is_coupled().then(|| pressed.q2());
+        let preconditioner = ThreeFieldsInverse::new(inverse, &q1, q2, pressed.unit(), form);
         let system = System {
             operator: &operator,
             preconditioner: &preconditioner,

@@ -292,7 +292,8 @@ impl SaddleSettings for Racp {
         if let Some(parts) = &mut ready.parts {
             parts.inner_flops *= form.solves();
         }
-        let [q1, q2] = [&flow.q1, &flow.q2].map(|q| Csr::new(q.clone()));
+        let csr = |q: &SparseMatrix<f64>| Csr::new(q.clone());
+        let (q1, q2) = (csr(&flow.q1), flow.is_coupled().then(|| csr(&flow.q2)));
         Ok(ready.inside(|ut| ThreeFieldsInverse::new(ut, q1, q2, s_p, form)))
     }
 

@@ -64,7 +64,7 @@ const UT: Field = Field {
 pub struct ThreeFieldsInverse<'a> {
     ut: Box<dyn Preconditioner<f64> + 'a>,
     q1: Box<dyn LinearOperator<f64> + 'a>,
-    q2: Box<dyn LinearOperator<f64> + 'a>,
+    q2: Option<Box<dyn LinearOperator<f64> + 'a>>,
     s_p: Box<dyn Preconditioner<f64> + 'a>,
     form: Form,
     layout: Layout,
@@ -72,21 +72,23 @@ pub struct ThreeFieldsInverse<'a> {
 }
 
 impl<'a> ThreeFieldsInverse<'a> {
-    /// From `M_ut⁻¹`, Q1, Q2 and `S_p⁻¹`; `form` is [`Form::Upper`] where Q2 = 0, which is exact then.
+    /// From `M_ut⁻¹`, Q1, Q2 (`None` where it is 0; [`Form::Full`] is [`Form::Upper`] then) and `S_p⁻¹`.
     pub fn new(
         ut: impl Preconditioner<f64> + 'a,
         q1: impl LinearOperator<f64> + 'a,
-        q2: impl LinearOperator<f64> + 'a,
+        q2: Option<impl LinearOperator<f64> + 'a>,
         s_p: impl Preconditioner<f64> + 'a,
         form: Form,
     ) -> Self {
-        let (first, second) = (q1.shape(), q2.shape());
+        let first = q1.shape();
         assert_eq!(first.cols, s_p.size(), "columns of Q1 and size of S_p");
-        assert_eq!(
-            (second.rows, second.cols),
-            (first.cols, first.rows),
-            "rows and columns of Q2"
-        );
+        if let Some(second) = q2.as_ref().map(LinearOperator::shape) {
+            assert_eq!(
+                (second.rows, second.cols),
+                (first.cols, first.rows),
+                "rows and columns of Q2"
+            );
+        }
         assert!(
             first.rows <= ut.size(),
             "{} rows of Q1 and {} unknowns u, t",
@@ -98,9 +100,9 @@ impl<'a> ThreeFieldsInverse<'a> {
             n_u: first.rows,
             ut: Box::new(ut),
             q1: Box::new(q1),
-            q2: Box::new(q2),
+            form: form.for_coupling(q2.is_some()),
+            q2: q2.map(|q2| Box::new(q2) as _),
             s_p: Box::new(s_p),
-            form,
         }
     }
 }
@@ -119,7 +121,9 @@ impl Preconditioner<f64> for ThreeFieldsInverse<'_> {
         if self.form.begins_with_mechanics() {
             // w_p = x_p − Q2 (M_ut⁻¹ x_ut)_u
             self.ut.solve(x_ut, y_ut, work);
-            self.q2.apply_add(-1.0, &y_ut[..self.n_u], w_p, work);
+            if let Some(q2) = &self.q2 {
+                q2.apply_add(-1.0, &y_ut[..self.n_u], w_p, work);
+            }
         }
         self.s_p.solve(w_p, y_p, work);
         if self.form.ends_with_mechanics() {
@@ -131,14 +135,15 @@ impl Preconditioner<f64> for ThreeFieldsInverse<'_> {
     }
 
     fn work_len(&self) -> usize {
-        let products = self.q1.work_len().max(self.q2.work_len());
+        let second = self.q2.as_ref().map_or(0, |q2| q2.work_len());
+        let products = self.q1.work_len().max(second);
         let solves = self.ut.work_len().max(self.s_p.work_len());
         self.layout.len() + products.max(solves)
     }
 
     fn flops(&self) -> u64 {
         let first = match self.form.begins_with_mechanics() {
-            true => self.ut.flops() + self.q2.flops(),
+            true => self.ut.flops() + self.q2.as_ref().map_or(0, |q2| q2.flops()),
             false => 0,
         };
         let last = match self.form.ends_with_mechanics() {
@@ -150,9 +155,15 @@ impl Preconditioner<f64> for ThreeFieldsInverse<'_> {
 
     fn properties(&self) -> Properties {
         let parts = self.ut.properties().and(self.s_p.properties());
-        match self.form {
-            Form::Full => parts,
-            Form::Upper | Form::Lower => parts.and(Properties::BLIND),
+        // a factor that is missing; Q2 = 0 is missing in 𝒜, too
+        let is_blind = match self.form {
+            Form::Full => false,
+            Form::Upper => self.q2.is_some(),
+            Form::Lower => true,
+        };
+        match is_blind {
+            true => parts.and(Properties::BLIND),
+            false => parts,
         }
     }
 }

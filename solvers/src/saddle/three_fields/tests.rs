@@ -116,7 +116,7 @@ fn the_full_form_is_the_inverse_of_what_it_is_made_of_and_each_part_counts() {
         let m = ThreeFieldsInverse::new(
             parts.racp(&blocks),
             q1,
-            q2,
+            Some(q2),
             DenseInverse::of(&s_p),
             Form::Full,
         );
@@ -127,7 +127,7 @@ fn the_full_form_is_the_inverse_of_what_it_is_made_of_and_each_part_counts() {
     let flow = flow_of(&blocks);
     for form in Form::ALL {
         check_parts("three fields", [18, 2], |[ut, s_p]| {
-            ThreeFieldsInverse::new(ut, csr(&flow.q1), csr(&flow.q2), s_p, form)
+            ThreeFieldsInverse::new(ut, csr(&flow.q1), Some(csr(&flow.q2)), s_p, form)
         })
         .unwrap();
     }
@@ -150,7 +150,7 @@ fn with_exact_parts_and_c_equal_to_h_every_eigenvalue_is_one() {
             let m = ThreeFieldsInverse::new(
                 parts.racp(&blocks),
                 csr(&flow.q1),
-                csr(&flow.q2),
+                Some(csr(&flow.q2)),
                 DenseInverse::of(&s_p),
                 form,
             );
@@ -203,7 +203,7 @@ fn eigenvalues_lie_in_the_product_of_two_intervals(seeds: std::ops::Range<u64>) 
         let inverse_of = ThreeFieldsInverse::new(
             parts.racp(&blocks),
             csr(&flow.q1),
-            csr(&flow.q2),
+            Some(csr(&flow.q2)),
             DenseInverse::of(&s_p),
             Form::Full,
         );
@@ -264,7 +264,7 @@ fn unsymmetric_derivatives_leave_the_interval() {
         let inverse_of = ThreeFieldsInverse::new(
             parts.racp(&blocks),
             csr(&flow.q1),
-            csr(&flow.q2),
+            Some(csr(&flow.q2)),
             DenseInverse::of(&(full(&flow.t) + m)),
             Form::Full,
         );
