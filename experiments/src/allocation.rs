@@ -49,9 +49,15 @@ unsafe impl GlobalAlloc for Noted {
 }
 
 /// What is said after the standard library has printed the number of bytes.
-const SENTENCE: &[u8] = b"error: out of memory: the system does not give these bytes; use fewer cells or a smaller system, or free memory\n";
+const SENTENCE: &[u8] = b"error: out of memory: the system does not give these bytes; use fewer cells, a smaller system or fewer threads, or free memory\n";
 
-/// Makes an abort for want of memory an exit with `status`; every other abort stays one.
+/// True where this thread was refused memory.
+fn was_refused() -> bool {
+    REFUSED.try_with(Cell::get).is_ok_and(|bytes| bytes > 0)
+}
+
+/// Makes an abort for want of memory an exit with `status`, and so a panic of a library that unwraps a refusal; every other abort or
+/// panic stays one.
 ///
 /// # Errors
 /// Where signals cannot be handled.
@@ -61,16 +67,43 @@ pub fn exit_on_refusal(status: i32) -> std::io::Result<()> {
     use std::mem::ManuallyDrop;
     use std::os::fd::FromRawFd;
     let refused = move || {
-        if REFUSED.try_with(Cell::get).is_ok_and(|bytes| bytes > 0) {
-            // Safety: standard error, written to without buffer or lock, and not closed
-            let mut stderr = ManuallyDrop::new(unsafe { std::fs::File::from_raw_fd(2) });
-            let _ = stderr.write_all(SENTENCE);
-            signal_hook::low_level::exit(status);
+        // Safety: standard error, written to without buffer or lock, and not closed
+        let mut stderr = ManuallyDrop::new(unsafe { std::fs::File::from_raw_fd(2) });
+        let _ = stderr.write_all(SENTENCE);
+        signal_hook::low_level::exit(status);
+    };
+    let other = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        // dense matrices of faer are made by Result<_, AllocError>::unwrap
+        let is_refusal = panic
+            .payload()
+            .downcast_ref::<String>()
+            .is_some_and(|s| s.contains("AllocError"));
+        match was_refused() && is_refusal {
+            true => refused(),
+            false => other(panic),
+        }
+    }));
+    let aborted = move || {
+        if was_refused() {
+            refused();
         }
     };
     // Safety: the action reads a constant-initialized note of its own thread, writes to a descriptor and exits
-    unsafe { signal_hook::low_level::register(signal_hook::consts::SIGABRT, refused) }?;
+    unsafe { signal_hook::low_level::register(signal_hook::consts::SIGABRT, aborted) }?;
     Ok(())
+}
+
+/// Lets all threads allocate from one arena where the address space has a limit.
+///
+/// glibc reserves 64 MiB of addresses for every thread that allocates while another one does: what a limit leaves would depend on
+/// which threads meet, and a larger limit could leave less.
+pub fn share_arena_below_limit() {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    if fracas::memory::limits_addresses() {
+        // Safety: a setting of the allocator, before any thread starts
+        unsafe { libc::mallopt(libc::M_ARENA_MAX, 1) };
+    }
 }
 
 /// Where there is no such signal the abort stays.

@@ -14,13 +14,24 @@ fn available_below(root: &Path) -> Option<u64> {
     limits.into_iter().flatten().chain(machine).min()
 }
 
-/// What RLIMIT_AS leaves.
-fn address_space(root: &Path) -> Option<u64> {
+/// True where this process has a limit of addresses (RLIMIT_AS).
+pub fn limits_addresses() -> bool {
+    address_limit(Path::new("/")).is_some()
+}
+
+/// RLIMIT_AS [bytes], where it is set.
+fn address_limit(root: &Path) -> Option<u64> {
     let limits = std::fs::read_to_string(root.join("proc/self/limits")).ok()?;
     let line = limits
         .lines()
         .find_map(|l| l.strip_prefix("Max address space"))?;
-    let limit: u64 = line.split_ascii_whitespace().next()?.parse().ok()?;
+    // "unlimited" is none
+    line.split_ascii_whitespace().next()?.parse().ok()
+}
+
+/// What RLIMIT_AS leaves.
+fn address_space(root: &Path) -> Option<u64> {
+    let limit = address_limit(root)?;
     let taken = kibibytes(&root.join("proc/self/status"), "VmSize:")?;
     Some(limit.saturating_sub(taken))
 }

@@ -10,7 +10,7 @@ use fracas_solvers::multigrid::Summary;
 use free::kibibytes;
 use std::path::Path;
 
-pub use free::available_bytes;
+pub use free::{available_bytes, limits_addresses};
 
 /// What the parts of a mesh take [bytes].
 #[derive(Clone, Copy, Debug)]

@@ -32,7 +32,7 @@ mod source;
 mod spectrum;
 mod study;
 
-use crate::allocation::exit_on_refusal;
+use crate::allocation::{exit_on_refusal, share_arena_below_limit};
 use crate::sentence;
 use clap::{Parser, Subcommand};
 use interrupt::Signal;
@@ -105,6 +105,7 @@ const BAD_INPUT: u8 = 2;
 
 /// Runs a command on a pool of its own and returns the exit status.
 pub fn main(arguments: &Arguments) -> ExitCode {
+    share_arena_below_limit();
     interrupt::warn(exit_on_refusal(BAD_INPUT.into()));
     let threads = arguments.threads.map_or(0, usize::from);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();

@@ -90,3 +90,33 @@ fn memory_that_ends_is_said_with_the_number_asked_for() {
     });
     std::fs::remove_dir_all(&folder).unwrap();
 }
+
+/// A run that finishes within some addresses finishes within more of them, whatever threads allocate at a time.
+#[test]
+fn more_memory_refuses_no_run() {
+    let folder = scratch("more_memory");
+    let scene = folder.join("scene.toml");
+    std::fs::write(&scene, RICH).unwrap();
+    let scene = scene.display().to_string();
+    let out = folder.join("out");
+    let to = out.display().to_string();
+    for threads in ["1", "2"] {
+        let mut finished_within = None;
+        for kibibytes in (80_000..320_000).step_by(16_000) {
+            let _ = std::fs::remove_dir_all(&out);
+            let line = ["run", &scene, "--out", &to, "--threads", threads];
+            let status = ended(&within(kibibytes, &line)).unwrap();
+            match (status, finished_within) {
+                (0, None) => finished_within = Some(kibibytes),
+                (0, Some(_)) | (_, None) => {}
+                (_, Some(less)) => {
+                    panic!(
+                        "{threads} threads: status {status} within {kibibytes} KiB and not within {less}"
+                    )
+                }
+            }
+        }
+        assert!(finished_within.is_some(), "{threads} threads");
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
+}
