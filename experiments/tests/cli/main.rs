@@ -4,6 +4,7 @@ mod bad_input;
 mod block;
 mod breakdowns;
 mod check;
+mod commands;
 mod digits;
 mod everyday;
 mod explain;

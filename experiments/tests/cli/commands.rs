@@ -1,0 +1,118 @@
+//! Claim: every command that a page shows runs as it stands there, on the files that the page shows.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test that cannot run its program fails"
+)]
+
+use crate::run::{Ran, scratch, write};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const PAGES: [&str; 6] = [
+    "README.md",
+    "docs/scenes.md",
+    "docs/runs.md",
+    "docs/methods.md",
+    "docs/faults.md",
+    "docs/studies.md",
+];
+
+/// Commands that take minutes, or that other tests run.
+const LONG: [&str; 3] = [
+    "reproduce",
+    "solve layered_crossing --inner geometric",
+    "solve analogue_b --method mcp --inner fsai",
+];
+
+fn text(page: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(page);
+    std::fs::read_to_string(path).unwrap()
+}
+
+/// Blocks of a page in this language, in their order, from this heading on.
+fn blocks(page: &str, heading: &str, language: &str) -> Vec<String> {
+    let text = text(page);
+    let (_, after) = text.split_once(heading).unwrap();
+    let fence = format!("```{language}\n");
+    let parts = after.split(&fence).skip(1);
+    parts
+        .filter_map(|part| part.split("```").next())
+        .map(str::to_owned)
+        .collect()
+}
+
+/// Arguments of the commands of a page; `DIR` is the folder that an earlier command has written.
+fn commands(page: &str) -> Vec<Vec<String>> {
+    let lines = blocks(page, "\n", "sh").concat().replace("\\\n", " ");
+    let arguments = lines.lines().filter_map(|line| {
+        let line = line.split('#').next()?.trim();
+        let line = line
+            .strip_prefix("fracas ")
+            .or_else(|| line.strip_prefix("cargo run --release -- "))?;
+        let is_long = LONG.iter().any(|start| line.starts_with(start));
+        (!is_long).then(|| {
+            let words = line.split_whitespace();
+            words
+                .map(|word| word.replace("DIR", "layered_system"))
+                .collect()
+        })
+    });
+    arguments.collect()
+}
+
+fn fracas_in(folder: &PathBuf, arguments: &[String]) -> Ran {
+    let output = Command::new(env!("CARGO_BIN_EXE_fracas"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    Ran {
+        status: output.status.code().unwrap(),
+        stdout: String::from_utf8(output.stdout).unwrap(),
+        stderr: String::from_utf8(output.stderr).unwrap(),
+    }
+}
+
+#[test]
+fn commands_of_the_pages_run_as_they_stand_there() {
+    let folder = scratch("commands");
+    let first = |page, heading| blocks(page, heading, "toml").swap_remove(0);
+    let scene = first("docs/scenes.md", "## A small scene");
+    write(&folder.join("my_scene.toml"), &scene);
+    // fewer samples and meshes than a reader takes, for time
+    let fault = first("docs/faults.md", "\n");
+    assert!(fault.contains("samples = 1000"), "{fault}");
+    let fault = fault.replace("samples = 1000", "samples = 10");
+    write(&folder.join("fault.toml"), &fault);
+    let study = first("docs/studies.md", "\n");
+    let study = [
+        (
+            r#""crossing", "layered", "my_scene.toml""#,
+            r#""my_scene.toml""#,
+        ),
+        ("refine = [1, 2, 4]", "refine = [1, 2]"),
+        ("[[skip]]\nmethod = \"mcp\"\nrefine = 4\n", ""),
+    ]
+    .iter()
+    .fold(study, |study, (of_page, smaller)| {
+        assert!(study.contains(of_page), "{study}");
+        study.replace(of_page, smaller)
+    });
+    write(&folder.join("mesh.toml"), &study);
+    let mut ran = 0;
+    for page in PAGES {
+        for mut arguments in commands(page) {
+            if arguments[0] == "compare" {
+                arguments.retain(|word| word != "layered");
+                let refine = arguments.iter_mut().find(|word| *word == "1,2,4");
+                *refine.unwrap() = "1".into();
+            }
+            let done = fracas_in(&folder, &arguments);
+            assert_eq!(done.status, 0, "{page}: {arguments:?}\n{}", done.stderr);
+            ran += 1;
+        }
+    }
+    assert!(ran >= 18, "{ran} commands");
+    std::fs::remove_dir_all(&folder).unwrap();
+}
