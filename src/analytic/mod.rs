@@ -13,6 +13,7 @@ mod line_crack;
 mod nucleation;
 mod penny_crack;
 mod rock;
+mod sliding_factor;
 
 pub use block_sliding::{BlockSliding, SlidingState};
 pub use crack_network::{CrackNetwork, NetworkCrack, StraightCrack};
@@ -21,7 +22,7 @@ pub use displaced_fault::{
     DisplacedFault, FarStress, FaultLine, FaultPath, FaultPressure, FaultState, FaultStrength,
     displaced_blocks,
 };
-pub use fault_friction::{FaultFriction, NoState, Sliding, Strength};
+pub use fault_friction::{FaultFriction, NoState, Strength};
 pub use inclined_crack::InclinedCrack;
 pub use line_crack::LineCrack;
 pub use nucleation::{LinearWeakening, RESOLVED, nucleation_half_length};
