@@ -9,8 +9,9 @@ use crate::run::{Ran, scratch, write};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-const PAGES: [&str; 6] = [
+const PAGES: [&str; 7] = [
     "README.md",
+    "docs/install.md",
     "docs/scenes.md",
     "docs/runs.md",
     "docs/methods.md",

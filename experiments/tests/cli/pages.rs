@@ -6,8 +6,12 @@ use std::path::{Path, PathBuf};
 
 const BEGIN: &str = "<!-- keys: begin -->\n";
 const END: &str = "<!-- keys: end -->";
-const PAGES: [&str; 8] = [
+const PAGES: [&str; 12] = [
     "README.md",
+    "docs/index.md",
+    "docs/install.md",
+    "docs/studies.md",
+    "docs/stress.md",
     "docs/scenes.md",
     "docs/runs.md",
     "docs/methods.md",
@@ -77,6 +81,17 @@ fn parts(block: &str) -> Vec<&str> {
         Some('|') => block.split('|').collect(),
         Some('-') => block.split("\n- ").collect(),
         _ => vec![block],
+    }
+}
+
+/// The summary of the book lists every page.
+#[test]
+fn every_page_is_in_the_book() {
+    let summary = text("docs/SUMMARY.md");
+    for entry in std::fs::read_dir(root().join("docs")).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        let is_page = name.ends_with(".md") && name != "SUMMARY.md";
+        assert!(!is_page || summary.contains(&format!("({name})")), "{name}");
     }
 }
 
