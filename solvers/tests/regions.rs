@@ -290,9 +290,9 @@ impl Facts {
 
     /// True where a statement holds for λ; `force` leaves out its own hypotheses (η ≤ 1; Δ as it is).
     fn holds(&self, statement: Statement, l: c64, force: bool) -> bool {
-        // exact S_u: 1 is an eigenvalue with chains of up to three vectors, found to the cube root of rounding
-        let is_exact = self.capital_delta - self.delta < 1e-9;
-        if is_exact && (l - 1.0).norm() < 5e-5 {
+        // exact S_u: 1 is an eigenvalue with chains of up to three vectors, found to the cube root of rounding, of which Δ − δ is what S_u takes
+        let rounding = self.capital_delta - self.delta;
+        if rounding < 1e-9 && (l - 1.0).norm() < 5e-5f64.max(rounding.cbrt()) {
             return true;
         }
         let (re, square) = (l.re, l.norm_sqr());

@@ -43,6 +43,7 @@ gallery! {
     E07 "e07";
     E08 "e08";
     E09 "e09";
+    E24 "e24";
 }
 
 /// The study of that name.
