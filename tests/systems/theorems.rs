@@ -9,7 +9,7 @@ use fracas_solvers::saddle::{AugmentationChoice, InnerChoice, SaddleBlocks};
 use fracas_solvers::spectrum::{SpectrumReport, SpectrumRequest, analyse};
 use fracas_solvers::{SetupError, Silent};
 
-pub(crate) fn blocks(scene: &str, with_h: bool) -> SaddleBlocks {
+fn blocks(scene: &str, with_h: bool) -> SaddleBlocks {
     let body = named(scene)
         .unwrap()
         .small_scene()

@@ -1,9 +1,8 @@
 //! How fast GMRES is with S_u inverted exactly.
 
-use super::{Case, DENSE, Side, Without, in_short, seeds, solved, square, stacked};
-use crate::theorems::blocks;
+use super::{Case, Side, Without, in_short, scenes, seeds, solved, square, stacked};
 use faer::Mat;
-use fracas::scene::gallery;
+use fracas::contact::JumpStabilization;
 use fracas_operators::random::Random;
 use fracas_operators::{Identity, LinearOperator, Shape};
 use fracas_solvers::Step;
@@ -190,6 +189,9 @@ fn excess(case: &Case, r: &Mat<f64>) -> ([f64; 2], usize, f64) {
     let root = (high / low).sqrt();
     let q = (root - 1.0) / (root + 1.0);
     let (mut worst, mut attained) = ([f64::NEG_INFINITY; 2], 0.0f64);
+    if std::env::var("EXACT_SCHUR_SHOW").is_ok() {
+        println!("{z:?}\n{found:?}\n{least:?}");
+    }
     for k in 1..=steps {
         let noise = 10.0 * DIGITS * found[0];
         worst[0] = worst[0].max((found[k] - least[k - 1] - noise) / (least[k - 1] + noise));
@@ -285,36 +287,26 @@ fn an_indefinite_a_leaves_no_norm() {
 
 #[test]
 fn gmres_on_assembled_scenes_takes_one_step_more() {
-    let (mut systems, mut worst, mut identity) = (0, [f64::NEG_INFINITY; 2], 0.0f64);
-    for entry in gallery() {
-        for with_h in [false, true] {
-            let blocks = blocks(entry.name, with_h);
-            if blocks.size() > DENSE {
-                continue;
-            }
-            let n_u = blocks.n_u();
-            let Some(case) = Case::assembled(blocks) else {
-                continue;
-            };
-            let n_t = case.sizes()[1];
-            let r = &case.m_inverse * column(&mut Random::new(7), n_u + n_t);
+    let (mut systems, mut all) = (0, 0);
+    let (mut worst, mut identity) = ([f64::NEG_INFINITY; 2], 0.0f64);
+    for seed in scenes() {
+        let body = super::scene(seed).build().unwrap();
+        for h in [None, Some(JumpStabilization::default())] {
+            let case = Case::assembled(body.saddle_blocks(h).unwrap()).unwrap();
+            let [n_u, n_t] = case.sizes();
+            let r = &case.m_inverse * column(&mut Random::new(seed), n_u + n_t);
             let (found, steps, _) = excess(&case, &r);
-            let same = distance(&case, 7, 1.0);
-            println!(
-                "{}, H {with_h}, {n_u} + {n_t} unknowns: {steps} steps, {}, identity {same:.1e}",
-                entry.name,
-                in_short(&found)
-            );
+            all += steps;
+            let same = distance(&case, seed, 1.0);
             worst = [worst[0].max(found[0]), worst[1].max(found[1])];
             identity = identity.max(same);
             systems += 1;
         }
     }
     println!(
-        "{systems} assembled systems; excess {}, identity {identity:.1e}",
+        "{systems} assembled systems, {all} steps; excess {}, identity {identity:.1e}",
         in_short(&worst)
     );
-    assert!(systems >= 8);
     assert!(
         worst[0] < 1e-5 && worst[1] < 1e-5 && identity < 1e-7,
         "{worst:?}, {identity:e}"

@@ -12,6 +12,7 @@ mod friction;
 mod gmres;
 
 use faer::Mat;
+use fracas::scene::Scene;
 use fracas_operators::Dense;
 use fracas_operators::random::Random;
 use fracas_solvers::direct::DirectChoice;
@@ -22,8 +23,8 @@ use fracas_solvers::saddle::{AugmentationChoice, RacpInverse, SaddleBlocks};
 /// Systems where the environment names no number.
 const FEW: u64 = 300;
 
-/// Unknowns up to which an assembled system is taken as a dense one.
-const DENSE: usize = 700;
+/// Scenes where the environment names no number: one in so many of the random systems.
+const PER_SCENE: u64 = 10;
 
 fn of_environment(name: &str, default: u64) -> u64 {
     let text = std::env::var(name).ok();
@@ -33,6 +34,12 @@ fn of_environment(name: &str, default: u64) -> u64 {
 fn seeds() -> std::ops::Range<u64> {
     let first = of_environment("EXACT_SCHUR_SEED", 0) * 1_000_000;
     first..first + of_environment("EXACT_SCHUR_FAMILY", FEW)
+}
+
+/// Seeds of scenes.
+fn scenes() -> std::ops::Range<u64> {
+    let all = seeds();
+    all.start..all.start + (all.end - all.start).div_ceil(PER_SCENE)
 }
 
 fn random(dice: &mut Random, rows: usize, cols: usize) -> Mat<f64> {
@@ -77,6 +84,45 @@ fn largest(x: &Mat<f64>) -> f64 {
     (0..x.ncols())
         .flat_map(|j| (0..x.nrows()).map(move |i| (i, j)))
         .fold(0.0, |m, at| m.max(x[at].abs()))
+}
+
+/// Boxes on a fixed floor with one or two cuts that stand on it, so that A is regular; layers, grids and ν at random.
+fn scene(seed: u64) -> Scene {
+    let dice = &mut Random::new(seed);
+    let cells = [0, 1, 2].map(|_| 2 + dice.below(2));
+    let sides = [0, 1, 2].map(|_| dice.one_of(&[0.1, 1.0, 1.0, 5.0]));
+    let mut text = "title = \"box\"\n[mesh]\n".to_owned();
+    for (d, axis) in ["x", "y", "z"].into_iter().enumerate() {
+        let to = sides[d] * cells[d] as f64;
+        text += &format!(
+            "{axis} = {{ from = \"0 m\", to = \"{to} m\", cells = {} }}\n",
+            cells[d]
+        );
+    }
+    let (poisson, soft) = (dice.one_of(&[0.0, 0.25, 0.45]), dice.scale(0.025, 25.0));
+    for (name, young, layers) in [
+        ("rock", 25.0, String::new()),
+        (
+            "layer",
+            soft,
+            format!("layers = [[\"0 m\", \"{} m\"]]\n", sides[2]),
+        ),
+    ] {
+        text += &format!(
+            "[[material]]\nname = \"{name}\"\nyoung = \"{young} GPa\"\npoisson = {poisson}\ndensity = \"2500 kg/m3\"\n{layers}"
+        );
+    }
+    let first = dice.below(2);
+    for k in 0..=dice.below(2) {
+        let d = (first + k) % 2;
+        let at = sides[d] * (1 + dice.below(cells[d] - 1)) as f64;
+        text += &format!(
+            "[[fracture]]\nname = \"f{k}\"\nplane = \"{}\"\nat = \"{at} m\"\nfriction_angle = \"30 deg\"\n",
+            ["x", "y"][d]
+        );
+    }
+    text += "[[boundary]]\nside = \"z-\"\nhold = \"fixed\"\n[[boundary]]\nside = \"z+\"\npressure = \"10 MPa\"\n";
+    Scene::from_toml(&text, "box.toml").unwrap()
 }
 
 /// What is left out of the hypotheses.
