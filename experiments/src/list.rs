@@ -27,6 +27,7 @@ pub static EXPERIMENTS: &[&dyn Experiment] = &[
     &crate::e19_tilted_well::TiltedWell,
     &crate::e22_gas_storage::GasStorage,
     &crate::e23_ground_ruptures::GroundRuptures,
+    &gallery::E24,
 ];
 
 /// What `fracas reproduce` runs without arguments: about two minutes on two cores.

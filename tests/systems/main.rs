@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod accuracy;
+mod exact_schur;
 mod foreign_accuracy;
 mod foreign_systems;
 mod library;

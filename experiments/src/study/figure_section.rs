@@ -25,6 +25,16 @@ pub struct FigureSection {
     /// Of a map, a measure or a formula.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub color: String,
+    /// Of a map, the values at the ends of its colours; those beyond take the colour of the end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub colors: Option<[f64; 2]>,
+    /// Of a map, an axis whose values stand side by side within each value of x, and one whose values stand so within each of y.
+    #[serde(
+        default,
+        deserialize_with = "one_or_many",
+        skip_serializing_if = "Vec::is_empty"
+    )]
+    pub within: Vec<String>,
     /// Axes whose values tell curves apart; by default every axis that varies and is not x.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub series: Option<Vec<String>>,

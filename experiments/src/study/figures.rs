@@ -1,10 +1,11 @@
 //! Figures of a study, as asked for, or sensible ones.
 
 use super::Study;
-use super::curves::{axis_label, figure, label, named};
+use super::curves::{figure, label, named};
 use super::figure_section::{FigureSection, Kind};
 use super::findings::{Fields, Findings};
-use crate::plot::{Axis, Cells, Figure, Mark, Series, Spectrum};
+use super::map::map;
+use crate::plot::{Axis, Figure, Mark, Series, Spectrum};
 use std::collections::BTreeSet;
 use toml::Table;
 
@@ -140,62 +141,6 @@ fn residuals(
     (!figure.series.is_empty()).then_some(figure)
 }
 
-/// A measure as a colour over the values of two axes; rows without a value leave their place white.
-fn map(id: &str, section: &FigureSection, rows: &[&Fields], findings: &Findings) -> Option<Figure> {
-    let y = section.y.first()?;
-    let [across, up] = [&section.x, y].map(|name| findings.values(rows, name));
-    let place = |values: &[&str], field: &str| {
-        let place = values.iter().position(|value| *value == field)?;
-        Some(place as f64)
-    };
-    let (mut quads, mut values) = (Vec::new(), Vec::new());
-    for row in rows.iter().filter(|row| findings.is_good(row)) {
-        let value = findings.value(row, &section.color, false);
-        let x = place(&across, findings.field(row, &section.x))?;
-        let y = place(&up, findings.field(row, y))?;
-        if value.is_finite() {
-            let corner = |dx: f64, dy: f64| [x + dx, y + dy];
-            quads.push([
-                corner(-0.5, -0.5),
-                corner(0.5, -0.5),
-                corner(0.5, 0.5),
-                corner(-0.5, 0.5),
-            ]);
-            values.push(value);
-        }
-    }
-    let ends = (f64::INFINITY, f64::NEG_INFINITY);
-    let (low, high) = values
-        .iter()
-        .fold(ends, |(a, b), v: &f64| (a.min(*v), b.max(*v)));
-    let missing = rows.len() - values.len();
-    let mut caption = findings.filled(&section.caption, rows.first()?);
-    if missing > 0 {
-        caption += &format!(
-            " {missing} of {} rows have no value and are white.",
-            rows.len()
-        );
-    }
-    let axis = |name: &str, values: &[&str]| {
-        let names = values.iter().map(|value| label(value)).collect();
-        Axis::categories(&axis_label(name), names)
-    };
-    let mut figure = Figure::new(
-        id,
-        "",
-        caption.trim(),
-        axis(&section.x, &across),
-        axis(y, &up),
-    );
-    figure.cells = Some(Cells {
-        label: axis_label(&section.color),
-        quads,
-        values,
-        range: [low, if high > low { high } else { low + 1.0 }],
-    });
-    low.is_finite().then_some(figure)
-}
-
 /// Values that get a figure of their own, or one figure of all rows; a spectrum has one per row.
 fn facets<'a>(
     section: &FigureSection,
@@ -248,6 +193,8 @@ fn sensible(varying: &[String]) -> Vec<FigureSection> {
         id: None,
         kind: Kind::Curves,
         color: String::new(),
+        colors: None,
+        within: Vec::new(),
         of_rows: Table::new(),
         not_at: Vec::new(),
         x: x.into(),

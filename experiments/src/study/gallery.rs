@@ -7,6 +7,9 @@ use fracas_solvers::{Observer, Step};
 use std::path::Path;
 use std::sync::LazyLock;
 
+/// Rows that failed and have a remark of their own each; of more, how they ended is counted.
+const LISTED: usize = 40;
+
 /// A study file of the gallery.
 #[derive(Debug)]
 pub struct GalleryStudy {
@@ -43,6 +46,7 @@ gallery! {
     E07 "e07";
     E08 "e08";
     E09 "e09";
+    E24 "e24";
 }
 
 /// The study of that name.
@@ -101,7 +105,26 @@ impl Experiment for GalleryStudy {
             observer.observe(&Step::Progress { stage, done, total })
         })?;
         let mut findings = page::answer(&study, &rows);
-        for row in rows.rows.iter().filter(|row| rows.has_failed(row)) {
+        let failed: Vec<_> = rows
+            .rows
+            .iter()
+            .filter(|row| rows.has_failed(row))
+            .collect();
+        if failed.len() > LISTED {
+            let ends = rows.values(&failed, "outcome").into_iter().map(|end| {
+                let same = |row: &&&Vec<String>| rows.field(row, "outcome") == end;
+                let count = failed.iter().filter(same).count();
+                format!("{} {count}", end.replace('_', " "))
+            });
+            let ends: Vec<String> = ends.collect();
+            let (count, all) = (failed.len(), rows.rows.len());
+            findings.notes.push(format!(
+                "{count} of {all} rows failed: {}.",
+                ends.join(", ")
+            ));
+            return Ok(findings);
+        }
+        for row in failed {
             let fields = study.axis_names();
             let words = fields.iter().filter(|name| study.varies(name));
             let words: Vec<&str> = words.map(|name| rows.field(row, name)).collect();

@@ -142,6 +142,7 @@ measures! {
         let estimates = m.run.as_ref().map(|r| r.estimates);
         real(m.errors.map(|e| e[1]).or(estimates.and_then(|e| e[1])))
     };
+    Referenced "referenced" Solve "errors against a direct solver" |m| word(m.run.as_ref().map(|_| m.errors.is_some()));
     AlgebraicU "algebraic_u" Nested "error of u against the same mesh" |m| real(m.nested.map(|e| e.same[0]));
     AlgebraicT "algebraic_t" Nested "error of t against the same mesh" |m| real(m.nested.map(|e| e.same[1]));
     MeshError "mesh_error" Nested "error of u against the finest mesh" |m| real(m.nested.and_then(|e| e.mesh));

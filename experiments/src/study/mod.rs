@@ -11,7 +11,7 @@
 //! | `rows`, `csv` | `rows.csv`, which survives the process |
 //! | `engine` | rows one after the other, or several at once |
 //! | `findings`, `formula` | rows chosen and computed with |
-//! | `figures`, `curves`, `tables`, `checks`, `page` | what is drawn, listed, judged and written at the end |
+//! | `figures`, `curves`, `map`, `tables`, `checks`, `page` | what is drawn, listed, judged and written at the end |
 //! | `gallery` | the studies of the product, which `reproduce` runs |
 
 mod axes;
@@ -27,6 +27,7 @@ mod file;
 mod findings;
 mod formula;
 pub mod gallery;
+mod map;
 mod measure;
 mod measured;
 mod names;

@@ -125,6 +125,16 @@ impl Study {
                 (_, "") => {}
                 (_, color) => judge.formula("color", color)?,
             }
+            let within = &figure.within;
+            if within.len() > 2 || (!within.is_empty() && figure.kind != Kind::Map) {
+                return Err(judge.fail("`within` is for maps, one axis for x and one for y".into()));
+            }
+            if figure.colors.is_some_and(|[low, high]| !(high > low)) {
+                return Err(judge.fail("`colors` are two numbers, the lower one first".into()));
+            }
+            within
+                .iter()
+                .try_for_each(|axis| judge.name("within", axis))?;
             let series = figure.series.iter().flatten();
             series
                 .into_iter()
