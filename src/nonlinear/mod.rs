@@ -20,6 +20,7 @@ mod chosen;
 mod coupled;
 mod creeping;
 mod cycling;
+mod damping;
 mod energy;
 mod face_rules;
 mod factorized;

@@ -60,7 +60,7 @@ pub struct Evaluation {
     /// ‖Q1 p‖₂, 0 where nothing flows [N].
     pub(super) pushed: f64,
     rows: Vec<FaceRows>,
-    /// The same with derivatives that leave out weakening, where there is any.
+    /// The same with derivatives that leave out weakening, or some of it, where there is any.
     lagged: Option<Vec<FaceRows>>,
 }
 
@@ -70,6 +70,14 @@ impl Evaluation {
         match &self.lagged {
             Some(rows) if lagged => rows,
             _ => &self.rows,
+        }
+    }
+
+    /// The derivatives that leave out weakening keep this share of it.
+    pub(super) fn keep(&mut self, share: f64) {
+        for (lagged, rows) in self.lagged.iter_mut().flatten().zip(&self.rows) {
+            let pairs = (lagged.by_jump.iter_mut().flatten()).zip(rows.by_jump.iter().flatten());
+            pairs.for_each(|(lagged, whole)| *lagged += share * (whole - *lagged));
         }
     }
 }

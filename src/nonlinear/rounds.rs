@@ -12,7 +12,7 @@ use fracas_operators::sparse::Csr;
 use fracas_solvers::saddle::Judged;
 use fracas_solvers::{Observer, Step};
 
-/// Newton steps that a round may take while the limit of the iterate before stands for weakening.
+/// Steps of damped continuation that a round may take.
 const LAGGED_STEPS: usize = 60;
 
 /// How rounds ended.
@@ -37,6 +37,8 @@ pub(super) struct Search<'a, 's> {
     pub(super) judge: &'a mut Judge<'s>,
     pub(super) accuracy: Option<Accuracy<'s>>,
     pub(super) linear: &'a mut Linear,
+    /// Newton with the whole of weakening has failed in this attempt.
+    pub(super) damped: bool,
     pub(super) observer: &'a mut dyn Observer,
 }
 
@@ -77,10 +79,10 @@ impl Search<'_, '_> {
     ) -> Result<Ended, Failure> {
         let (attempt, problem) = (self.attempt, self.attempt.problem);
         let settings = problem.body().solver;
-        let loose = Until {
+        let mut loose = Until {
             residual: settings.tolerance.max(settings.rounds.loose),
             steps: attempt.loose_steps(settings.rounds.loose_steps.min(settings.max_newton)),
-            lagged: false,
+            lagged: self.damped,
         };
         let tight = Until {
             residual: settings.tolerance,
@@ -89,7 +91,7 @@ impl Search<'_, '_> {
         };
         // times that it may go on where a round of Newton was cut short to look at the faces
         let mut more = settings.max_newton.div_ceil(tight.steps) - 1;
-        // what the lag of weakening takes: it converges by a factor a step
+        // damped continuation converges by a factor a step
         let lagging = Until {
             steps: LAGGED_STEPS,
             lagged: true,
@@ -108,7 +110,7 @@ impl Search<'_, '_> {
             accuracy.begin();
             self.linear.other_states();
         }
-        // weakening beside an H that is held: limits are those of the iterate before
+        // weakening beside an H that is held
         let mut until = match fixed.is_some() && weakens {
             true => lagging,
             false => loose,
@@ -200,13 +202,17 @@ impl Search<'_, '_> {
                     continue;
                 }
                 until = match converged {
+                    true if self.damped => lagging,
                     true => tight,
                     false if until == tight && more > 0 => {
                         more -= 1;
                         tight
                     }
-                    false if until == tight && weakens => lagging,
-                    false if until == loose && weakens => lagging,
+                    false if (until == tight || until == loose) && weakens => {
+                        self.damped = true;
+                        loose.lagged = true;
+                        lagging
+                    }
                     false if until == loose => tight,
                     false => {
                         let stands = (&states[..], fixed.unwrap_or(h.as_ref()));
