@@ -112,7 +112,11 @@ pub(super) fn slip_after(
         }
     };
     let moved = states.iter().enumerate().flat_map(moved);
-    gamma.iter().zip(moved).map(|(g, moved)| g + moved).collect()
+    gamma
+        .iter()
+        .zip(moved)
+        .map(|(g, moved)| g + moved)
+        .collect()
 }
 
 impl Simulation<'_> {

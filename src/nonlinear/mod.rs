@@ -15,6 +15,7 @@
 mod accuracy;
 mod active_set;
 mod all_steps;
+mod arrest;
 mod assembled;
 mod chosen;
 mod coupled;

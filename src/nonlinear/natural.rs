@@ -234,6 +234,7 @@ mod tests {
             slip: vec![0.0; 2 * faces],
             t: vec![0.0; 3 * faces],
             torn: Vec::new(),
+            limits_at: Vec::new(),
         }
     }
 

@@ -238,7 +238,9 @@ pub(super) fn newton(
         if solved.stopped {
             return Err(Failure::Stopped);
         }
-        let takes = damping.as_mut().is_none_or(|damping| damping.takes(&correction));
+        let takes = damping
+            .as_mut()
+            .is_none_or(|damping| damping.takes(&correction));
         if !takes {
             records.push(record.solved(&solved, 0.0));
             iteration += 1;

@@ -37,6 +37,8 @@ pub struct Start {
     /// Faces that opened and closed again within the step, which have lost their cohesion for the rest of it; empty where there are
     /// none.
     pub torn: Vec<bool>,
+    /// Slip per face at which the limits of weakening faces stay [m]; empty where they follow it.
+    pub limits_at: Vec<f64>,
 }
 
 impl Start {
@@ -226,9 +228,12 @@ impl<'a> ContactProblem<'a> {
         self.body.friction[fracture].unwrap_or(Friction::NONE)
     }
 
-    /// Friction of a face within a step: without cohesion where it is torn.
+    /// Friction of a face within a step: without cohesion where it is torn, without weakening where its limit stays.
     pub(super) fn friction_in(&self, face: usize, start: &Start) -> Friction {
-        let friction = self.friction(face);
+        let friction = match start.limits_at.get(face) {
+            Some(slip) => self.friction(face).at_slip(*slip),
+            None => self.friction(face),
+        };
         match start.is_torn(face) {
             true => Friction {
                 cohesion: 0.0,

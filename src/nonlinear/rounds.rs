@@ -167,7 +167,16 @@ impl Search<'_, '_> {
                 false => settings.state_tolerance,
             };
             let changes = self.judge.changes(&states, x, &at, zero);
-            let changes = attempt.with_openings(&states, changes)?;
+            let mut changes = attempt.with_openings(&states, changes)?;
+            // new-slip to slip leaves the equations as they are
+            let renamed = |(f, state): &(usize, ContactState)| {
+                states[*f] == ContactState::NewSlip && *state == ContactState::Slip
+            };
+            if weakens && std::env::var_os("HN_NOMERGE").is_none() && changes.iter().all(renamed) {
+                for (f, state) in changes.drain(..) {
+                    states[f] = state;
+                }
+            }
             let step = Step::Round {
                 round: round + 1,
                 changed: changes.len(),
@@ -209,8 +218,8 @@ impl Search<'_, '_> {
                         tight
                     }
                     false if (until == tight || until == loose) && weakens => {
-                        self.damped = true;
-                        loose.lagged = true;
+                        self.damped = std::env::var_os("HN_NOCARRY").is_none();
+                        loose.lagged = self.damped;
                         lagging
                     }
                     false if until == loose => tight,

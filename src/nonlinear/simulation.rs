@@ -274,6 +274,7 @@ impl<'a> Simulation<'a> {
             slip: state.slip.clone(),
             t: reference,
             torn: Vec::new(),
+            limits_at: Vec::new(),
         };
         let times = [state.time, target.time];
         let from = (&state.p[..], &state.states[..], &start.jump[..]);
