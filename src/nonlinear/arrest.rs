@@ -15,6 +15,9 @@ const PASSES: usize = 80;
 /// Largest growth of what a pass adds to slip. Unit: 1.
 const GROWTH: f64 = 3.0;
 
+/// Passes, one of which goes farther: the others smooth what that amplifies. Unit: 1.
+const SMOOTH: usize = 5;
+
 /// Shares of what a pass adds that the next one starts with. Unit: 1.
 const SHARES: [f64; 2] = [0.25, 10.0];
 
@@ -23,8 +26,8 @@ const SHARES: [f64; 2] = [0.25, 10.0];
 ///
 /// In a pass the limits are those of the slip of the pass before, so that no face weakens and states settle; then they follow the slip.
 /// Slip rests where its limits do; where the patch loses more than the rock gives back it grows from pass to pass until nothing is left to
-/// lose. With `s' − s = α r`, r what the last pass adds, `r' = (1 + α (ρ − 1)) r`: α is the step of the damper, `1/(1 − ρ)` at rest, and
-/// lets r grow threefold at most. A face that sticks again keeps the limit that it has lost.
+/// lose. With `s' − s = α r`, r what the last pass adds, `r' = (1 + α (ρ − 1)) r`: now and then α is `1/(1 − ρ)`, or lets r grow threefold.
+/// A face that sticks again keeps the limit that it has lost.
 ///
 /// # Errors
 /// `reason` where nothing comes to rest, and what is no matter of states.
@@ -38,23 +41,23 @@ pub(super) fn arrest(
     let problem = attempt.problem;
     let solver = problem.body().solver;
     let torn = matches!(reason, Failure::Torn { .. });
-    if std::env::var_os("HN_NOARREST").is_some() || solver.unstable != Unstable::Arrest || torn || !reason.may_be_cut() {
+    if solver.unstable != Unstable::Arrest || torn || !reason.may_be_cut() {
         return Err(reason);
     }
     let of = |v: &[f64], f: usize| v[2 * f].hypot(v[2 * f + 1]);
     let faces = 0..states.len();
     let mut limits_at: Vec<f64> = faces.clone().map(|f| of(&attempt.start.slip, f)).collect();
     let (mut last, mut share): (Vec<f64>, f64) = (Vec::new(), 1.0);
-    for _ in 0..PASSES {
+    for pass in 0..PASSES {
         let start = Start {
             limits_at: limits_at.clone(),
             ..attempt.start.clone()
         };
-        let pass = Attempt {
+        let at_limits = Attempt {
             start: &start,
             ..attempt.clone()
         };
-        let settled = match holding.settle(&pass, states, x, log, observer) {
+        let settled = match holding.settle(&at_limits, states, x, log, observer) {
             Ok(settled) => settled,
             Err(failure @ (Failure::Stopped | Failure::Torn { .. })) => return Err(failure),
             Err(_) => return Err(reason),
@@ -81,13 +84,15 @@ pub(super) fn arrest(
         }
         let before = dot(&last, &last);
         if last.len() == adds.len() && before > 0.0 {
-            let growth = dot(&adds, &last) / before;
-            let ratio = 1.0 + (growth - 1.0) / share;
-            let next = match ratio < 1.0 {
+            let ratio = 1.0 + (dot(&adds, &last) / before - 1.0) / share;
+            let far = match ratio < 1.0 {
                 true => 1.0 / (1.0 - ratio),
                 false => (GROWTH - 1.0) / (ratio - 1.0),
             };
-            share = next.clamp(SHARES[0], SHARES[1]);
+            share = match far < 1.0 || pass % SMOOTH == SMOOTH - 1 {
+                true => far.clamp(SHARES[0], SHARES[1]),
+                false => 1.0,
+            };
         }
         for (at, add) in limits_at.iter_mut().zip(&adds) {
             *at = (*at + share * add).max(0.0);

@@ -2,8 +2,11 @@
 
 use fracas_operators::vector::dot;
 
-/// Largest θρ: K − θ W stays definite. Unit: 1.
-const DEFINITE: f64 = 0.9;
+/// Largest θρ, at first and where ρ stands: K − θ W stays definite. Unit: 1.
+const DEFINITE: [f64; 2] = [0.9, 0.97];
+
+/// Relative change of ρ from one correction to the next at which it stands. Unit: 1.
+const STANDS: f64 = 0.02;
 
 /// Growth of corrections that slip running away is given at most. Unit: 1.
 const GROWTH: f64 = 3.0;
@@ -14,7 +17,7 @@ const GROWTH: f64 = 3.0;
 /// δ' = q δ        q = (1 − θ) ρ/(1 − θ' ρ)        ρ the largest eigenvalue of K⁻¹ W
 /// ```
 /// Limits of the iterate before, θ = 0, make q = ρ: where the patch is next to critical they come to rest, or run away, by a few per cent a
-/// step. With `θρ ≤ 0.9` slip goes the same way and K − θ W stays definite, so that it rests where W < K alone; the whole W would lead back
+/// step. With `θρ < 1` slip goes the same way and K − θ W stays definite, so that it rests where W < K alone; the whole W would lead back
 /// to the critical state. ρ is what corrections in a row show.
 #[derive(Default)]
 pub(super) struct Damping {
@@ -24,6 +27,8 @@ pub(super) struct Damping {
     before: f64,
     /// Last correction.
     last: Vec<f64>,
+    /// ρ that it showed.
+    ratio: f64,
 }
 
 impl Damping {
@@ -40,13 +45,15 @@ impl Damping {
             ratio = q / (1.0 - self.before + self.share * q);
             // q < 0 beyond the pole at θρ = 1
             if q < 0.0 && ratio > 0.0 {
-                self.share = share(ratio).min(0.5 * self.share);
+                self.share = share(ratio, DEFINITE[0]).min(0.5 * self.share);
                 return false;
             }
         }
         self.before = self.share;
         if ratio.is_finite() {
-            self.share = share(ratio);
+            let stands = (ratio - self.ratio).abs() <= STANDS * ratio;
+            self.share = share(ratio, DEFINITE[usize::from(stands)]);
+            self.ratio = ratio;
         }
         self.last.clear();
         self.last.extend_from_slice(correction);
@@ -54,10 +61,9 @@ impl Damping {
     }
 }
 
-/// θ for this ρ.
-fn share(ratio: f64) -> f64 {
-    if std::env::var_os("HN_NODAMP").is_some() { return 0.0; }
-    let definite = DEFINITE / ratio.max(1.0);
+/// θ for this ρ and largest θρ.
+fn share(ratio: f64, most: f64) -> f64 {
+    let definite = most / ratio.max(1.0);
     match ratio > 1.0 {
         true => definite
             .min((GROWTH - ratio) / (ratio * (GROWTH - 1.0)))

@@ -13,7 +13,7 @@ use fracas_solvers::saddle::Judged;
 use fracas_solvers::{Observer, Step};
 
 /// Steps of damped continuation that a round may take.
-const LAGGED_STEPS: usize = 60;
+const LAGGED_STEPS: usize = 100;
 
 /// How rounds ended.
 pub(super) enum Ended {
@@ -172,7 +172,7 @@ impl Search<'_, '_> {
             let renamed = |(f, state): &(usize, ContactState)| {
                 states[*f] == ContactState::NewSlip && *state == ContactState::Slip
             };
-            if weakens && std::env::var_os("HN_NOMERGE").is_none() && changes.iter().all(renamed) {
+            if weakens && changes.iter().all(renamed) {
                 for (f, state) in changes.drain(..) {
                     states[f] = state;
                 }
@@ -218,8 +218,8 @@ impl Search<'_, '_> {
                         tight
                     }
                     false if (until == tight || until == loose) && weakens => {
-                        self.damped = std::env::var_os("HN_NOCARRY").is_none();
-                        loose.lagged = self.damped;
+                        self.damped = true;
+                        loose.lagged = true;
                         lagging
                     }
                     false if until == loose => tight,
