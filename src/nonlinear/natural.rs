@@ -195,7 +195,7 @@ impl ContactProblem<'_> {
                     stiffness: stiffness[f],
                     multiplier: point.traction,
                     friction: law.friction,
-                    lagged: false,
+                    keeps: 1.0,
                 };
                 let spring = spring.at(point.jump, point.start, None);
                 let squares = |v: [f64; 3]| v.iter().map(|v| v * v).sum::<f64>();

@@ -206,7 +206,7 @@ impl Search<'_, '_> {
                     until = Until {
                         residual: last * residual,
                         steps: settings.rounds.loose_steps.min(settings.max_newton),
-                        ..until
+                        lagged: false,
                     };
                     continue;
                 }
