@@ -79,9 +79,7 @@ mod tests {
     /// `K s − min(W s, W d) = f` of one face, K = 1: at rest below d where W < 1, beyond it where W > 1.
     #[test]
     fn slip_of_one_face_comes_to_rest_wherever_it_is_next_to_critical() {
-        for excess in [
-            -0.5, -0.1, -1e-2, -1e-3, 0.0, 1e-3, 1e-2, 0.1, 0.5, 1.0, 4.0,
-        ] {
+        for excess in [-0.5, -0.1, -1e-2, 0.0, 1e-3, 1e-2, 0.1, 0.5, 1.0, 4.0] {
             let (w, d, f) = (1.0 + excess, 1.0, 1e-3);
             let residual = |s: f64| f - s + w * f64::min(s, d);
             let (mut damping, mut s, mut steps) = (Damping::default(), 0.0, 0);

@@ -30,7 +30,7 @@ pub struct EnergyRecord {
     /// of faces that end closed: stored, `½ ΔtᵀH Δt` while no face changes its state, and given back with the tractions.
     pub stabilization_work: f64,
     /// D: dissipated by friction, `Σ A_f t_T·Δγ` of slipping faces with t_T at the end of the step; no face's share is
-    /// negative but for rounding, as slip follows the traction.
+    /// negative but for rounding and for tractions that count as none, as slip follows the traction.
     pub dissipation: f64,
     /// W_v: that creep takes, `∫ ½ (s̃ + s̃')·Δε_v dV` of the stresses that come with strain; 0 where nothing creeps.
     pub creep_work: f64,

@@ -95,7 +95,7 @@ impl FaceFields {
 pub(super) fn slip_after(
     gamma: &[f64],
     [from, to, t]: [&[f64]; 3],
-    states: &[ContactState],
+    (states, compliance): (&[ContactState], &[f64]),
 ) -> Vec<f64> {
     let moved = |(f, state): (usize, &ContactState)| {
         let moved = [1, 2].map(|k| to[3 * f + k] - from[3 * f + k]);
@@ -103,7 +103,10 @@ pub(super) fn slip_after(
         let along = t[0] * moved[0] + t[1] * moved[1];
         match state {
             ContactState::Stick => [0.0; 2],
-            ContactState::NewSlip | ContactState::Slip if along < 0.0 => {
+            // beyond ω ‖t‖ the traction is what is left of none
+            ContactState::NewSlip | ContactState::Slip
+                if along < 0.0 && -along <= compliance[f] * (t[0] * t[0] + t[1] * t[1]) =>
+            {
                 // what is left lies across t
                 let across = (t[0] * moved[1] - t[1] * moved[0]) / (t[0] * t[0] + t[1] * t[1]);
                 [-across * t[1], across * t[0]]
@@ -170,7 +173,11 @@ mod tests {
         let t = [-1.0, 3.0, 4.0];
         let after = |moved: [f64; 2], state: ContactState| {
             let to = [0.0, 2.0 + moved[0], -1.0 + moved[1]];
-            slip_after(&[0.5, 0.5], [&[0.0, 2.0, -1.0], &to, &t], &[state])
+            slip_after(
+                &[0.5, 0.5],
+                [&[0.0, 2.0, -1.0], &to, &t],
+                (&[state], &[1.0]),
+            )
         };
         assert_eq!(after([0.25, 0.5], Slip), [0.75, 1.0]);
         assert_eq!(after([-0.25, -0.5], Open), [0.25, 0.0]);

@@ -348,7 +348,11 @@ impl<'a> Simulation<'a> {
         let problem = &self.problem;
         let from = problem.jumps(&before.u, &problem.loads().at(before.time, before.loaded));
         let jump = problem.jumps(&x.u, load);
-        let slip = slip_after(&before.slip, [&from, &effective, &x.t], &states);
+        let slip = slip_after(
+            &before.slip,
+            [&from, &effective, &x.t],
+            (&states, problem.compliance()),
+        );
         let fields = FaceFields::new(problem, &states, [&x.t, &slip], jump, Vec::new());
         let accepted = log.linear.iter().map(|l| l.attempt).max();
         let last = log.linear.iter().filter(|l| Some(l.attempt) == accepted);
