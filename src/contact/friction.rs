@@ -43,6 +43,15 @@ impl Friction {
         }
     }
 
+    /// The same, as it is after `slip` [m], without weakening.
+    pub(crate) fn at_slip(self, slip: f64) -> Self {
+        Self {
+            angle: self.angle_at(slip).0,
+            weakening: None,
+            ..self
+        }
+    }
+
     /// τ_L [Pa]: the largest shear traction that a face carries under the normal traction `t_n` [Pa] after `slip` [m];
     /// never negative, whatever tension an iterate has.
     pub fn limit(self, t_n: f64, slip: f64) -> f64 {

@@ -97,6 +97,7 @@ pub(super) fn active_set(
         judge: &mut judge,
         accuracy: Accuracy::new(attempt),
         linear,
+        damped: false,
         observer,
     };
     let (from, first) = (x.clone(), log.rounds + 1);

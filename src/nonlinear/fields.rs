@@ -86,24 +86,39 @@ impl FaceFields {
 
 /// γ at the end of a step: `γ + Δg_T` of faces that ended it in slip or open, γ of those in stick.
 ///
+/// A face may end in slip with its shear below the limit by as much as faces are judged to; it has then gone against its traction, by no
+/// more than the compliance makes of that. The part along the traction is no slip, as friction gives no energy: it stays with the rest of
+/// the jump, as that of a face in stick does.
+///
 /// # Shape
-/// γ: two per face; jumps from, and jumps to less what H lets through on the way to slip: three per face.
+/// γ: two per face; jumps from, and jumps to less what H lets through on the way to slip: three per face; tractions: three per face.
 pub(super) fn slip_after(
     gamma: &[f64],
-    [from, to]: [&[f64]; 2],
-    states: &[ContactState],
+    [from, to, t]: [&[f64]; 3],
+    (states, compliance): (&[ContactState], &[f64]),
 ) -> Vec<f64> {
-    let moved = |i: usize| {
-        let (f, k) = (i / 2, 3 * (i / 2) + 1 + i % 2);
-        match states[f] {
-            ContactState::Stick => 0.0,
-            ContactState::NewSlip | ContactState::Slip | ContactState::Open => to[k] - from[k],
+    let moved = |(f, state): (usize, &ContactState)| {
+        let moved = [1, 2].map(|k| to[3 * f + k] - from[3 * f + k]);
+        let t = [1, 2].map(|k| t[3 * f + k]);
+        let along = t[0] * moved[0] + t[1] * moved[1];
+        match state {
+            ContactState::Stick => [0.0; 2],
+            // beyond ω ‖t‖ the traction is what is left of none
+            ContactState::NewSlip | ContactState::Slip
+                if along < 0.0 && -along <= compliance[f] * (t[0] * t[0] + t[1] * t[1]) =>
+            {
+                // what is left lies across t
+                let across = (t[0] * moved[1] - t[1] * moved[0]) / (t[0] * t[0] + t[1] * t[1]);
+                [-across * t[1], across * t[0]]
+            }
+            ContactState::NewSlip | ContactState::Slip | ContactState::Open => moved,
         }
     };
+    let moved = states.iter().enumerate().flat_map(moved);
     gamma
         .iter()
-        .enumerate()
-        .map(|(i, g)| g + moved(i))
+        .zip(moved)
+        .map(|(g, moved)| g + moved)
         .collect()
 }
 
@@ -145,5 +160,30 @@ impl Simulation<'_> {
         loads
             .prescribed_at(state.time, state.loaded)
             .expand(&state.u)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ContactState::{Open, Slip, Stick};
+
+    #[test]
+    fn slip_against_its_traction_keeps_what_lies_across_it() {
+        let t = [-1.0, 3.0, 4.0];
+        let after = |moved: [f64; 2], state: ContactState| {
+            let to = [0.0, 2.0 + moved[0], -1.0 + moved[1]];
+            slip_after(
+                &[0.5, 0.5],
+                [&[0.0, 2.0, -1.0], &to, &t],
+                (&[state], &[1.0]),
+            )
+        };
+        assert_eq!(after([0.25, 0.5], Slip), [0.75, 1.0]);
+        assert_eq!(after([-0.25, -0.5], Open), [0.25, 0.0]);
+        assert_eq!(after([0.25, 0.5], Stick), [0.5, 0.5]);
+        // (−3, −4)/4 + (−4, 3)/8
+        let across = after([-1.25, -0.625], Slip);
+        assert_eq!(across, [0.0, 0.875]);
     }
 }

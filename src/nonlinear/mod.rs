@@ -15,11 +15,13 @@
 mod accuracy;
 mod active_set;
 mod all_steps;
+mod arrest;
 mod assembled;
 mod chosen;
 mod coupled;
 mod creeping;
 mod cycling;
+mod damping;
 mod energy;
 mod face_rules;
 mod factorized;

@@ -195,7 +195,7 @@ impl ContactProblem<'_> {
                     stiffness: stiffness[f],
                     multiplier: point.traction,
                     friction: law.friction,
-                    lagged: false,
+                    keeps: 1.0,
                 };
                 let spring = spring.at(point.jump, point.start, None);
                 let squares = |v: [f64; 3]| v.iter().map(|v| v * v).sum::<f64>();
@@ -234,6 +234,7 @@ mod tests {
             slip: vec![0.0; 2 * faces],
             t: vec![0.0; 3 * faces],
             torn: Vec::new(),
+            limits_at: Vec::new(),
         }
     }
 

@@ -1,5 +1,6 @@
 //! Newton's method at fixed contact states.
 
+use super::damping::Damping;
 use super::krylov::Solved;
 use super::linear::Linear;
 use super::record::count;
@@ -121,7 +122,7 @@ pub(super) struct Until {
     pub(super) residual: f64,
     /// Most steps.
     pub(super) steps: usize,
-    /// The tangent leaves out the derivative of weakening.
+    /// Steps are those of [`Damping`].
     pub(super) lagged: bool,
 }
 
@@ -140,7 +141,7 @@ impl Until {
 /// be larger than asked when the steps run out.
 ///
 /// `J δ = −r` to `η = max(last asked/‖r‖, min(forcing, ‖r‖²/‖r_before‖²))` (Eisenstat and Walker, choice 2), with
-/// backtracking on ‖r‖. With stick and open alone the equations are linear, and one solve does it.
+/// backtracking on ‖r‖, or in full with [`Damping`]. With stick and open alone the equations are linear, and one solve does it.
 pub(super) fn newton(
     attempt: &Attempt<'_>,
     (states, h): (&[ContactState], Option<&Csr<f64>>),
@@ -155,8 +156,8 @@ pub(super) fn newton(
     let layout = attempt.layout();
     let evaluate = |x: &Iterate| attempt.evaluate(states, h, x);
     let is_linear = attempt.is_linear(states);
-    // an iteration that lags weakening may have to pass a larger residual
-    let fixed_point = until.lagged && problem.weakens();
+    // damped continuation may have to pass a larger residual
+    let mut damping = (until.lagged && problem.weakens()).then(Damping::default);
     let mut correction = vec![0.0; layout.len()];
     let (mut at, mut before) = (evaluate(x), f64::INFINITY);
     let mut iteration = 0;
@@ -196,6 +197,9 @@ pub(super) fn newton(
             });
             return Err(Failure::Stopped);
         }
+        if let Some(damping) = &damping {
+            at.keep(damping.share());
+        }
         // J δ = −r
         let solved = match attempt.flow {
             Some(_) => {
@@ -234,6 +238,15 @@ pub(super) fn newton(
         if solved.stopped {
             return Err(Failure::Stopped);
         }
+        let takes = damping
+            .as_mut()
+            .is_none_or(|damping| damping.takes(&correction));
+        if !takes {
+            records.push(record.solved(&solved, 0.0));
+            iteration += 1;
+            at = evaluate(x);
+            continue;
+        }
         let from_size = linear.size_of(attempt, &at.residual);
         // x ← x + α δ with the largest α = 1, ½, … that lowers the residual
         let (from, mut length) = (x.clone(), attempt.first_length(states, &at, &correction));
@@ -242,7 +255,7 @@ pub(super) fn newton(
             at = evaluate(x);
             let new = linear.size_of(attempt, &at.residual);
             let lowered = new <= (1.0 - DECREASE * length) * from_size;
-            if is_linear || fixed_point || lowered || backtrack == BACKTRACKS {
+            if is_linear || damping.is_some() || lowered || backtrack == BACKTRACKS {
                 break;
             }
             length *= 0.5;

@@ -154,6 +154,7 @@ mod tests {
             slip: vec![0.0; n_t / 3 * 2],
             t: vec![0.0; n_t],
             torn: Vec::new(),
+            limits_at: Vec::new(),
         };
         let h = problem.stabilization(&states);
         let at = problem.evaluate(&states, h.as_ref(), [&u, &t], &start, &load);

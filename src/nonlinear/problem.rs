@@ -37,6 +37,8 @@ pub struct Start {
     /// Faces that opened and closed again within the step, which have lost their cohesion for the rest of it; empty where there are
     /// none.
     pub torn: Vec<bool>,
+    /// Slip per face at which the limits of weakening faces stay [m]; empty where they follow it.
+    pub limits_at: Vec<f64>,
 }
 
 impl Start {
@@ -60,7 +62,7 @@ pub struct Evaluation {
     /// ‖Q1 p‖₂, 0 where nothing flows [N].
     pub(super) pushed: f64,
     rows: Vec<FaceRows>,
-    /// The same with derivatives that leave out weakening, where there is any.
+    /// The same with derivatives that leave out weakening, or some of it, where there is any.
     lagged: Option<Vec<FaceRows>>,
 }
 
@@ -70,6 +72,14 @@ impl Evaluation {
         match &self.lagged {
             Some(rows) if lagged => rows,
             _ => &self.rows,
+        }
+    }
+
+    /// The derivatives that leave out weakening keep this share of it.
+    pub(super) fn keep(&mut self, share: f64) {
+        for (lagged, rows) in self.lagged.iter_mut().flatten().zip(&self.rows) {
+            let pairs = (lagged.by_jump.iter_mut().flatten()).zip(rows.by_jump.iter().flatten());
+            pairs.for_each(|(lagged, whole)| *lagged += share * (whole - *lagged));
         }
     }
 }
@@ -218,9 +228,12 @@ impl<'a> ContactProblem<'a> {
         self.body.friction[fracture].unwrap_or(Friction::NONE)
     }
 
-    /// Friction of a face within a step: without cohesion where it is torn.
+    /// Friction of a face within a step: without cohesion where it is torn, without weakening where its limit stays.
     pub(super) fn friction_in(&self, face: usize, start: &Start) -> Friction {
-        let friction = self.friction(face);
+        let friction = match start.limits_at.get(face) {
+            Some(slip) => self.friction(face).at_slip(*slip),
+            None => self.friction(face),
+        };
         match start.is_torn(face) {
             true => Friction {
                 cohesion: 0.0,

@@ -12,8 +12,8 @@ use fracas_operators::sparse::Csr;
 use fracas_solvers::saddle::Judged;
 use fracas_solvers::{Observer, Step};
 
-/// Newton steps that a round may take while the limit of the iterate before stands for weakening.
-const LAGGED_STEPS: usize = 60;
+/// Steps of damped continuation that a round may take.
+const LAGGED_STEPS: usize = 100;
 
 /// How rounds ended.
 pub(super) enum Ended {
@@ -37,6 +37,8 @@ pub(super) struct Search<'a, 's> {
     pub(super) judge: &'a mut Judge<'s>,
     pub(super) accuracy: Option<Accuracy<'s>>,
     pub(super) linear: &'a mut Linear,
+    /// Newton with the whole of weakening has failed in this attempt.
+    pub(super) damped: bool,
     pub(super) observer: &'a mut dyn Observer,
 }
 
@@ -77,10 +79,10 @@ impl Search<'_, '_> {
     ) -> Result<Ended, Failure> {
         let (attempt, problem) = (self.attempt, self.attempt.problem);
         let settings = problem.body().solver;
-        let loose = Until {
+        let mut loose = Until {
             residual: settings.tolerance.max(settings.rounds.loose),
             steps: attempt.loose_steps(settings.rounds.loose_steps.min(settings.max_newton)),
-            lagged: false,
+            lagged: self.damped,
         };
         let tight = Until {
             residual: settings.tolerance,
@@ -89,7 +91,7 @@ impl Search<'_, '_> {
         };
         // times that it may go on where a round of Newton was cut short to look at the faces
         let mut more = settings.max_newton.div_ceil(tight.steps) - 1;
-        // what the lag of weakening takes: it converges by a factor a step
+        // damped continuation converges by a factor a step
         let lagging = Until {
             steps: LAGGED_STEPS,
             lagged: true,
@@ -108,7 +110,7 @@ impl Search<'_, '_> {
             accuracy.begin();
             self.linear.other_states();
         }
-        // weakening beside an H that is held: limits are those of the iterate before
+        // weakening beside an H that is held
         let mut until = match fixed.is_some() && weakens {
             true => lagging,
             false => loose,
@@ -165,7 +167,16 @@ impl Search<'_, '_> {
                 false => settings.state_tolerance,
             };
             let changes = self.judge.changes(&states, x, &at, zero);
-            let changes = attempt.with_openings(&states, changes)?;
+            let mut changes = attempt.with_openings(&states, changes)?;
+            // new-slip to slip leaves the equations as they are
+            let renamed = |(f, state): &(usize, ContactState)| {
+                states[*f] == ContactState::NewSlip && *state == ContactState::Slip
+            };
+            if weakens && changes.iter().all(renamed) {
+                for (f, state) in changes.drain(..) {
+                    states[f] = state;
+                }
+            }
             let step = Step::Round {
                 round: round + 1,
                 changed: changes.len(),
@@ -195,18 +206,22 @@ impl Search<'_, '_> {
                     until = Until {
                         residual: last * residual,
                         steps: settings.rounds.loose_steps.min(settings.max_newton),
-                        ..until
+                        lagged: false,
                     };
                     continue;
                 }
                 until = match converged {
+                    true if self.damped => lagging,
                     true => tight,
                     false if until == tight && more > 0 => {
                         more -= 1;
                         tight
                     }
-                    false if until == tight && weakens => lagging,
-                    false if until == loose && weakens => lagging,
+                    false if (until == tight || until == loose) && weakens => {
+                        self.damped = true;
+                        loose.lagged = true;
+                        lagging
+                    }
                     false if until == loose => tight,
                     false => {
                         let stands = (&states[..], fixed.unwrap_or(h.as_ref()));

@@ -274,6 +274,7 @@ impl<'a> Simulation<'a> {
             slip: state.slip.clone(),
             t: reference,
             torn: Vec::new(),
+            limits_at: Vec::new(),
         };
         let times = [state.time, target.time];
         let from = (&state.p[..], &state.states[..], &start.jump[..]);
@@ -347,7 +348,11 @@ impl<'a> Simulation<'a> {
         let problem = &self.problem;
         let from = problem.jumps(&before.u, &problem.loads().at(before.time, before.loaded));
         let jump = problem.jumps(&x.u, load);
-        let slip = slip_after(&before.slip, [&from, &effective], &states);
+        let slip = slip_after(
+            &before.slip,
+            [&from, &effective, &x.t],
+            (&states, problem.compliance()),
+        );
         let fields = FaceFields::new(problem, &states, [&x.t, &slip], jump, Vec::new());
         let accepted = log.linear.iter().map(|l| l.attempt).max();
         let last = log.linear.iter().filter(|l| Some(l.attempt) == accepted);

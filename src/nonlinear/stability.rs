@@ -1,6 +1,7 @@
 //! Slip that runs away under weakening: the tangent of the patch that slips is not positive definite.
 
 use super::active_set::{Log, Settled};
+use super::arrest::arrest;
 use super::newton::{Attempt, Iterate};
 use super::{ContactProblem, Event, Failure, LinearFailure, Load};
 use crate::analytic::{Rock, nucleation_half_length};
@@ -136,7 +137,12 @@ pub(super) fn stable(
     }
     let start = x.clone();
     log.unstable = None;
-    match holding.settle(attempt, states, x, log, observer) {
+    let from = (states.clone(), x.clone());
+    let settled = match holding.settle(attempt, states, x, log, observer) {
+        Err(reason) => arrest(attempt, from, reason, holding, (log, observer)),
+        settled => settled,
+    };
+    match settled {
         Ok(mut settled) => {
             let found = Slipping::Settled {
                 traction: settled.traction,

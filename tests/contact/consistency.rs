@@ -47,6 +47,7 @@ fn point(problem: &ContactProblem<'_>) -> (Vec<f64>, Vec<f64>, Start) {
         slip: numbers(2 * faces, 7).iter().map(|v| 1e-5 * v).collect(),
         t: numbers(3 * faces, 4).iter().map(|v| 1e5 * v).collect(),
         torn: Vec::new(),
+        limits_at: Vec::new(),
     };
     start.t.iter_mut().step_by(3).for_each(|t| *t = 0.0);
     (u, t, start)

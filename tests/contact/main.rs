@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod accuracy;
+mod arrested;
 mod consistency;
 mod jacobian;
 mod known;

@@ -100,11 +100,11 @@ fn all() -> impl Iterator<Item = (u64, &'static str, f64)> {
     (first..first + runs()).flat_map(with)
 }
 
-fn runs() -> u64 {
+pub(crate) fn runs() -> u64 {
     asked("FRACAS_RUNS", RUNS)
 }
 
-fn asked(name: &str, otherwise: u64) -> u64 {
+pub(crate) fn asked(name: &str, otherwise: u64) -> u64 {
     std::env::var(name).map_or(otherwise, |value| value.parse().unwrap())
 }
 

@@ -36,6 +36,7 @@ fn the_jacobian_of_three_fields_is_the_derivative_in_every_state() {
             slip: vec![0.0; 2 * faces],
             t: vec![0.0; 3 * faces],
             torn: Vec::new(),
+            limits_at: Vec::new(),
         };
         let x = Iterate {
             u: (0..body.constraints.free_len())

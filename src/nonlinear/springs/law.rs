@@ -23,8 +23,8 @@ pub(in crate::nonlinear) struct SpringLaw {
     pub(in crate::nonlinear) multiplier: [f64; 3],
     /// Coulomb friction.
     pub(in crate::nonlinear) friction: Friction,
-    /// K leaves out the derivative of weakening.
-    pub(in crate::nonlinear) lagged: bool,
+    /// Share of the derivative of weakening that K keeps. Unit: 1.
+    pub(in crate::nonlinear) keeps: f64,
 }
 
 /// What the springs of a face do.
@@ -69,16 +69,15 @@ impl SpringLaw {
             return spring;
         }
         spring.state = ContactState::Slip;
-        let law = self
-            .friction
-            .slip_traction(normal, [w1, w2], g, self.lagged);
+        let law = (self.friction).slip_traction(normal, [w1, w2], g, false);
         spring.direction = law.direction;
         spring.across = kappa * law.turning;
         for i in 0..2 {
             spring.traction[1 + i] = limit * law.direction[i];
             spring.tangent[1 + i][0] = kappa * law.by_normal[i];
             for j in 0..2 {
-                spring.tangent[1 + i][1 + j] = kappa * law.by_trial[i][j] + law.by_slip[i][j];
+                spring.tangent[1 + i][1 + j] =
+                    kappa * law.by_trial[i][j] + self.keeps * law.by_slip[i][j];
             }
         }
         spring
@@ -199,7 +198,7 @@ mod tests {
                 distance: 4e-3,
             }),
         },
-        lagged: false,
+        keeps: 1.0,
     };
     const START: [f64; 2] = [3e-4, 2e-4];
 

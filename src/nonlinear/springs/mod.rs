@@ -123,7 +123,7 @@ impl Holding for SpringMethod {
             let faces = Springs {
                 stiffness: &stiffness,
                 multiplier: &multiplier,
-                lagged: false,
+                keeps: 1.0,
             };
             let linear = (&mut self.linear, update);
             let Solution { at, error } = newton(

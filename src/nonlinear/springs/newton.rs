@@ -5,6 +5,7 @@ use super::linear::SpringLinear;
 use crate::contact::ContactState;
 use crate::nonlinear::accuracy::Accuracy;
 use crate::nonlinear::active_set::Log;
+use crate::nonlinear::damping::Damping;
 use crate::nonlinear::newton::{Attempt, BACKTRACKS, DECREASE, Iterate, relative};
 use crate::nonlinear::record::count;
 use crate::nonlinear::turns::Turns;
@@ -21,7 +22,7 @@ const FULL: usize = 12;
 /// Steps that errors take at most from one judgement to the next.
 const EXTRA: usize = 4;
 
-/// The same with tangents that leave weakening out, which converge by a factor a step.
+/// The same with [`Damping`], which converges by a factor a step.
 const EXTRA_LAGGED: usize = 60;
 
 /// Largest relative residual of a linear solve, and share of the asked residual for the last one. Unit: 1.
@@ -83,8 +84,8 @@ pub(super) struct Solution {
 pub(super) struct Springs<'s> {
     pub(super) stiffness: &'s [f64],
     pub(super) multiplier: &'s [f64],
-    /// Their tangents leave out the derivative of weakening.
-    pub(super) lagged: bool,
+    /// Share of the derivative of weakening that their tangents keep. Unit: 1.
+    pub(super) keeps: f64,
 }
 
 /// Back to the iterate that was judged last, with what is told of its errors.
@@ -116,7 +117,7 @@ fn evaluate(
             stiffness: faces.stiffness[f],
             multiplier: std::array::from_fn(|k| faces.multiplier[3 * f + k]),
             friction: problem.friction_in(f, attempt.start),
-            lagged: faces.lagged,
+            keeps: faces.keeps,
         };
         let held = held.get(f).copied().flatten();
         let slip = [0, 1].map(|k| attempt.start.slip[2 * f + k]);
@@ -138,7 +139,7 @@ fn evaluate(
 /// `(A + B D Bᵀ) δ = r`, D the derivative of the tractions (semi-smooth Newton). The first step holds faces that stick or are
 /// open in `states`. It and the next dozen where a face changes its state are taken in full, and a face that reversed its slip
 /// is held in stick for the next one, as the active set would have it; after that, backtracking lowers ‖r‖. Where that fails
-/// under weakening, steps are taken in full with tangents that leave its derivative out. Below the tolerance the errors of u and t
+/// under weakening, steps are those of [`Damping`], taken in full. Below the tolerance the errors of u and t
 /// are judged, and steps go on until they are below it, too, or rounding leaves no more to gain.
 ///
 /// # Errors
@@ -163,6 +164,7 @@ pub(super) fn newton(
         accuracy.begin();
     }
     let weakens = attempt.problem.weakens();
+    let mut damping: Option<Damping> = None;
     let mut turns = Turns::new(states.len());
     for iteration in 0.. {
         log.states = at.states();
@@ -178,7 +180,11 @@ pub(super) fn newton(
             return Err(Failure::NotFinite { what });
         }
         since += 1;
-        let most = if faces.lagged { EXTRA_LAGGED } else { EXTRA };
+        let most = if damping.is_some() {
+            EXTRA_LAGGED
+        } else {
+            EXTRA
+        };
         // steps that rounding stops are few
         let stops = since == most && residual <= settings.tolerance;
         if residual <= asked || stops && judged.is_some() {
@@ -273,12 +279,13 @@ pub(super) fn newton(
                 break;
             }
             // an indefinite tangent
-            (Err(LinearFailure::Breakdown(breakdown)), _) if weakens && !faces.lagged => {
+            (Err(LinearFailure::Breakdown(breakdown)), _) if weakens && damping.is_none() => {
                 log.linear.push(LinearRecord {
                     iterations: breakdown.iteration(),
                     ..record
                 });
-                faces.lagged = true;
+                damping = Some(Damping::default());
+                faces.keeps = 0.0;
                 at = evaluate(attempt, faces, u, &[]);
                 continue;
             }
@@ -286,6 +293,15 @@ pub(super) fn newton(
         };
         if solved.stopped {
             return Err(Failure::Stopped);
+        }
+        if let Some(damping) = &mut damping {
+            let takes = damping.takes(&correction);
+            faces.keeps = damping.share();
+            if !takes {
+                log.linear.push(record.solved(&solved, 0.0));
+                at = evaluate(attempt, faces, u, &[]);
+                continue;
+            }
         }
         let (from, old_springs, mut length) = (u.to_vec(), std::mem::take(&mut at.springs), 1.0);
         let changed = |at: &Evaluation| {
@@ -297,13 +313,14 @@ pub(super) fn newton(
             axpy(length, &correction, u);
             at = evaluate(attempt, faces, u, &[]);
             let lowered = norm2(&at.residual) <= (1.0 - DECREASE * length) * size;
-            let full = holds || faces.lagged || iteration < FULL && changed(&at);
+            let full = holds || damping.is_some() || iteration < FULL && changed(&at);
             if lowered || full {
                 break;
             }
             if backtrack == BACKTRACKS {
-                if weakens {
-                    faces.lagged = true;
+                if weakens && damping.is_none() {
+                    damping = Some(Damping::default());
+                    faces.keeps = 0.0;
                     at = evaluate(attempt, faces, u, &[]);
                 }
                 break;
