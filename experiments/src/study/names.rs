@@ -4,6 +4,7 @@ use super::measure::{Group, Name};
 use super::product::Wanted;
 use super::{Column, FigureSection, Kind, Study, TableSection, formula};
 use std::cell::RefCell;
+use std::cmp::Ordering;
 use toml::Table;
 
 /// What is wrong with the k-th section of a kind.
@@ -129,7 +130,10 @@ impl Study {
             if within.len() > 2 || (!within.is_empty() && figure.kind != Kind::Map) {
                 return Err(judge.fail("`within` is for maps, one axis for x and one for y".into()));
             }
-            if figure.colors.is_some_and(|[low, high]| !(high > low)) {
+            if figure
+                .colors
+                .is_some_and(|[low, high]| low.partial_cmp(&high) != Some(Ordering::Less))
+            {
                 return Err(judge.fail("`colors` are two numbers, the lower one first".into()));
             }
             within
