@@ -25,7 +25,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         };
         // system folders of headers: their warnings are not ours
         for folder in library.include_paths {
-            build.flag("-isystem").flag(folder.to_string_lossy().as_ref());
+            build
+                .flag("-isystem")
+                .flag(folder.to_string_lossy().as_ref());
         }
     }
     build.try_compile("fracas_petsc")?;

@@ -1,6 +1,7 @@
 /* PETSc's preconditioners on one rank behind a flat interface. Whoever calls holds a lock: PETSc serves one thread at a time. */
 #include <petscksp.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* What a handle is made of. */
@@ -42,6 +43,14 @@ static int told(int code, char *text, int length)
   return code;
 }
 
+/* MPI keeps a folder until it ends. */
+static void end(void)
+{
+  int ended = 0;
+  MPI_Finalized(&ended);
+  if (!ended) MPI_Finalize();
+}
+
 int fracas_petsc_start(char *text, int length)
 {
   int begun = 0, provided = 0;
@@ -51,6 +60,7 @@ int fracas_petsc_start(char *text, int length)
     snprintf(said, sizeof said, "MPI does not start");
     return told(1, text, length);
   }
+  if (!begun) atexit(end);
   PETSC_COMM_WORLD = MPI_COMM_SELF;
   int code = PetscOptionsSetValue(NULL, "-no_signal_handler", "true");
   if (!code) code = PetscOptionsSetValue(NULL, "-skip_petscrc", "true");
@@ -67,9 +77,12 @@ static int option_left(void)
   char **names = NULL, **values = NULL;
   int code = PetscOptionsLeftGet(NULL, &left, &names, &values);
   if (code) return code;
-  if (left > 0) snprintf(said, sizeof said, "-%s", names[0]);
+  if (left > 0) {
+    snprintf(said, sizeof said, "-%s", names[0]);
+    code = REFUSED_OPTION;
+  }
   PetscOptionsLeftRestore(NULL, &left, &names, &values);
-  return left > 0 ? REFUSED_OPTION : 0;
+  return code;
 }
 
 static int one_is_fixed(void)

@@ -39,8 +39,8 @@ impl Named for dyn DirectSolver {
 static SOLVERS: Registry<dyn DirectSolver> = Registry::new("direct solver");
 
 impl DirectChoice {
-    /// Every backend of the house that has a name of its own and tells where a matrix is singular or indefinite.
-    pub const BACKENDS: [Self; 3] = [Self::Faer, Self::Cholmod, Self::Umfpack];
+    /// Every backend that has a name of its own.
+    pub const BACKENDS: [Self; 4] = [Self::Faer, Self::Cholmod, Self::Umfpack, Self::Mumps];
 
     /// Makes a solver known by its name.
     ///
@@ -111,7 +111,7 @@ impl FromStr for DirectChoice {
     type Err = UnknownDirect;
 
     fn from_str(name: &str) -> Result<Self, UnknownDirect> {
-        [Self::Auto, Self::Mumps]
+        [Self::Auto]
             .into_iter()
             .chain(Self::BACKENDS)
             .find(|choice| choice.to_string() == name)

@@ -53,7 +53,10 @@ impl Nodes {
             around.clear();
             around.push(node);
             place[node] = 0;
-            for row in (0..3).filter_map(free).filter_map(|i| a.outer_view(i as usize)) {
+            for row in (0..3)
+                .filter_map(free)
+                .filter_map(|i| a.outer_view(i as usize))
+            {
                 for j in row.indices() {
                     let other = slots[*j as usize] as usize / 3;
                     if place[other] == usize::MAX {
