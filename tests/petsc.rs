@@ -54,7 +54,7 @@ fn racp_around_mumps_is_racp_around_an_exact_s_u() {
 /// The scene of sizes, with thirty thousand unknowns.
 fn layered_crossing() -> Problem {
     let scene = named("layered_crossing").unwrap().scene().unwrap();
-    let cells = ["x", "y", "z"].map(|axis| format!("mesh.{axis}.cells=20"));
+    let cells = [("x", 16), ("y", 24), ("z", 24)].map(|(d, n)| format!("mesh.{d}.cells={n}"));
     scene.with_overrides(&cells).unwrap().into()
 }
 
