@@ -269,6 +269,10 @@ fn preconditioners(pools: &[ThreadPool; 2], name: &str, body: &Body) {
                 Some("fsai:static"),
                 Some("jacobi"),
                 Some("ssor"),
+                // refused, and so left out, without the feature petsc
+                Some("gamg"),
+                Some("boomeramg"),
+                Some("mumps"),
             ],
         };
         for inner in inner {

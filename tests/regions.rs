@@ -22,7 +22,18 @@ use fracas_solvers::spectrum::{SpectrumReport, SpectrumRequest};
 /// Systems of the family where the environment names no number.
 const FEW: u64 = 10;
 
-const INNER: [&str; 4] = ["exact", "ssor", "amg", "geometric"];
+const INNER: &[&str] = match cfg!(feature = "petsc") {
+    false => &["exact", "ssor", "amg", "geometric"],
+    true => &[
+        "exact",
+        "ssor",
+        "amg",
+        "geometric",
+        "gamg",
+        "boomeramg",
+        "mumps",
+    ],
+};
 
 fn of_environment(name: &str, default: u64) -> u64 {
     let text = std::env::var(name).ok();
@@ -93,7 +104,7 @@ fn every_eigenvalue_of_the_gallery_lies_inside_and_the_lower_end_is_positive() {
             .saddle_blocks(Some(JumpStabilization::default()))
             .unwrap()
             .size();
-        for inner in INNER {
+        for &inner in INNER {
             // an unsymmetric problem of that size
             if size > 700 && inner != "exact" {
                 continue;
@@ -183,7 +194,7 @@ fn every_eigenvalue_of_random_assembled_systems_lies_inside() {
         if problem.load(&mut Silent).is_err() {
             continue;
         }
-        let inner = INNER[seed as usize % 4];
+        let inner = INNER[seed as usize % INNER.len()];
         for (method, is_published) in methods(inner).iter().zip([true, false]) {
             let report = report(&scene, method);
             judge(
@@ -206,7 +217,7 @@ fn every_eigenvalue_of_random_assembled_systems_lies_inside() {
 #[test]
 fn the_region_of_the_crossing_is_little_wider_than_the_spectrum() {
     let scene = named("crossing").unwrap().small_scene().unwrap();
-    for inner in INNER {
+    for &inner in INNER {
         for method in methods(inner) {
             let report = report(&scene, &method);
             let b = &report.bounds;

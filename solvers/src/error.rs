@@ -74,7 +74,7 @@ pub enum SetupError {
         "{backend} is not part of this build; compile with --features {feature}, or choose another backend"
     )]
     NotBuilt {
-        /// `CHOLMOD`, `UMFPACK`.
+        /// `CHOLMOD`, `UMFPACK`, `GAMG`, …
         backend: &'static str,
         /// Cargo feature that adds it.
         feature: &'static str,

@@ -12,6 +12,7 @@ pub mod fsai;
 pub mod krylov;
 pub mod multigrid;
 pub mod observer;
+pub mod petsc;
 pub mod prepare;
 pub mod registry;
 pub mod saddle;

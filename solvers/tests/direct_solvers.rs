@@ -372,11 +372,15 @@ fn names_are_lower_case_and_missing_backends_say_so() {
         (DirectChoice::Faer, "\"faer\""),
         (DirectChoice::Cholmod, "\"cholmod\""),
         (DirectChoice::Umfpack, "\"umfpack\""),
+        (DirectChoice::Mumps, "\"mumps\""),
     ] {
         assert_eq!(serde_json::to_string(&choice).unwrap(), name);
         assert_eq!(serde_json::from_str::<DirectChoice>(name).unwrap(), choice);
-        let built = !matches!(choice, DirectChoice::Cholmod | DirectChoice::Umfpack)
-            || cfg!(feature = "suitesparse");
+        let built = match choice {
+            DirectChoice::Cholmod | DirectChoice::Umfpack => cfg!(feature = "suitesparse"),
+            DirectChoice::Mumps => cfg!(feature = "petsc"),
+            _ => true,
+        };
         match choice.solver() {
             Ok(solver) => {
                 assert!(built);

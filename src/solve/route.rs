@@ -36,7 +36,7 @@ pub struct Route {
 pub enum NotGeometric {
     /// In another method.
     #[error(
-        "inner = \"geometric\" belongs to method = \"racp\"; {0} takes exact, amg (also amg:gauss_seidel, amg:fsai, amg:chebyshev), fsai, fsai:static, jacobi or ssor"
+        "inner = \"geometric\" belongs to method = \"racp\"; {0} takes exact, amg (also amg:gauss_seidel, amg:fsai, amg:chebyshev), fsai, fsai:static, jacobi, ssor, gamg, boomeramg or mumps"
     )]
     Method(&'static str),
     /// For matrices alone.

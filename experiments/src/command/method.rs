@@ -15,7 +15,7 @@ pub(super) struct Method {
     #[arg(long, value_name = "C")]
     augmentation: Option<AugmentationChoice>,
     /// Solver of the displacement block, in methods that have one: exact, amg, amg:gauss_seidel, amg:fsai, amg:chebyshev,
-    /// fsai, fsai:static, jacobi, ssor; for a scene on a grid also geometric, which assembles no A (behind it :v, :w
+    /// fsai, fsai:static, jacobi, ssor; gamg, boomeramg or mumps of PETSc in a build with the feature petsc; for a scene on a grid also geometric, which assembles no A (behind it :v, :w
     /// or :k for another cycle; :f64 behind either for f64 inside, where `spectrum` works anyway); auto takes exact up to 5,000
     /// displacements, beyond geometric for such a scene, and amg for a mesh from a file or a system folder [default: auto;
     /// spectrum: exact].
@@ -34,7 +34,7 @@ pub(super) struct Method {
 fn help() -> String {
     let names: Vec<&str> = SaddleMethod::all().iter().map(SaddleMethod::name).collect();
     format!(
-        "What preconditions the whole system: {}; also racp:published (H not relaxed, C = local_h), racp:RELAXATION (of H), mcp:FACTOR (of the published γ; 0 takes A itself), direct:faer, direct:umfpack [default: racp]",
+        "What preconditions the whole system: {}; also racp:published (H not relaxed, C = local_h), racp:RELAXATION (of H), mcp:FACTOR (of the published γ; 0 takes A itself), direct:faer, direct:umfpack, direct:mumps [default: racp]",
         names.join(", ")
     )
 }

@@ -28,9 +28,11 @@ pub(super) struct Of<'a, R> {
 }
 
 /// Features of this build that change what it can do.
-const FEATURES: &[&str] = match cfg!(feature = "suitesparse") {
-    true => &["suitesparse"],
-    false => &[],
+const FEATURES: &[&str] = match (cfg!(feature = "suitesparse"), cfg!(feature = "petsc")) {
+    (true, true) => &["suitesparse", "petsc"],
+    (true, false) => &["suitesparse"],
+    (false, true) => &["petsc"],
+    (false, false) => &[],
 };
 
 impl<'a> Origin<'a> {

@@ -34,7 +34,7 @@ mod half;
 mod halved;
 mod hierarchy;
 mod matrix;
-mod node_map;
+pub(crate) mod node_map;
 mod plan;
 mod prolongation;
 mod reach;

@@ -6,7 +6,7 @@ use fracas_operators::sparse::SparseMatrix;
 use std::sync::Arc;
 
 /// No unknown, no node.
-pub(super) use crate::multigrid::NONE;
+pub(crate) use crate::multigrid::NONE;
 
 /// Share of nodes with a single unknown above which the unknowns are not taken to be stored node by node.
 const SCATTERED: f64 = 0.1;
@@ -14,7 +14,7 @@ const SCATTERED: f64 = 0.1;
 /// Which node and component every unknown is: unknown i sits in slot `3·node + component`. Slots of constrained
 /// components stay empty.
 #[derive(Clone, Debug)]
-pub(super) struct NodeMap {
+pub(crate) struct NodeMap {
     slots: Arc<Slots>,
     /// Position of every node; empty without coordinates.
     positions: Vec<[f64; 3]>,
@@ -24,7 +24,7 @@ impl NodeMap {
     /// Nodes of the unknowns of `a`, by their coordinates where these are known.
     ///
     /// Without coordinates the unknowns are taken as triples if there are 3·k of them, as one component each otherwise.
-    pub(super) fn new(a: &SparseMatrix<f64>, coordinates: Option<&[DofCoordinate]>) -> Self {
+    pub(crate) fn new(a: &SparseMatrix<f64>, coordinates: Option<&[DofCoordinate]>) -> Self {
         let n = a.rows();
         match coordinates {
             Some(coordinates) => Self::of_coordinates(a, coordinates),
@@ -54,32 +54,32 @@ impl NodeMap {
     }
 
     /// Unknowns.
-    pub(super) fn unknowns_len(&self) -> usize {
+    pub(crate) fn unknowns_len(&self) -> usize {
         self.slots.of_unknown.len()
     }
 
     /// Where every unknown is.
-    pub(super) fn places(&self) -> Places {
+    pub(crate) fn places(&self) -> Places {
         Places::Slots(self.slots.clone())
     }
 
     /// Nodes.
-    pub(super) fn nodes(&self) -> usize {
+    pub(crate) fn nodes(&self) -> usize {
         self.slots.unknowns.len() / 3
     }
 
     /// Slot of every unknown.
-    pub(super) fn slots(&self) -> &[u32] {
+    pub(crate) fn slots(&self) -> &[u32] {
         &self.slots.of_unknown
     }
 
     /// Unknowns of a node, [`NONE`] for a constrained component.
-    pub(super) fn of_node(&self, node: usize) -> &[u32] {
+    pub(crate) fn of_node(&self, node: usize) -> &[u32] {
         &self.slots.unknowns[3 * node..][..3]
     }
 
     /// Positions of the nodes, if known.
-    pub(super) fn positions(&self) -> Option<&[[f64; 3]]> {
+    pub(crate) fn positions(&self) -> Option<&[[f64; 3]]> {
         (!self.positions.is_empty() || self.unknowns_len() == 0).then_some(&self.positions)
     }
 }

@@ -22,6 +22,8 @@ pub enum DirectChoice {
     Cholmod,
     /// UMFPACK: LU; needs the feature `suitesparse`.
     Umfpack,
+    /// MUMPS of the system's PETSc: every kind, one call at a time; needs the feature `petsc`.
+    Mumps,
     /// Somebody else's.
     #[serde(untagged)]
     #[schemars(skip)]
@@ -38,7 +40,7 @@ static SOLVERS: Registry<dyn DirectSolver> = Registry::new("direct solver");
 
 impl DirectChoice {
     /// Every backend that has a name of its own.
-    pub const BACKENDS: [Self; 3] = [Self::Faer, Self::Cholmod, Self::Umfpack];
+    pub const BACKENDS: [Self; 4] = [Self::Faer, Self::Cholmod, Self::Umfpack, Self::Mumps];
 
     /// Makes a solver known by its name.
     ///
@@ -61,10 +63,14 @@ impl DirectChoice {
             Self::Cholmod => Ok(Box::new(super::Cholmod)),
             #[cfg(feature = "suitesparse")]
             Self::Umfpack => Ok(Box::new(super::Umfpack)),
+            #[cfg(feature = "petsc")]
+            Self::Mumps => Ok(Box::new(super::Mumps)),
             #[cfg(not(feature = "suitesparse"))]
-            Self::Cholmod => not_built("CHOLMOD"),
+            Self::Cholmod => not_built("CHOLMOD", "suitesparse"),
             #[cfg(not(feature = "suitesparse"))]
-            Self::Umfpack => not_built("UMFPACK"),
+            Self::Umfpack => not_built("UMFPACK", "suitesparse"),
+            #[cfg(not(feature = "petsc"))]
+            Self::Mumps => not_built("MUMPS", "petsc"),
         }
     }
 
@@ -87,6 +93,7 @@ impl fmt::Display for DirectChoice {
             Self::Faer => "faer",
             Self::Cholmod => "cholmod",
             Self::Umfpack => "umfpack",
+            Self::Mumps => "mumps",
             Self::Other(solver) => solver.0.name(),
         })
     }
@@ -94,7 +101,7 @@ impl fmt::Display for DirectChoice {
 
 /// A name that is none of [`DirectChoice`]'s.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown direct solver {found:?}: expected auto, faer, cholmod or umfpack{}", SOLVERS.names())]
+#[error("unknown direct solver {found:?}: expected auto, faer, cholmod, umfpack or mumps{}", SOLVERS.names())]
 pub struct UnknownDirect {
     /// What was given.
     pub found: String,
@@ -104,8 +111,9 @@ impl FromStr for DirectChoice {
     type Err = UnknownDirect;
 
     fn from_str(name: &str) -> Result<Self, UnknownDirect> {
-        [Self::Auto, Self::Faer, Self::Cholmod, Self::Umfpack]
+        [Self::Auto]
             .into_iter()
+            .chain(Self::BACKENDS)
             .find(|choice| choice.to_string() == name)
             .or_else(|| SOLVERS.find(name).map(Self::Other))
             .ok_or_else(|| UnknownDirect { found: name.into() })
@@ -113,12 +121,12 @@ impl FromStr for DirectChoice {
 }
 
 /// A backend that was left out.
-#[cfg(not(feature = "suitesparse"))]
-fn not_built(backend: &'static str) -> Result<Box<dyn DirectSolver>, SetupError> {
-    Err(SetupError::NotBuilt {
-        backend,
-        feature: "suitesparse",
-    })
+#[cfg(not(all(feature = "suitesparse", feature = "petsc")))]
+fn not_built(
+    backend: &'static str,
+    feature: &'static str,
+) -> Result<Box<dyn DirectSolver>, SetupError> {
+    Err(SetupError::NotBuilt { backend, feature })
 }
 
 impl<'de> Deserialize<'de> for DirectChoice {

@@ -1,5 +1,5 @@
 //! Sparse direct solvers behind one seam: faer with METIS ordering always, CHOLMOD and UMFPACK with the feature
-//! `suitesparse`.
+//! `suitesparse`, the system's MUMPS with the feature `petsc`.
 //!
 //! A backend is one file (or folder) here and one line in [`DirectChoice`].
 //!
@@ -14,6 +14,8 @@ pub mod condition;
 mod equilibration;
 mod faer_backend;
 mod graph;
+#[cfg(feature = "petsc")]
+mod mumps;
 pub mod nested_dissection;
 mod pattern;
 mod pivots;
@@ -26,6 +28,8 @@ pub use choice::{DirectChoice, UnknownDirect};
 pub use cholmod::Cholmod;
 pub use condition::reciprocal_condition;
 pub use faer_backend::Faer;
+#[cfg(feature = "petsc")]
+pub use mumps::Mumps;
 #[cfg(feature = "suitesparse")]
 pub use umfpack::Umfpack;
 
@@ -48,7 +52,7 @@ pub enum Kind {
 
 /// A sparse direct method.
 pub trait DirectSolver: Debug + Send + Sync {
-    /// Plain name: `faer`, `cholmod`, `umfpack`.
+    /// Plain name: `faer`, `cholmod`, `umfpack`, `mumps`.
     fn name(&self) -> &'static str;
 
     /// Ordering and symbolic factorization: depends on the pattern only and outlives a Newton loop.

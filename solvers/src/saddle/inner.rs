@@ -6,6 +6,7 @@ use crate::amg::Amg;
 use crate::direct::DirectChoice;
 use crate::fsai::{Fsai, FsaiKind};
 use crate::multigrid::{Geometric, MultigridInverse, Precision, Smoother, Summary};
+use crate::petsc::{Boomeramg, Gamg};
 use crate::registry::{NameTaken, Named, Registered, Registry};
 use crate::smoothers::{Jacobi, Ssor};
 use crate::steering::Steering;
@@ -40,6 +41,10 @@ pub enum InnerChoice {
     Amg(Amg),
     /// Geometric multigrid of S_u on the grid of a scene; matrices alone have none.
     Geometric(Geometric),
+    /// GAMG of the system's PETSc on S_u; needs the feature `petsc`.
+    Gamg(Gamg),
+    /// BoomerAMG of the system's PETSc on S_u; needs the feature `petsc`.
+    Boomeramg(Boomeramg),
     /// Somebody else's.
     #[serde(skip)]
     #[schemars(skip)]
@@ -146,6 +151,9 @@ impl InnerChoice {
     /// Plain name.
     pub fn name(self) -> &'static str {
         match self {
+            Self::Exact {
+                backend: DirectChoice::Mumps,
+            } => "mumps",
             Self::Exact { .. } => "exact",
             Self::Jacobi(_) => "jacobi",
             Self::Ssor(_) => "ssor",
@@ -160,6 +168,8 @@ impl InnerChoice {
                 Smoother::Fsai => "amg:fsai",
             },
             Self::Geometric(_) => "geometric",
+            Self::Gamg(_) => "gamg",
+            Self::Boomeramg(_) => "boomeramg",
             Self::Other(solver) => solver.0.name(),
         }
     }
@@ -245,6 +255,8 @@ impl InnerChoice {
             Self::Fsai(settings) => plain(&settings),
             Self::Amg(settings) => Ok(settings.build(a, coordinates)?.into()),
             Self::Geometric(_) => Err(no_grid()),
+            Self::Gamg(settings) => Ok(settings.build(a, coordinates)?.into()),
+            Self::Boomeramg(settings) => Ok(settings.build(a, coordinates)?.into()),
             Self::Other(solver) => Ok(solver.0.of_matrix(a, coordinates)?.into()),
         }
     }
@@ -271,7 +283,7 @@ impl fmt::Display for InnerChoice {
 /// A name that is none of [`InnerChoice`]'s.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "unknown inner solver {found:?}: expected exact, amg, amg:gauss_seidel, amg:fsai, amg:chebyshev (behind each :f64), fsai, fsai:static, jacobi, ssor or geometric (behind it :v, :w or :k and :f64: geometric:k:f64){}",
+    "unknown inner solver {found:?}: expected exact, amg, amg:gauss_seidel, amg:fsai, amg:chebyshev (behind each :f64), fsai, fsai:static, jacobi, ssor, geometric (behind it :v, :w or :k and :f64: geometric:k:f64), or gamg, boomeramg or mumps of PETSc{}",
     SOLVERS.names()
 )]
 pub struct UnknownInner {
@@ -285,6 +297,11 @@ impl FromStr for InnerChoice {
     fn from_str(name: &str) -> Result<Self, Self::Err> {
         match name {
             "exact" => Ok(Self::default()),
+            "mumps" => Ok(Self::Exact {
+                backend: DirectChoice::Mumps,
+            }),
+            "gamg" => Ok(Self::Gamg(Gamg::default())),
+            "boomeramg" => Ok(Self::Boomeramg(Boomeramg::default())),
             "jacobi" => Ok(Self::Jacobi(Jacobi::default())),
             "ssor" => Ok(Self::Ssor(Ssor::default())),
             "fsai" => Ok(Self::Fsai(Fsai::default())),
@@ -335,6 +352,8 @@ impl Written for InnerChoice {
         match &inner {
             Self::Amg(settings) => settings.checked().err(),
             Self::Geometric(settings) => settings.checked().err(),
+            Self::Gamg(settings) => settings.checked().err(),
+            Self::Boomeramg(settings) => settings.checked().err(),
             Self::Fsai(Fsai { kind }) => match kind {
                 FsaiKind::Adaptive(settings) => settings.checked().err(),
                 FsaiKind::Static(settings) => settings.checked().err(),
@@ -361,7 +380,7 @@ mod tests {
     use super::*;
 
     /// Names of the house's inner solvers.
-    const NAMES: [&str; 10] = [
+    const NAMES: [&str; 13] = [
         "exact",
         "amg",
         "amg:gauss_seidel",
@@ -372,6 +391,9 @@ mod tests {
         "jacobi",
         "ssor",
         "geometric",
+        "gamg",
+        "boomeramg",
+        "mumps",
     ];
 
     #[test]
@@ -401,6 +423,14 @@ mod tests {
             (
                 r#"{"ssor":{"omega":3}}"#,
                 "relaxation omega = 3: expected a number between 0 and 2",
+            ),
+            (
+                r#"{"boomeramg":{"strong_threshold":2}}"#,
+                "strong_threshold = 2: expected a number from 0 to 1",
+            ),
+            (
+                r#"{"gamg":{"options":"pc_gamg_threshold 0"}}"#,
+                "\"pc_gamg_threshold\" is no option of PETSc",
             ),
             ("7", "expected an inner solver such as \"ssor\""),
         ] {

@@ -63,7 +63,7 @@ fn the_settings_tree_reads_from_toml_by_name_or_in_full() {
         ),
         (r#"methods = ["racp:3"]"#, "racp:3"),
         (r#"methods = ["mcp:-1"]"#, "mcp:-1"),
-        (r#"methods = ["direct:mumps"]"#, "direct:mumps"),
+        (r#"methods = ["direct:pardiso"]"#, "direct:pardiso"),
     ];
     for (text, expected) in wrong {
         let error = toml::from_str::<Study>(text).unwrap_err().to_string();
