@@ -8,18 +8,18 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 /// Seeds of the slice that runs with the tests.
-const SLICE: std::ops::Range<u64> = 50_000..50_012;
+const SLICE: std::ops::Range<u64> = 50_003..50_011;
 
 /// Largest loss of a step over what came in, went out, was stored and went through in the run. Unit: 1.
 const LOSS: f64 = 1e-10;
 
 /// Roundings of a pressure that count in what edges and faces of prescribed pressure let through. Unit: 1.
-const ROUNDINGS: f64 = 64.0;
+const ROUNDINGS: f64 = 4.0;
 
 /// The scene of the family, every other one with gravity on rock and fluid.
 fn scene(seed: u64) -> Scene {
     let mut toml = toml(seed, "auto");
-    if seed % 2 == 0 {
+    if seed.is_multiple_of(2) {
         for (name, density) in [("rock", 2600), ("layer", 2300)] {
             let name = format!("name = '{name}'\n");
             toml = toml.replace(&name, &format!("{name}density = '{density} kg/m3'\n"));
