@@ -64,7 +64,7 @@ mod tests {
             period: 3,
             faces: vec![0, 1],
             most_constrained: vec![Stick, Stick, Open],
-            opened: vec![2],
+            opened: vec![0, 2],
         };
         assert_eq!(rounds.enter(&a), Some(cycle));
     }
