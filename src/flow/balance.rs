@@ -176,6 +176,7 @@ impl<'a> Balance<'a> {
             held: vec![None; self.faces.len()],
             held_edges: Vec::new(),
             wells: Vec::new(),
+            joined: Vec::new(),
         };
         for well in &self.fluid.wells {
             let head = self.fluid.head(well.head);
@@ -302,7 +303,7 @@ impl<'a> Balance<'a> {
             size[f] += opening.abs() + compression.abs() + step.injected[f].abs();
             rounding[f] += apart + step.injected[f].abs();
         }
-        for (edge, y) in self.stabilized(states) {
+        for (edge, y) in self.stabilized(states, step) {
             let [k, l] = edge.faces.map(|f| f as usize);
             let moved = y * ((p[k] - step.pressure[k]) - (p[l] - step.pressure[l]));
             residual[k] += moved;
@@ -344,12 +345,14 @@ impl<'a> Balance<'a> {
         }
     }
 
-    /// Inner edges between open faces, with Y.
+    /// Inner edges between open faces, and those that are joined, with Y.
     pub(super) fn stabilized<'s>(
         &'s self,
         states: &'s [ContactState],
+        step: &'s FlowStep,
     ) -> impl Iterator<Item = (&'a FractureEdge, f64)> + 's {
-        let open = |f: u32| states[f as usize] == ContactState::Open;
+        let joined = |f: u32| step.joined.get(f as usize) == Some(&true);
+        let open = move |f: u32| states[f as usize] == ContactState::Open || joined(f);
         let edges = self.edges.iter().zip(self.weights.iter().copied());
         edges.filter(move |(edge, _)| open(edge.faces[0]) && open(edge.faces[1]))
     }
@@ -406,7 +409,7 @@ impl<'a> Balance<'a> {
                 by_gap[place(f, f)] += face.area * (1.0 + c * p[f]);
             }
         }
-        for (edge, y) in self.stabilized(states) {
+        for (edge, y) in self.stabilized(states, step) {
             let [k, l] = edge.faces.map(|f| f as usize);
             t[place(k, k)] += y;
             t[place(l, l)] += y;

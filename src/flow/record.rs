@@ -65,7 +65,7 @@ impl Balance<'_> {
                 }
             }
         });
-        for (edge, y) in self.stabilized(states) {
+        for (edge, y) in self.stabilized(states, step) {
             let [k, l] = edge.faces.map(|f| f as usize);
             let moved = y * ((p[k] - step.pressure[k]) - (p[l] - step.pressure[l]));
             leaving[k] += moved;

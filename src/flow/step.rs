@@ -17,6 +17,18 @@ pub struct FlowStep {
     pub held_edges: Vec<f64>,
     /// Per well.
     pub wells: Vec<super::WellStep>,
+    /// Faces whose jumps of pressure are stabilized as those of open faces are, whatever their states; empty: none.
+    pub joined: Vec<bool>,
+}
+
+impl FlowStep {
+    /// The same with these faces joined.
+    pub fn joining(&self, joined: &[bool]) -> Self {
+        Self {
+            joined: joined.to_vec(),
+            ..self.clone()
+        }
+    }
 }
 
 /// Where the fluid of a step went: a line of `flow.csv`.

@@ -17,6 +17,9 @@ use fracas_solvers::{Observer, Step};
 /// Krylov iterations of a step, over the most of one system, from which on it is given up. Unit: 1.
 const SPENT: usize = 50;
 
+/// Rounds that finish where a fluid opens fractures, at least: its front goes a ring or two in one. Unit: 1.
+const FRONTS: usize = 40;
+
 /// Times that what H is held on may grow before another remedy is taken.
 const FORMS: usize = 4;
 
@@ -39,6 +42,8 @@ pub(super) struct Settled {
     pub(super) unstable: Option<Box<Instability>>,
     /// Where the fluid went, where one flows.
     pub(super) flow: Option<FlowRecord>,
+    /// [Joined](crate::flow::FlowStep::joined) faces.
+    pub(super) joined: Vec<bool>,
     /// What wells did.
     pub(super) wells: Vec<WellRecord>,
 }
@@ -98,6 +103,8 @@ pub(super) fn active_set(
         accuracy: Accuracy::new(attempt),
         linear,
         damped: false,
+        patient: false,
+        joined: Vec::new(),
         observer,
     };
     let (from, first) = (x.clone(), log.rounds + 1);
@@ -175,11 +182,15 @@ impl Search<'_, '_> {
             if self.observer.observe(&step).is_break() {
                 return Err(Failure::Stopped);
             }
-            if changed == 0
-                && natural.is_close()
-                && let Some(settled) = self.finished(&before, &x, h.as_ref(), log)?
-            {
-                return Ok(Some(settled));
+            if changed == 0 && natural.is_close() {
+                let joined = self.joins();
+                if let Some(settled) = self.finished(&before, &x, h.as_ref(), log)? {
+                    return Ok(Some(settled));
+                }
+                // pressures stay, and so does what is found with them
+                if self.attempt.flow.is_some() && self.joins() == joined {
+                    break;
+                }
             }
         }
         Ok(None)
@@ -193,7 +204,7 @@ impl Search<'_, '_> {
         h: Option<&Csr<f64>>,
         log: &mut Log,
     ) -> Result<Option<Settled>, Failure> {
-        let most = self.attempt.problem.body().solver.rounds.finishing;
+        let most = self.finishing();
         let mut y = x.clone();
         let found = match self.rounds(states.to_vec(), &mut y, Some(h), most, log)? {
             Ended::Settled(found) => found,
@@ -204,7 +215,10 @@ impl Search<'_, '_> {
         if beyond(&all, &found.states) > 0 {
             let mut z = y.clone();
             match self.rounds(found.states.clone(), &mut z, None, most, log) {
-                Ok(Ended::Settled(own)) => return Ok(Some(self.settled(*own, z))),
+                Ok(Ended::Settled(own)) => {
+                    let form = own.states.clone();
+                    return Ok(Some(self.accepted(*own, z, &form, log)));
+                }
                 Ok(Ended::Not(form, None)) => {
                     if let Some(settled) = self.by_held_form(form, &y, log)? {
                         return Ok(Some(settled));
@@ -226,16 +240,18 @@ impl Search<'_, '_> {
         log: &mut Log,
     ) -> Result<Option<Settled>, Failure> {
         let problem = self.attempt.problem;
-        let most = problem.body().solver.rounds.finishing;
+        let most = self.finishing();
         for _ in 0..FORMS {
             let h = problem.stabilization(&form);
             let mut y = x.clone();
+            let joined = self.joins();
             match self.rounds(form.clone(), &mut y, Some(h.as_ref()), most, log) {
                 Ok(Ended::Settled(found)) if !grow(&mut form, &found.states) => {
                     return Ok(Some(self.accepted(*found, y, &form, log)));
                 }
                 Ok(Ended::Settled(_)) => {}
-                Ok(Ended::Not(other, None)) if grow(&mut form, &other) => {}
+                Ok(Ended::Not(other, None)) if grow(&mut form, &other) || self.joins() > joined => {
+                }
                 Err(Failure::Stopped) => return Err(Failure::Stopped),
                 Ok(Ended::Not(..)) | Err(_) => break,
             }
@@ -243,9 +259,25 @@ impl Search<'_, '_> {
         Ok(None)
     }
 
-    /// What was found with an H that acts on all that `form` constrains.
+    /// Rounds that finish: front by front where a fluid opens fractures.
+    fn finishing(&self) -> usize {
+        let most = self.attempt.problem.body().solver.rounds.finishing;
+        match self.attempt.flow {
+            Some(_) => most.max(FRONTS),
+            None => most,
+        }
+    }
+
+    /// Number of faces that are joined.
+    fn joins(&self) -> usize {
+        self.joined.iter().filter(|joined| **joined).count()
+    }
+
+    /// What was found with an H that acts on all that `form` constrains, and with faces that are joined.
     fn accepted(&self, found: Found, x: Iterate, form: &[ContactState], log: &mut Log) -> Settled {
-        let faces = beyond(form, &found.states);
+        let joined = self.joined.iter().zip(&found.states);
+        let joined = joined.filter(|(joined, s)| **joined && **s != ContactState::Open);
+        let faces = beyond(form, &found.states).max(joined.count());
         if faces > 0 {
             log.events.push(Event::Stabilized { faces });
         }

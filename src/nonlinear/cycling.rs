@@ -11,6 +11,8 @@ pub(super) struct Cycle {
     pub(super) faces: Vec<usize>,
     /// Per face the state of the cycle that constrains most.
     pub(super) most_constrained: Vec<ContactState>,
+    /// Faces that are open in some of it.
+    pub(super) opened: Vec<usize>,
 }
 
 /// The states of rounds that follow each other.
@@ -28,6 +30,8 @@ impl Rounds {
         };
         let cycle = self.seen.split_off(first);
         let differs = |f: &usize| cycle.iter().any(|round| round[*f] != states[*f]);
+        let open = |f: usize| cycle.iter().any(|round| round[f] == ContactState::Open);
+        let is_open = |f: &usize| open(*f);
         let most = |f: usize| {
             let states = cycle.iter().map(|round| round[f]);
             states
@@ -38,6 +42,7 @@ impl Rounds {
             period: cycle.len(),
             faces: (0..states.len()).filter(differs).collect(),
             most_constrained: (0..states.len()).map(most).collect(),
+            opened: (0..states.len()).filter(is_open).collect(),
         })
     }
 }
@@ -59,6 +64,7 @@ mod tests {
             period: 3,
             faces: vec![0, 1],
             most_constrained: vec![Stick, Stick, Open],
+            opened: vec![0, 2],
         };
         assert_eq!(rounds.enter(&a), Some(cycle));
     }

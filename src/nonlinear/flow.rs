@@ -202,6 +202,12 @@ impl Attempt<'_> {
         }
     }
 
+    /// True where no more of the fluid is lost than a solution may lose: errors that rounding leaves in pressures are no reason to.
+    pub(super) fn keeps_fluid(&self, at: &Evaluation) -> bool {
+        let tolerance = self.problem.body().solver.tolerance;
+        (at.flow.as_ref()).is_none_or(|flow| STRICT * flow.loss() <= tolerance)
+    }
+
     /// True where the equations at these states are linear.
     pub(super) fn is_linear(&self, states: &[ContactState]) -> bool {
         let widens = |s: &ContactState| self.flow.is_some() && *s == ContactState::Open;
@@ -301,6 +307,7 @@ impl Attempt<'_> {
         let problem = self.problem;
         match (self.flow, problem.balance()) {
             (Some(step), Some(balance)) => {
+                let step = &step.joining(&settled.joined);
                 let jumps = problem.jumps(&settled.x.u, self.load);
                 let record = balance.record(&settled.states, &jumps, &settled.x.p, step);
                 settled.flow = Some(record);

@@ -42,7 +42,12 @@ impl<'s> Judge<'s> {
         let spared = u8::from(self.attempt.flow.is_some());
         let mut changes = Vec::new();
         for (f, state) in states.iter().enumerate() {
-            let measure = problem.measure(f, *state, &x.t, &at.effective, self.attempt.start);
+            // an H of more than the states constrain holds no fluid out of an open face
+            let jumps = match (self.attempt.flow, state) {
+                (Some(_), ContactState::Open) => &at.jumps,
+                _ => &at.effective,
+            };
+            let measure = problem.measure(f, *state, &x.t, jumps, self.attempt.start);
             let thresholds = Thresholds {
                 jump: zero * traction * compliance[f],
                 traction: zero * traction,

@@ -101,9 +101,10 @@ pub enum Event {
         /// Why it failed.
         reason: String,
     },
-    /// H acts on more than the states constrain: with that of the states themselves they do not settle.
+    /// H acts on more than the states constrain, or the stabilization of pressures on more than open faces: with that of the states
+    /// themselves they do not settle.
     Stabilized {
-        /// Number of faces that it acts on beyond their state.
+        /// Number of faces that one acts on beyond their state.
         faces: usize,
     },
     /// Rounding leaves errors above `tolerance`, below `state_tolerance`.

@@ -39,6 +39,10 @@ pub(super) struct Search<'a, 's> {
     pub(super) linear: &'a mut Linear,
     /// Newton with the whole of weakening has failed in this attempt.
     pub(super) damped: bool,
+    /// States have returned in this attempt beside a flow: Newton is solved before the faces are judged.
+    pub(super) patient: bool,
+    /// [Joined](crate::flow::FlowStep::joined) faces: those that were open in rounds that returned in spite of that.
+    pub(super) joined: Vec<bool>,
     pub(super) observer: &'a mut dyn Observer,
 }
 
@@ -60,11 +64,15 @@ impl Search<'_, '_> {
             error: judged.map_or(self.attempt.unjudged(), |judged| judged.error),
             unstable: None,
             flow: None,
+            joined: self.joined.clone(),
             wells: Vec::new(),
         }
     }
 
     /// At most `most` rounds, H that of the states or the given one.
+    ///
+    /// Where states return beside a flow, Newton is solved from then on before the faces are judged. Where they still do, faces that were
+    /// open are joined: the stabilization of pressures acts between open faces, so that opening one would change its pressure at once.
     ///
     /// While states change, Newton takes at most `loose_steps` steps and stops at `loose`, and only violations beyond that count; once no
     /// face changes it is solved, and the faces are judged, to the tolerances asked. Then the errors of u and t are judged, and
@@ -77,11 +85,26 @@ impl Search<'_, '_> {
         most: usize,
         log: &mut Log,
     ) -> Result<Ended, Failure> {
-        let (attempt, problem) = (self.attempt, self.attempt.problem);
+        let (joining, own);
+        let attempt = match self.attempt.flow {
+            Some(step) if !self.joined.is_empty() => {
+                joining = step.joining(&self.joined);
+                own = Attempt {
+                    flow: Some(&joining),
+                    ..self.attempt.clone()
+                };
+                &own
+            }
+            _ => self.attempt,
+        };
+        let problem = attempt.problem;
         let settings = problem.body().solver;
         let mut loose = Until {
             residual: settings.tolerance.max(settings.rounds.loose),
-            steps: attempt.loose_steps(settings.rounds.loose_steps.min(settings.max_newton)),
+            steps: match self.patient {
+                true => settings.max_newton,
+                false => attempt.loose_steps(settings.rounds.loose_steps.min(settings.max_newton)),
+            },
             lagged: self.damped,
         };
         let tight = Until {
@@ -154,7 +177,7 @@ impl Search<'_, '_> {
             // linear equations that steps do not solve are not solved by other states; rounding may leave a residual, not an error
             if residual > until.residual && attempt.is_linear(&states) && judged.is_none() {
                 let stands = (&states[..], fixed.unwrap_or(h.as_ref()));
-                judged = match self.enough(stands, (x, &at, residual))? {
+                judged = match self.enough(attempt, stands, (x, &at, residual))? {
                     Ok(judged) => Some(judged),
                     Err(failure) => {
                         let failure = failure.unwrap_or(until.missed(residual));
@@ -190,10 +213,14 @@ impl Search<'_, '_> {
                 if solved {
                     let h = fixed.unwrap_or(h.as_ref());
                     let stands = (&states[..], h);
-                    let errors = self.judged(stands, (x, &at))?;
+                    let errors = self.judged(attempt, stands, (x, &at))?;
                     judged = errors.map(|(judged, _)| judged);
                     let last = match errors.and_then(|(_, left)| left) {
                         Some(step) if converged => step,
+                        Some(_) | None if !attempt.keeps_fluid(&at) => {
+                            let failure = until.missed(residual);
+                            return Ok(unsolved(states, failure, (log, round)));
+                        }
                         Some(_) | None => {
                             if let (Some(accuracy), Some(judged)) = (&self.accuracy, judged) {
                                 log.events.extend(accuracy.accepts(judged, residual)?);
@@ -225,7 +252,7 @@ impl Search<'_, '_> {
                     false if until == loose => tight,
                     false => {
                         let stands = (&states[..], fixed.unwrap_or(h.as_ref()));
-                        match self.enough(stands, (x, &at, residual))? {
+                        match self.enough(attempt, stands, (x, &at, residual))? {
                             Ok(enough) => judged = Some(enough),
                             Err(_) => {
                                 let failure = until.missed(residual);
@@ -262,6 +289,18 @@ impl Search<'_, '_> {
                     period: cycle.period,
                     faces: cycle.faces,
                 });
+                if attempt.flow.is_some() {
+                    if !self.patient {
+                        self.patient = true;
+                        loose.steps = settings.max_newton;
+                        until = loose;
+                        rounds = Rounds::default();
+                        let _ = rounds.enter(&states);
+                        continue;
+                    }
+                    self.joined.resize(states.len(), false);
+                    cycle.opened.iter().for_each(|f| self.joined[*f] = true);
+                }
                 return Ok(Ended::Not(cycle.most_constrained, None));
             }
         }
@@ -272,10 +311,14 @@ impl Search<'_, '_> {
     /// they are judged.
     fn enough(
         &mut self,
+        attempt: &Attempt<'_>,
         stands: (&[ContactState], Option<&Csr<f64>>),
         (x, at, residual): (&Iterate, &Evaluation, f64),
     ) -> Result<Result<Judged, Option<Failure>>, Failure> {
-        let errors = self.judged(stands, (x, at))?;
+        if !attempt.keeps_fluid(at) {
+            return Ok(Err(None));
+        }
+        let errors = self.judged(attempt, stands, (x, at))?;
         Ok(match (&self.accuracy, errors) {
             (Some(accuracy), Some((judged, _))) => match accuracy.accepts(judged, residual) {
                 Ok(_) => Ok(judged),
@@ -288,13 +331,14 @@ impl Search<'_, '_> {
     /// The errors of an iterate, and by how much the residual is still to be lowered; `None` where only residuals are judged.
     fn judged(
         &mut self,
+        attempt: &Attempt<'_>,
         (states, h): (&[ContactState], Option<&Csr<f64>>),
         (x, at): (&Iterate, &Evaluation),
     ) -> Result<Option<(Judged, Option<f64>)>, Failure> {
         let Some(accuracy) = &mut self.accuracy else {
             return Ok(None);
         };
-        let (attempt, linear) = (self.attempt, &mut *self.linear);
+        let linear = &mut *self.linear;
         let (problem, observer) = (attempt.problem, &mut *self.observer);
         let judged = accuracy.of(x, at.residual.clone(), |residual, norms| {
             if attempt.flow.is_some() {

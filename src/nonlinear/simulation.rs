@@ -344,6 +344,7 @@ impl<'a> Simulation<'a> {
             unstable,
             flow,
             wells,
+            joined: _,
         } = settled;
         let problem = &self.problem;
         let from = problem.jumps(&before.u, &problem.loads().at(before.time, before.loaded));

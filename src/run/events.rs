@@ -23,7 +23,7 @@ pub fn event(event: &Event) -> (&'static str, Value) {
         ),
         Event::Stabilized { faces } => (
             "stabilized",
-            json!({ "faces": faces, "text": "the jump stabilization acts on these many faces beyond what their states constrain" }),
+            json!({ "faces": faces, "text": "the stabilization of jumps or pressures acts on these many faces beyond their states" }),
         ),
         Event::Torn { faces } => (
             "torn",

@@ -12,6 +12,11 @@ const SLICE: std::ops::Range<u64> = 8..20;
 
 /// A scene that the seed alone decides: one to four fractures, injection and withdrawal.
 fn scene(seed: u64, inner: &str) -> Scene {
+    Scene::from_toml(&toml(seed, inner), &format!("flow{seed}.toml")).unwrap()
+}
+
+/// The same as text.
+pub(super) fn toml(seed: u64, inner: &str) -> String {
     let r = &mut Random::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) + 7);
     let (nx, ny, nz) = (r.whole(4, 7), r.whole(2, 5), r.whole(4, 7));
     let mut toml = format!(
@@ -109,7 +114,7 @@ fn scene(seed: u64, inner: &str) -> Scene {
     toml += &format!(
         "[time]\nend = '{end:e} s'\nsteps = 5\n[solver]\ninner = '{inner}'\nmax_cuts = 3\n"
     );
-    Scene::from_toml(&toml, &format!("flow{seed}.toml")).unwrap()
+    toml
 }
 
 /// All steps, and why the run ended where it did not finish.
@@ -157,7 +162,7 @@ struct Shown {
     rounds: Vec<usize>,
 }
 
-fn quantile(list: &[usize], q: f64) -> usize {
+pub(super) fn quantile(list: &[usize], q: f64) -> usize {
     let mut list = list.to_vec();
     list.sort_unstable();
     list[((list.len() - 1) as f64 * q) as usize]

@@ -10,6 +10,7 @@ mod crossing_cracks;
 mod crossing_exact;
 mod depleted_fault;
 mod flow_counts;
+mod flow_ends;
 mod flow_errors;
 mod flow_family;
 mod fracture_flow;

@@ -53,6 +53,7 @@ fn the_jacobian_of_three_fields_is_the_derivative_in_every_state() {
             held: vec![None; faces],
             held_edges: Vec::new(),
             wells: Vec::new(),
+            joined: Vec::new(),
         };
         let attempt = Attempt {
             problem: &problem,
@@ -146,6 +147,7 @@ fn a_checkerboard_of_pressure_moves_no_rock_and_is_held_as_stiffly_as_one_of_tra
         held: vec![None; faces],
         held_edges: Vec::new(),
         wells: Vec::new(),
+        joined: Vec::new(),
     };
     let zero = vec![0.0; 3 * faces];
     let held = problem

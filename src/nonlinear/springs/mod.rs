@@ -168,6 +168,7 @@ impl Holding for SpringMethod {
                     error,
                     unstable: None,
                     flow: None,
+                    joined: Vec::new(),
                     wells: Vec::new(),
                 });
             }
