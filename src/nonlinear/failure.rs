@@ -237,6 +237,11 @@ impl Failure {
         self.may_be_projected() && !matches!(self, Self::Unsolvable(_))
     }
 
+    /// True where states do not settle, or ask of Newton what it does not find.
+    pub(super) fn is_of_states(&self) -> bool {
+        matches!(self, Self::ActiveSet { .. } | Self::Newton { .. })
+    }
+
     /// True where other states may help: what states leave loose, or what they ask of Newton, may be no equilibrium.
     pub(super) fn may_be_projected(&self) -> bool {
         !matches!(

@@ -130,11 +130,19 @@ impl<'a> Simulation<'a> {
         let solver = self.problem.body().solver;
         let shortest = self.times.shortest(state, solver.max_cuts);
         let is_shortest = |target| 0.5 * length(state, target) < shortest;
+        // as far as runaway slip is compared
+        let compared = shortest * 0.5f64.powi(COMPARED as i32);
+        let weakens = self.problem.weakens();
+        let least = |reason: &Failure| match weakens && reason.is_of_states() {
+            true => compared,
+            false => shortest,
+        };
         let cuts_are_many = solver.max_cuts >= COMPARED;
         let (mut log, mut attempts, mut cuts) = (Log::default(), 0, 0);
         let mut increment = state.next;
         // increments of attempts in which slip ran away, and its largest slip
         let mut runaways: Vec<[f64; 2]> = Vec::new();
+        let mut runs_away = None;
         let primed = match &state.creep {
             Some(own) => self.take_step(own.step),
             None => Ok(()),
@@ -155,15 +163,15 @@ impl<'a> Simulation<'a> {
                     if let Some(patch) = settled.unstable.take() {
                         let at = length(state, target);
                         runaways.push([at, patch.slip]);
-                        let compare = runaways.len() <= COMPARED
-                            && 0.5 * at >= shortest * 0.5f64.powi(COMPARED as i32);
+                        let compare = runaways.len() <= COMPARED && 0.5 * at >= compared;
                         if 0.5 * at >= shortest || compare {
                             increment = 0.5 * at;
                             cuts += 1;
                             log.events.push(Event::Cut {
-                                reason: Failure::Unstable(patch).to_string(),
+                                reason: Failure::Unstable(patch.clone()).to_string(),
                                 next: increment,
                             });
+                            runs_away = Some(patch);
                             continue;
                         }
                         if is_shown(&runaways) {
@@ -187,7 +195,7 @@ impl<'a> Simulation<'a> {
                 Err(reason)
                     if reason.may_be_cut()
                         && !log.is_spent(solver.max_krylov)
-                        && !is_shortest(target) =>
+                        && 0.5 * length(state, target) >= least(&reason) =>
                 {
                     increment = 0.5 * length(state, target);
                     cuts += 1;
@@ -199,7 +207,10 @@ impl<'a> Simulation<'a> {
                 Err(reason) => {
                     // one that no halving has avoided
                     let stops = solver.unstable == Unstable::Stop && cuts_are_many;
-                    let patch = log.unstable.take().filter(|_| stops && is_shortest(target));
+                    let tried = log.unstable.take().filter(|_| stops && is_shortest(target));
+                    // where states settle slip has run away
+                    let settled = runs_away.filter(|_| stops && is_shown(&runaways));
+                    let patch = tried.or(settled.filter(|_| reason.is_of_states()));
                     // where f64 has no digits to set up the stuck body, failing says nothing of what slipping faces hold
                     let is_firm = self.inner_fallbacks() == 0;
                     let reason = reason.explained(self.problem.body(), &log.states, is_firm);
