@@ -132,11 +132,8 @@ impl<'a> Simulation<'a> {
         let is_shortest = |target| 0.5 * length(state, target) < shortest;
         // as far as runaway slip is compared
         let compared = shortest * 0.5f64.powi(COMPARED as i32);
-        let weakens = self.problem.weakens();
-        let least = |reason: &Failure| match weakens && reason.is_of_states() {
-            true => compared,
-            false => shortest,
-        };
+        let of_states = [shortest, compared][usize::from(self.problem.weakens())];
+        let least = |reason: &Failure| [shortest, of_states][usize::from(reason.is_of_states())];
         let cuts_are_many = solver.max_cuts >= COMPARED;
         let (mut log, mut attempts, mut cuts) = (Log::default(), 0, 0);
         let mut increment = state.next;
@@ -208,7 +205,6 @@ impl<'a> Simulation<'a> {
                     // one that no halving has avoided
                     let stops = solver.unstable == Unstable::Stop && cuts_are_many;
                     let tried = log.unstable.take().filter(|_| stops && is_shortest(target));
-                    // where states settle slip has run away
                     let settled = runs_away.filter(|_| stops && is_shown(&runaways));
                     let patch = tried.or(settled.filter(|_| reason.is_of_states()));
                     // where f64 has no digits to set up the stuck body, failing says nothing of what slipping faces hold

@@ -5,9 +5,8 @@
     reason = "a test that cannot run its program fails"
 )]
 
-use crate::run::{Ran, scratch, write};
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use crate::run::{fracas_in, scratch, write};
+use std::path::Path;
 
 const PAGES: [&str; 7] = [
     "README.md",
@@ -62,19 +61,6 @@ fn commands(page: &str) -> Vec<Vec<String>> {
     arguments.collect()
 }
 
-fn fracas_in(folder: &PathBuf, arguments: &[String]) -> Ran {
-    let output = Command::new(env!("CARGO_BIN_EXE_fracas"))
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .unwrap();
-    Ran {
-        status: output.status.code().unwrap(),
-        stdout: String::from_utf8(output.stdout).unwrap(),
-        stderr: String::from_utf8(output.stderr).unwrap(),
-    }
-}
-
 #[test]
 fn commands_of_the_pages_run_as_they_stand_there() {
     let folder = scratch("commands");
@@ -109,7 +95,8 @@ fn commands_of_the_pages_run_as_they_stand_there() {
                 let refine = arguments.iter_mut().find(|word| *word == "1,2,4");
                 *refine.unwrap() = "1".into();
             }
-            let done = fracas_in(&folder, &arguments);
+            let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+            let done = fracas_in(&folder, &words);
             assert_eq!(done.status, 0, "{page}: {arguments:?}\n{}", done.stderr);
             ran += 1;
         }

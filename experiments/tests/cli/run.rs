@@ -20,8 +20,14 @@ pub(crate) struct Ran {
 
 /// Runs `fracas` with these arguments.
 pub(crate) fn fracas(arguments: &[&str]) -> Ran {
+    fracas_in(Path::new("."), arguments)
+}
+
+/// The same in this folder.
+pub(crate) fn fracas_in(folder: &Path, arguments: &[&str]) -> Ran {
     let output = Command::new(env!("CARGO_BIN_EXE_fracas"))
         .args(arguments)
+        .current_dir(folder)
         .output()
         .unwrap();
     Ran {
