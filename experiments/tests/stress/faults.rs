@@ -91,7 +91,8 @@ fn memory_that_ends_is_said_with_the_number_asked_for() {
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
-/// A run that finishes within some addresses finishes within more of them, whatever threads allocate at a time.
+/// A run that finishes within some addresses finishes within more of them. One thread works beside the one that starts it; of several it
+/// is chance how many multiply dense matrices, for which each of them takes 64 MiB.
 #[test]
 fn more_memory_refuses_no_run() {
     let folder = scratch("more_memory");
@@ -100,23 +101,19 @@ fn more_memory_refuses_no_run() {
     let scene = scene.display().to_string();
     let out = folder.join("out");
     let to = out.display().to_string();
-    for threads in ["1", "2"] {
-        let mut finished_within = None;
-        for kibibytes in (80_000..320_000).step_by(16_000) {
-            let _ = std::fs::remove_dir_all(&out);
-            let line = ["run", &scene, "--out", &to, "--threads", threads];
-            let status = ended(&within(kibibytes, &line)).unwrap();
-            match (status, finished_within) {
-                (0, None) => finished_within = Some(kibibytes),
-                (0, Some(_)) | (_, None) => {}
-                (_, Some(less)) => {
-                    panic!(
-                        "{threads} threads: status {status} within {kibibytes} KiB and not within {less}"
-                    )
-                }
+    let mut finished_within = None;
+    for kibibytes in (80_000..240_000).step_by(8_000) {
+        let _ = std::fs::remove_dir_all(&out);
+        let line = ["run", &scene, "--out", &to, "--threads", "1"];
+        let status = ended(&within(kibibytes, &line)).unwrap();
+        match (status, finished_within) {
+            (0, None) => finished_within = Some(kibibytes),
+            (0, Some(_)) | (_, None) => {}
+            (_, Some(less)) => {
+                panic!("status {status} within {kibibytes} KiB and not within {less}")
             }
         }
-        assert!(finished_within.is_some(), "{threads} threads");
     }
+    assert!(finished_within.is_some(), "nothing is enough");
     std::fs::remove_dir_all(&folder).unwrap();
 }
