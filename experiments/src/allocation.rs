@@ -52,6 +52,7 @@ unsafe impl GlobalAlloc for Noted {
 const SENTENCE: &[u8] = b"error: out of memory: the system does not give these bytes; use fewer cells, a smaller system or fewer threads, or free memory\n";
 
 /// True where this thread was refused memory.
+#[cfg(unix)]
 fn was_refused() -> bool {
     REFUSED.try_with(Cell::get).is_ok_and(|bytes| bytes > 0)
 }
@@ -94,6 +95,15 @@ pub fn exit_on_refusal(status: i32) -> std::io::Result<()> {
     Ok(())
 }
 
+/// Where there is no such signal the abort stays.
+///
+/// # Errors
+/// None.
+#[cfg(not(unix))]
+pub fn exit_on_refusal(_: i32) -> std::io::Result<()> {
+    Ok(())
+}
+
 /// Lets all threads allocate from one arena where the address space has a limit.
 ///
 /// glibc reserves 64 MiB of addresses for every thread that allocates while another one does: what a limit leaves would depend on
@@ -104,13 +114,4 @@ pub fn share_arena_below_limit() {
         // Safety: a setting of the allocator, before any thread starts
         unsafe { libc::mallopt(libc::M_ARENA_MAX, 1) };
     }
-}
-
-/// Where there is no such signal the abort stays.
-///
-/// # Errors
-/// None.
-#[cfg(not(unix))]
-pub fn exit_on_refusal(_: i32) -> std::io::Result<()> {
-    Ok(())
 }

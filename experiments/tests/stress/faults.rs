@@ -6,14 +6,20 @@ use crate::folders::FILES;
 use crate::random::{ended, fracas};
 use crate::room::{Verdict, count, scratch, trial};
 use crate::scenes::RICH;
+use std::path::Path;
 use std::process::{Command, Output};
+
+/// The rich scene in a file of this folder.
+fn rich_scene(folder: &Path) -> String {
+    let scene = folder.join("scene.toml");
+    std::fs::write(&scene, RICH).unwrap();
+    scene.display().to_string()
+}
 
 #[test]
 fn what_cannot_be_written_is_said() {
     let folder = scratch("disk");
-    let scene = folder.join("scene.toml");
-    std::fs::write(&scene, RICH).unwrap();
-    let scene = scene.display().to_string();
+    let scene = rich_scene(&folder);
     let system = folder.join("system");
     std::fs::create_dir(&system).unwrap();
     for (name, text) in FILES {
@@ -34,7 +40,7 @@ fn what_cannot_be_written_is_said() {
             "/proc/fracas.svg",
         ],
     ];
-    if std::path::Path::new("/dev/full").exists() {
+    if Path::new("/dev/full").exists() {
         for option in ["--json", "--solution"] {
             lines.push(vec!["solve", "--system", &system, option, "/dev/full"]);
         }
@@ -59,9 +65,7 @@ fn within(kibibytes: usize, arguments: &[&str]) -> Output {
 #[test]
 fn memory_that_ends_is_said_with_the_number_asked_for() {
     let folder = scratch("memory");
-    let scene = folder.join("scene.toml");
-    std::fs::write(&scene, RICH).unwrap();
-    let scene = scene.display().to_string();
+    let scene = rich_scene(&folder);
     let out = folder.join("out");
     let to = out.display().to_string();
     trial("memory", count(3e-5, 12), |g| {
@@ -96,9 +100,7 @@ fn memory_that_ends_is_said_with_the_number_asked_for() {
 #[test]
 fn more_memory_refuses_no_run() {
     let folder = scratch("more_memory");
-    let scene = folder.join("scene.toml");
-    std::fs::write(&scene, RICH).unwrap();
-    let scene = scene.display().to_string();
+    let scene = rich_scene(&folder);
     let out = folder.join("out");
     let to = out.display().to_string();
     let mut finished_within = None;

@@ -73,8 +73,7 @@ pub(super) fn contradictions(
             });
         }
     }
-    let entries = (blocks.h.iter().flat_map(|h| h.data())).filter(|v| **v != 0.0);
-    let entries = entries.count();
+    let entries = blocks.h.as_ref().map_or(0, count);
     // rows of slip and opening have entries of H without a stabilization
     let sticks = (manifest.states.iter().flatten()).all(|state| *state == 0);
     match manifest.is_stabilized() {
