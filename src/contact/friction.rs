@@ -52,6 +52,20 @@ impl Friction {
         }
     }
 
+    /// A share of it: the cohesion and the tangents of both angles are so much smaller.
+    pub(crate) fn share(self, share: f64) -> Self {
+        let angle = |angle: f64| (share * angle.tan()).atan();
+        let weakening = |w: Weakening| Weakening {
+            angle: angle(w.angle),
+            ..w
+        };
+        Self {
+            angle: angle(self.angle),
+            cohesion: share * self.cohesion,
+            weakening: self.weakening.map(weakening),
+        }
+    }
+
     /// τ_L [Pa]: the largest shear traction that a face carries under the normal traction `t_n` [Pa] after `slip` [m];
     /// never negative, whatever tension an iterate has.
     pub fn limit(self, t_n: f64, slip: f64) -> f64 {

@@ -3,16 +3,14 @@
 use super::accuracy::Accuracy;
 use super::judge::Judge;
 use super::linear::Linear;
-use super::natural::Natural;
 use super::newton::{Attempt, Iterate};
 use super::rounds::{Ended, Found, Search};
-use super::turns::Turns;
 use super::{Event, Failure, Instability, LinearRecord};
 use crate::contact::ContactState;
 use crate::flow::{FlowRecord, WellRecord};
 use fracas_operators::Fields;
 use fracas_operators::sparse::Csr;
-use fracas_solvers::{Observer, Step};
+use fracas_solvers::Observer;
 
 /// Krylov iterations of a step, over the most of one system, from which on it is given up. Unit: 1.
 const SPENT: usize = 50;
@@ -82,8 +80,8 @@ impl Log {
 ///
 /// They return where H of a face that opens or slips drops out of its neighbours' rows, so that it is in slight tension when closed and
 /// overlaps when open: then H is held on all that the states that return constrain. Where this does not settle, or states still change
-/// after `patience` rounds, or Newton fails at those at hand, Newton on the [natural](Natural) map solves the law of all faces, H held
-/// on all of them, and rounds with the H of the states themselves follow. On how many faces H acts beyond their states at last is told.
+/// after `patience` rounds, or Newton fails at those at hand, Newton on the [natural](super::natural::Natural) map solves the law of all
+/// faces, H held on all of them, and rounds with the H of the states themselves follow. On how many faces H acts beyond their states at last is told.
 pub(super) fn active_set(
     attempt: &Attempt<'_>,
     states: Vec<ContactState>,
@@ -105,6 +103,7 @@ pub(super) fn active_set(
         damped: false,
         patient: false,
         joined: Vec::new(),
+        rounding: None,
         observer,
     };
     let (from, first) = (x.clone(), log.rounds + 1);
@@ -118,7 +117,7 @@ pub(super) fn active_set(
         Ended::Settled(found) => return Ok(search.settled(*found, x)),
         // linear equations that cannot be solved are no matter of states, and those at the start no matter of the load
         Ended::Not(_, Some(why)) if attempt.is_linear(&log.states) => {
-            return Err(match log.rounds == first && why.may_be_cut() {
+            return Err(match log.rounds == first && why.may_be_projected() {
                 true => Failure::Unsolvable(Box::new(why)),
                 false => why,
             });
@@ -136,68 +135,19 @@ pub(super) fn active_set(
     let last = log.rounds + most - patience;
     match search.by_natural_map(&frozen, (held, from), last, log)? {
         Some(settled) => Ok(settled),
-        None => Err(why.unwrap_or_else(|| Failure::ActiveSet {
-            rounds: log.rounds,
-            faces: log.changing.clone(),
-        })),
+        None => Err(search
+            .rounding
+            .or(why)
+            .unwrap_or_else(|| Failure::ActiveSet {
+                rounds: log.rounds,
+                faces: log.changing.clone(),
+            })),
     }
 }
 
 impl Search<'_, '_> {
-    /// Newton on the natural map from x, the first step in the states `held`, with H of all faces; then rounds.
-    fn by_natural_map(
-        &mut self,
-        frozen: &Attempt<'_>,
-        (held, mut x): (Vec<ContactState>, Iterate),
-        last: usize,
-        log: &mut Log,
-    ) -> Result<Option<Settled>, Failure> {
-        let problem = self.attempt.problem;
-        let max_krylov = problem.body().solver.max_krylov;
-        let h = problem.stabilization(&vec![ContactState::Stick; held.len()]);
-        let mut turns = Turns::new(held.len());
-        let mut natural = Natural::new(frozen, h.as_ref(), held);
-        let mut before = Vec::new();
-        while log.rounds < last && !log.is_spent(max_krylov) && !natural.is_over() {
-            let round = log.rounds;
-            log.rounds += 1;
-            let told = &mut *self.observer as &mut dyn Observer;
-            let with = (&mut *self.linear, told);
-            let found = match natural.iterate(h.as_ref(), round, &mut x, &mut log.linear, with) {
-                Err(failure) if failure.may_be_projected() => break,
-                found => found?,
-            };
-            turns.see(found.iter().copied());
-            let torn = turns.torn(self.attempt);
-            if !torn.is_empty() {
-                return Err(Failure::Torn { faces: torn });
-            }
-            let changed = count_changes(&found, &before);
-            log.states.clone_from(&found);
-            before = found;
-            let step = Step::Round {
-                round: round + 1,
-                changed,
-            };
-            if self.observer.observe(&step).is_break() {
-                return Err(Failure::Stopped);
-            }
-            if changed == 0 && natural.is_close() {
-                let joined = self.joins();
-                if let Some(settled) = self.finished(&before, &x, h.as_ref(), log)? {
-                    return Ok(Some(settled));
-                }
-                // pressures stay, and so does what is found with them
-                if self.attempt.flow.is_some() && self.joins() == joined {
-                    break;
-                }
-            }
-        }
-        Ok(None)
-    }
-
     /// Rounds from these states with this H of all faces, and from there with that of the states they end at, or of those that return.
-    fn finished(
+    pub(super) fn finished(
         &mut self,
         states: &[ContactState],
         x: &Iterate,
@@ -208,7 +158,10 @@ impl Search<'_, '_> {
         let mut y = x.clone();
         let found = match self.rounds(states.to_vec(), &mut y, Some(h), most, log)? {
             Ended::Settled(found) => found,
-            Ended::Not(..) => return Ok(None),
+            Ended::Not(_, why) => {
+                self.rounding = why.filter(|why| matches!(why, Failure::Inaccurate { .. }));
+                return Ok(None);
+            }
         };
         let all = vec![ContactState::Stick; states.len()];
         let told = log.events.len();
@@ -269,7 +222,7 @@ impl Search<'_, '_> {
     }
 
     /// Number of faces that are joined.
-    fn joins(&self) -> usize {
+    pub(super) fn joins(&self) -> usize {
         self.joined.iter().filter(|joined| **joined).count()
     }
 
@@ -303,12 +256,4 @@ fn grow(form: &mut [ContactState], states: &[ContactState]) -> bool {
         }
     }
     grown
-}
-
-/// Faces whose states differ; all where there was none before.
-fn count_changes(states: &[ContactState], before: &[ContactState]) -> usize {
-    match before.len() == states.len() {
-        true => states.iter().zip(before).filter(|(a, b)| a != b).count(),
-        false => states.len(),
-    }
 }

@@ -232,9 +232,15 @@ impl Failure {
         self
     }
 
-    /// True where a shorter step may help.
+    /// True where another attempt may help.
     pub(super) fn may_be_cut(&self) -> bool {
         self.may_be_projected() && !matches!(self, Self::Unsolvable(_))
+    }
+
+    /// True where a shorter step may help: what rounding leaves does not depend on it, but on how close slip that `weakens` a fault is to
+    /// running away.
+    pub(super) fn may_be_shortened(&self, weakens: bool) -> bool {
+        self.may_be_cut() && (weakens || !matches!(self, Self::Inaccurate { .. }))
     }
 
     /// True where states do not settle, or ask of Newton what it does not find.

@@ -30,6 +30,7 @@ mod fallback;
 mod faults;
 mod fields;
 mod flow;
+mod followed;
 mod jacobian;
 mod judge;
 mod kept;

@@ -25,6 +25,12 @@ const HALVINGS: usize = 12;
 /// Steps in a row that lower nothing, after which the merit is taken to be at a minimum that is no solution.
 const STUCK: usize = 3;
 
+/// Share of the merit that a step must take off lest it creeps. Unit: 1.
+const CREEP: f64 = 0.05;
+
+/// Steps in a row that creep, after which the merit is taken to lead nowhere.
+const CREEPING: usize = 10;
+
 /// √m over `√(Σ_f A_f ‖t‖²/κ)` from which on rounds may finish. Unit: 1.
 const CLOSE: f64 = 1e-5;
 
@@ -49,18 +55,22 @@ pub(super) struct Natural<'s> {
     held: Option<Vec<ContactState>>,
     correction: Vec<f64>,
     iterations: usize,
-    /// Steps in a row that lowered nothing.
+    /// Steps in a row that lowered nothing, and that lowered little.
     stuck: usize,
+    creeping: usize,
+    /// Share of the friction of every face.
+    share: f64,
     /// √m over that of the tractions.
     distance: f64,
 }
 
 impl<'s> Natural<'s> {
-    /// With this H, the first step in these states.
+    /// With this H and share of the friction of every face, the first step in the states `held` or in those of trial tractions.
     pub(super) fn new(
         attempt: &'s Attempt<'s>,
         h: Option<&Csr<f64>>,
-        held: Vec<ContactState>,
+        share: f64,
+        held: Option<Vec<ContactState>>,
     ) -> Self {
         let problem = attempt.problem;
         let s = problem.saddle().unit();
@@ -73,22 +83,29 @@ impl<'s> Natural<'s> {
         Self {
             attempt,
             stiffness,
-            held: Some(held),
+            held,
             correction: vec![0.0; problem.saddle().layout().len()],
             iterations: 0,
             stuck: 0,
+            creeping: 0,
+            share,
             distance: f64::INFINITY,
         }
     }
 
     /// True where m does not go down any more, or has not led to a solution.
     pub(super) fn is_over(&self) -> bool {
-        self.stuck == STUCK || self.iterations == MOST
+        self.stuck == STUCK || self.creeping == CREEPING || self.iterations == MOST
     }
 
     /// True where the last step led to a solution, or nearly.
     pub(super) fn is_close(&self) -> bool {
         self.distance <= CLOSE
+    }
+
+    /// True with the whole friction of every face.
+    pub(super) fn is_whole(&self) -> bool {
+        self.share == 1.0
     }
 
     /// One step with this H; the states by trial tractions there.
@@ -101,10 +118,11 @@ impl<'s> Natural<'s> {
         (linear, observer): (&mut Linear, &mut dyn Observer),
     ) -> Result<Vec<ContactState>, Failure> {
         let (attempt, problem) = (self.attempt, self.attempt.problem);
-        let (layout, stiffness) = (problem.saddle().layout(), &self.stiffness[..]);
+        let layout = problem.saddle().layout();
+        let (stiffness, share) = (&self.stiffness[..], self.share);
         let point = |x: &Iterate| {
             let at = [&x.u[..], &x.t];
-            problem.natural((h, stiffness), at, attempt.start, attempt.load)
+            problem.natural((h, stiffness, share), at, attempt.start, attempt.load)
         };
         let here = match self.held.take() {
             Some(held) => NaturalPoint {
@@ -162,6 +180,10 @@ impl<'s> Natural<'s> {
         let record = attempt.record([round, 0], faces, forcing, residual);
         records.push(record.solved(&solved, length));
         self.iterations += 1;
+        self.creeping = match there.merit < (1.0 - CREEP) * here.merit {
+            true => 0,
+            false => self.creeping + 1,
+        };
         self.distance = (there.merit / there.size).sqrt();
         Ok(there.states)
     }
@@ -182,7 +204,7 @@ impl ContactProblem<'_> {
     /// The equations of the natural map at (u, t) with κ = `stiffness` per face [Pa/m], every face in the state of its trial traction.
     fn natural(
         &self,
-        (h, stiffness): (Option<&Csr<f64>>, &[f64]),
+        (h, stiffness, share): (Option<&Csr<f64>>, &[f64], f64),
         [u, t]: [&[f64]; 2],
         start: &Start,
         load: &Load,
@@ -194,7 +216,7 @@ impl ContactProblem<'_> {
                 let spring = SpringLaw {
                     stiffness: stiffness[f],
                     multiplier: point.traction,
-                    friction: law.friction,
+                    friction: law.friction.share(share),
                     keeps: 1.0,
                 };
                 let spring = spring.at(point.jump, point.start, None);
@@ -263,7 +285,7 @@ mod tests {
                 let ([d_u, d_t], mut u, mut t) = (layout.split([U, T], &d), u.clone(), t.clone());
                 axpy(share, d_u, &mut u);
                 axpy(share * layout.unit(T), d_t, &mut t);
-                problem.natural((h.as_ref(), &kappa), [&u, &t], &start, &load)
+                problem.natural((h.as_ref(), &kappa, 1.0), [&u, &t], &start, &load)
             };
             let (plus, here, minus) = (moved(1.0), moved(0.0), moved(-1.0));
             slips += count(&here.states)[2];
@@ -323,7 +345,7 @@ mod tests {
             };
             let stick = vec![ContactState::Stick; faces];
             let h = problem.stabilization(&stick);
-            let mut natural = Natural::new(&attempt, h.as_ref(), stick);
+            let mut natural = Natural::new(&attempt, h.as_ref(), 1.0, Some(stick));
             let mut linear = Linear::new(&problem);
             let mut distances = Vec::new();
             while !natural.is_over() && natural.distance > 1e-9 {

@@ -43,6 +43,8 @@ pub(super) struct Search<'a, 's> {
     pub(super) patient: bool,
     /// [Joined](crate::flow::FlowStep::joined) faces: those that were open in rounds that returned in spite of that.
     pub(super) joined: Vec<bool>,
+    /// What rounding kept from the tolerance beside the last solution of the natural map.
+    pub(super) rounding: Option<Failure>,
     pub(super) observer: &'a mut dyn Observer,
 }
 
@@ -254,8 +256,11 @@ impl Search<'_, '_> {
                         let stands = (&states[..], fixed.unwrap_or(h.as_ref()));
                         match self.enough(attempt, stands, (x, &at, residual))? {
                             Ok(enough) => judged = Some(enough),
-                            Err(_) => {
-                                let failure = until.missed(residual);
+                            Err(failure) => {
+                                // a large residual is not one that rounding leaves
+                                let failure = failure
+                                    .filter(|_| residual <= settings.rounds.loose)
+                                    .unwrap_or(until.missed(residual));
                                 return Ok(unsolved(states, failure, (log, round)));
                             }
                         }

@@ -190,7 +190,7 @@ impl<'a> Simulation<'a> {
                     return Ok(self.accept(state, target, settled, &load, log, cuts, next));
                 }
                 Err(reason)
-                    if reason.may_be_cut()
+                    if reason.may_be_shortened(self.problem.weakens())
                         && !log.is_spent(solver.max_krylov)
                         && 0.5 * length(state, target) >= least(&reason) =>
                 {

@@ -192,3 +192,20 @@ fn accepted_steps_are_accurate() {
 fn accepted_steps_of_springs_are_accurate() {
     judge("{penalty={factor=1e2}}");
 }
+
+/// Steep friction beside rock of strong contrast: the merit of the natural map has minima that are no solution, and friction that grows from
+/// none leads around them. What is refused then is refused by rounding.
+#[test]
+fn friction_that_grows_leads_to_what_steps_from_stick_do_not_find() {
+    let mut finished = 0;
+    for seed in [16_511_653_963_616_609_002, 4_429_046_113_753_850_369] {
+        for inner in ["exact", "amg", "geometric"] {
+            match run(&scene(seed), &[&format!("solver.inner='{inner}'")]) {
+                Ok(_) => finished += 1,
+                Err(Failure::Inaccurate { error, .. }) if error < 1e-5 => {}
+                Err(other) => panic!("seed {seed}, {inner}: {other}"),
+            }
+        }
+    }
+    assert!(finished > 2, "{finished}");
+}
