@@ -45,7 +45,7 @@ impl Search<'_, '_> {
     ) -> Result<Option<Settled>, Failure> {
         let problem = self.attempt.problem;
         let h = problem.stabilization(&vec![ContactState::Stick; held.len()]);
-        let follows = self.attempt.flow.is_none() && !problem.weakens();
+        let follows = self.follows();
         let mut descend = |share: f64, held: Option<Vec<ContactState>>, x: &mut Iterate| {
             let natural = Natural::new(frozen, h.as_ref(), share, held);
             self.descend(natural, h.as_ref(), x, last, log)
@@ -75,6 +75,11 @@ impl Search<'_, '_> {
         Ok(None)
     }
 
+    /// True where friction may grow from none.
+    fn follows(&self) -> bool {
+        self.attempt.flow.is_none() && !self.attempt.problem.weakens()
+    }
+
     /// Steps on the natural map to a solution; with the whole friction on to rounds.
     fn descend(
         &mut self,
@@ -85,10 +90,11 @@ impl Search<'_, '_> {
         log: &mut Log,
     ) -> Result<Descent, Failure> {
         let problem = self.attempt.problem;
-        let max_krylov = problem.body().solver.max_krylov;
+        let (follows, max_krylov) = (self.follows(), problem.body().solver.max_krylov);
         let mut turns = Turns::new(problem.faces().len());
         let mut before = Vec::new();
-        while log.rounds < last && !log.is_spent(max_krylov) && !natural.is_over() {
+        let is_over = |natural: &Natural<'_>| natural.is_over() || follows && natural.creeps();
+        while log.rounds < last && !log.is_spent(max_krylov) && !is_over(&natural) {
             let round = log.rounds;
             log.rounds += 1;
             let told = &mut *self.observer as &mut dyn Observer;

@@ -25,11 +25,11 @@ const HALVINGS: usize = 12;
 /// Steps in a row that lower nothing, after which the merit is taken to be at a minimum that is no solution.
 const STUCK: usize = 3;
 
-/// Share of the merit that a step must take off lest it creeps. Unit: 1.
-const CREEP: f64 = 0.05;
+/// Steps after which the merit is to be a [`SLOW`]th.
+const WINDOW: usize = 10;
 
-/// Steps in a row that creep, after which the merit is taken to lead nowhere.
-const CREEPING: usize = 10;
+/// By how much the merit falls in a [`WINDOW`] lest it creeps. Unit: 1.
+const SLOW: f64 = 4.0;
 
 /// √m over `√(Σ_f A_f ‖t‖²/κ)` from which on rounds may finish. Unit: 1.
 const CLOSE: f64 = 1e-5;
@@ -54,10 +54,10 @@ pub(super) struct Natural<'s> {
     /// States of the first step.
     held: Option<Vec<ContactState>>,
     correction: Vec<f64>,
-    iterations: usize,
-    /// Steps in a row that lowered nothing, and that lowered little.
+    /// Steps in a row that lowered nothing.
     stuck: usize,
-    creeping: usize,
+    /// m after every step.
+    merits: Vec<f64>,
     /// Share of the friction of every face.
     share: f64,
     /// √m over that of the tractions.
@@ -85,9 +85,8 @@ impl<'s> Natural<'s> {
             stiffness,
             held,
             correction: vec![0.0; problem.saddle().layout().len()],
-            iterations: 0,
             stuck: 0,
-            creeping: 0,
+            merits: Vec::new(),
             share,
             distance: f64::INFINITY,
         }
@@ -95,7 +94,13 @@ impl<'s> Natural<'s> {
 
     /// True where m does not go down any more, or has not led to a solution.
     pub(super) fn is_over(&self) -> bool {
-        self.stuck == STUCK || self.creeping == CREEPING || self.iterations == MOST
+        self.stuck == STUCK || self.merits.len() == MOST
+    }
+
+    /// True where m goes down slowly.
+    pub(super) fn creeps(&self) -> bool {
+        let before = self.merits.len().checked_sub(1 + WINDOW);
+        before.is_some_and(|before| self.merits[before] < SLOW * self.merits[before + WINDOW])
     }
 
     /// True where the last step led to a solution, or nearly.
@@ -179,11 +184,7 @@ impl<'s> Natural<'s> {
         let faces = count(&here.states);
         let record = attempt.record([round, 0], faces, forcing, residual);
         records.push(record.solved(&solved, length));
-        self.iterations += 1;
-        self.creeping = match there.merit < (1.0 - CREEP) * here.merit {
-            true => 0,
-            false => self.creeping + 1,
-        };
+        self.merits.push(there.merit);
         self.distance = (there.merit / there.size).sqrt();
         Ok(there.states)
     }
