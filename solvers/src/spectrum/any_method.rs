@@ -87,7 +87,10 @@ pub fn analyse_method(
         let d = &scales;
         let matrix = Mat::from_fn(n, n, |i, j| d[i] * product.entry(i, j) / d[j]);
         if !structure.symmetric || blocks.flow.is_some() {
-            report.field_of_values = Some(field_of_values::of_matrix(matrix.as_ref())?);
+            report.field_of_values = Some(field_of_values::of_matrix(
+                matrix.as_ref(),
+                field_of_values::OF_SCALES,
+            )?);
         }
         let judge = Judge {
             operator: &operator,
@@ -109,6 +112,7 @@ pub fn analyse_method(
     };
     stages.next("eigenvalues");
     report.judge(Eigenvalues::sorted(eigenvalues));
+    report.non_normal(request, &operator, m.as_ref(), &blocks)?;
     Ok(report)
 }
 

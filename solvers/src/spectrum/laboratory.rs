@@ -4,6 +4,7 @@ use super::condition::StiffnessEnds;
 use super::coupling::Coupling;
 use super::dense_spectrum::dense_eigenvalues;
 use super::modes::{self, Judge, ModeTarget};
+use super::non_normal::NonNormalRequest;
 use super::product::{Preconditioned, energy_scales};
 use super::report::{Eigenvalues, Method, Parts, SpectrumReport};
 use super::stated::state_bounds;
@@ -42,6 +43,8 @@ pub struct SpectrumRequest {
     pub conditions: bool,
     /// Eigenvectors wanted.
     pub modes: Vec<ModeTarget>,
+    /// Pseudospectra, field of values and what they say of GMRES.
+    pub non_normal: Option<NonNormalRequest>,
 }
 
 impl Default for SpectrumRequest {
@@ -53,6 +56,7 @@ impl Default for SpectrumRequest {
             dense_limit: 5000,
             conditions: true,
             modes: Vec::new(),
+            non_normal: None,
         }
     }
 }
@@ -249,6 +253,7 @@ pub fn analyse_around(
     let is_real = exact && !is_relaxed;
     state_bounds(&mut report, &structure, statements, relaxation, is_real);
     report.judge(Eigenvalues::sorted(eigenvalues));
+    report.non_normal(request, &operator, &racp, &blocks)?;
     Ok(report)
 }
 

@@ -2,9 +2,11 @@
 
 use super::bounds::{Bounds, Ingredients, Theorem};
 use super::region::{Region, Verdict, is_non_real};
-use super::{FieldOfValues, Hypothesis, Mode};
+use super::{FieldOfValues, Hypothesis, Mode, NonNormal, SpectrumRequest};
+use crate::SetupError;
 use crate::saddle::SaddleBlocks;
 use faer::c64;
+use fracas_operators::{LinearOperator, Preconditioner};
 use serde::{Serialize, Serializer};
 
 /// An eigenvalue counts as 1 (or ½) when it is this close.
@@ -161,6 +163,9 @@ pub struct SpectrumReport {
     pub smallest_nonzero_A: Option<f64>,
     /// Field of values, where no theorem speaks.
     pub field_of_values: Option<FieldOfValues>,
+    /// Pseudospectra and what they say of GMRES, where asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub non_normal: Option<NonNormal>,
     /// Eigenvectors asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub modes: Vec<Mode>,
@@ -221,6 +226,7 @@ impl SpectrumReport {
             kernel_A: None,
             smallest_nonzero_A: None,
             field_of_values: None,
+            non_normal: None,
             modes: Vec::new(),
             notes,
         }
@@ -229,6 +235,21 @@ impl SpectrumReport {
     /// The first hypothesis that does not hold.
     pub(super) fn objection(&self) -> Option<String> {
         self.hypotheses.iter().find_map(Hypothesis::objection)
+    }
+
+    /// The departure from normality, where the request asks for it and all eigenvalues are there.
+    pub(super) fn non_normal(
+        &mut self,
+        request: &SpectrumRequest,
+        operator: &dyn LinearOperator<f64>,
+        m: &dyn Preconditioner<f64>,
+        blocks: &SaddleBlocks,
+    ) -> Result<(), SetupError> {
+        if let Some(request) = &request.non_normal {
+            let found = NonNormal::new(operator, m, blocks, &self.eigenvalues, request)?;
+            self.non_normal = Some(found);
+        }
+        Ok(())
     }
 
     /// Fills in the statistics and verdicts of the eigenvalues.
