@@ -44,7 +44,9 @@ impl Ellipse {
     }
 
     fn half_height(&self) -> f64 {
-        (self.half_axis * self.half_axis - self.focus * self.focus).max(0.0).sqrt()
+        (self.half_axis * self.half_axis - self.focus * self.focus)
+            .max(0.0)
+            .sqrt()
     }
 
     /// a + b.
@@ -170,7 +172,10 @@ mod tests {
                 most = most.max(t(k, point) / at_zero);
             }
             let bound = ellipse.polynomial(k);
-            assert!(most <= bound * (1.0 + 1e-12) && most >= 0.99 * bound, "{k}: {most}, {bound}");
+            assert!(
+                most <= bound * (1.0 + 1e-12) && most >= 0.99 * bound,
+                "{k}: {most}, {bound}"
+            );
         }
     }
 
@@ -181,7 +186,12 @@ mod tests {
             focus: 0.0,
             half_axis: 2.0,
         };
-        let length = |n| Arc::upper_half(n).iter().map(|arc| circle.arc(arc).1).sum::<f64>();
+        let length = |n| {
+            Arc::upper_half(n)
+                .iter()
+                .map(|arc| circle.arc(arc).1)
+                .sum::<f64>()
+        };
         assert!(length(64) > 2.0 * PI && length(64) < 1.05 * 2.0 * PI);
         let points = [[0.5, 0.3], [1.4, -0.2], [1.0, 0.0]];
         let all = Ellipse::around(&points);

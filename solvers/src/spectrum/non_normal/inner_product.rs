@@ -99,13 +99,23 @@ impl Weights {
                 row.iter().for_each(|(k, b)| c_0[k] += b * b / a_ii);
             }
         }
-        let diagonal = |k: usize| blocks.h.as_ref().and_then(|h| h.get(k, k)).map_or(0.0, |h| h.abs());
+        let diagonal = |k: usize| {
+            blocks
+                .h
+                .as_ref()
+                .and_then(|h| h.get(k, k))
+                .map_or(0.0, |h| h.abs())
+        };
         for (k, c) in c_0.iter_mut().enumerate() {
             if *c == 0.0 && diagonal(k) == 0.0 {
                 *c = 1.0;
             }
         }
-        let total = c_0.iter().enumerate().map(|(k, c)| c + diagonal(k)).collect();
+        let total = c_0
+            .iter()
+            .enumerate()
+            .map(|(k, c)| c + diagonal(k))
+            .collect();
         Self { c_0, total }
     }
 }

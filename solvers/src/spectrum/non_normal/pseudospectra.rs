@@ -2,8 +2,8 @@
 
 use super::resolvent::Resolvent;
 use crate::SetupError;
-use crate::spectrum::report::Eigenvalues;
 use crate::spectrum::FieldOfValues;
+use crate::spectrum::report::Eigenvalues;
 use faer::c64;
 use rayon::prelude::*;
 use serde::Serialize;

@@ -120,7 +120,10 @@ impl Triangle {
     fn solve_adjoint(&self, re: &mut [f64], im: &mut [f64]) {
         let n = self.n;
         for i in 0..n {
-            let (row_re, row_im) = (&self.re[i * n + i..(i + 1) * n], &self.im[i * n + i..(i + 1) * n]);
+            let (row_re, row_im) = (
+                &self.re[i * n + i..(i + 1) * n],
+                &self.im[i * n + i..(i + 1) * n],
+            );
             let (y_re, y_im) = divided(re[i], im[i], row_re[0], -row_im[0]);
             (re[i], im[i]) = (y_re, y_im);
             let x = re[i + 1..].iter_mut().zip(&mut im[i + 1..]);
@@ -135,7 +138,10 @@ impl Triangle {
     fn solve(&self, re: &mut [f64], im: &mut [f64]) {
         let n = self.n;
         for i in (0..n).rev() {
-            let (row_re, row_im) = (&self.re[i * n + i..(i + 1) * n], &self.im[i * n + i..(i + 1) * n]);
+            let (row_re, row_im) = (
+                &self.re[i * n + i..(i + 1) * n],
+                &self.im[i * n + i..(i + 1) * n],
+            );
             let (x_re, x_im) = (&re[i + 1..], &im[i + 1..]);
             let sum_re = dot(&row_re[1..], x_re) - dot(&row_im[1..], x_im);
             let sum_im = dot(&row_re[1..], x_im) + dot(&row_im[1..], x_re);

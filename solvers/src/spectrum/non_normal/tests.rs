@@ -18,7 +18,10 @@ fn by_svd(t: &Mat<f64>, z: c64) -> f64 {
             (false, true) => here(z.im),
         }
     });
-    *dense::singular_values(whole.as_ref()).unwrap().last().unwrap()
+    *dense::singular_values(whole.as_ref())
+        .unwrap()
+        .last()
+        .unwrap()
 }
 
 fn eigenvalues(t: &Mat<f64>) -> Eigenvalues {
@@ -59,7 +62,10 @@ fn the_resolvent_agrees_with_a_full_svd_at_every_point() {
         for _ in 0..12 {
             let z = c64::new(dice.between(-1.0, 4.0), dice.between(-2.0, 2.0));
             let (found, expected) = (resolvent.smallest(z, 1e-8).unwrap(), by_svd(&t, z));
-            assert!((found - expected).abs() <= 1e-6 * expected + 1e-13, "{seed}: {found} {expected}");
+            assert!(
+                (found - expected).abs() <= 1e-6 * expected + 1e-13,
+                "{seed}: {found} {expected}"
+            );
         }
     }
 }
@@ -94,7 +100,10 @@ fn discs_about_eigenvalues_lie_in_pseudospectra_and_are_them_for_a_normal_matrix
             }
         }
     }
-    assert!(strictly > 100, "{strictly}: hardly any of the matrices is far from normal");
+    assert!(
+        strictly > 100,
+        "{strictly}: hardly any of the matrices is far from normal"
+    );
 }
 
 #[test]
@@ -110,17 +119,25 @@ fn gmres_never_lies_above_its_bounds() {
         let values = eigenvalues(&t);
         for start in 0..2 {
             let r_0: Vec<f64> = probe(n, 10 * seed + start);
-            let found = NonNormal::of_matrix(&t, &r_0, &values, &request).unwrap().gmres;
+            let found = NonNormal::of_matrix(&t, &r_0, &values, &request)
+                .unwrap()
+                .gmres;
             for (k, measured) in found.measured.iter().enumerate() {
                 for bound in [found.resolvent[k], found.field_of_values[k]] {
-                    assert!(*measured <= bound * (1.0 + 1e-8) + 1e-11, "{seed}, {k}: {measured} {bound}");
+                    assert!(
+                        *measured <= bound * (1.0 + 1e-8) + 1e-11,
+                        "{seed}, {k}: {measured} {bound}"
+                    );
                 }
             }
             by_resolvent += usize::from(found.steps[1].is_some());
             by_field += usize::from(found.steps[2].is_some());
         }
     }
-    assert!(by_resolvent > 80 && by_field > 30, "{by_resolvent} {by_field}");
+    assert!(
+        by_resolvent > 80 && by_field > 30,
+        "{by_resolvent} {by_field}"
+    );
 }
 
 #[test]
@@ -132,7 +149,14 @@ fn a_bound_too_small_is_seen() {
     let request = NonNormalRequest::default();
     let found = NonNormal::of_matrix(&shift, &r_0, &eigenvalues(&shift), &request).unwrap();
     assert!(found.departure < 1e-6 && !found.field_of_values.excludes_zero);
-    assert!(found.gmres.resolvent.iter().chain(&found.gmres.field_of_values).all(|b| *b == 1.0));
+    assert!(
+        found
+            .gmres
+            .resolvent
+            .iter()
+            .chain(&found.gmres.field_of_values)
+            .all(|b| *b == 1.0)
+    );
     let grid = found.pseudospectra.unwrap();
     assert_eq!(grid.log10_epsilon.len(), grid.im.len());
     assert_eq!(grid.log10_epsilon[0].len(), grid.re.len());

@@ -80,7 +80,12 @@ impl GmresBounds {
         field: &FieldOfValues,
         r_0: &[f64],
     ) -> Result<Self, SetupError> {
-        let corners: Vec<[f64; 2]> = field.re.iter().zip(&field.im).map(|(x, y)| [*x, *y]).collect();
+        let corners: Vec<[f64; 2]> = field
+            .re
+            .iter()
+            .zip(&field.im)
+            .map(|(x, y)| [*x, *y])
+            .collect();
         let by_field: Vec<Bound> = (Ellipse::around(&corners).into_iter())
             .map(|ellipse| match ellipse.is_circle() {
                 true => (2.0, ellipse),
