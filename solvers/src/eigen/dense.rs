@@ -5,9 +5,7 @@ use crate::SetupError;
 use faer::diag::{Diag, DiagRef};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::{ldlt::factor as ldlt, llt::factor as llt};
-use faer::linalg::evd::hessenberg::{hessenberg_in_place, hessenberg_in_place_scratch};
 use faer::linalg::evd::{self, ComputeEigenvectors};
-use faer::linalg::qr::no_pivoting::factor::recommended_block_size;
 use faer::linalg::svd::{self, ComputeSvdVectors};
 use faer::linalg::{matmul, temp_mat_scratch, triangular_solve};
 use faer::{Accum, Mat, MatMut, MatRef, Par, c64};
@@ -18,7 +16,7 @@ use rayon::prelude::*;
 const COLUMNS_PER_TASK: usize = 64;
 
 /// The failure of an iteration inside faer: only NaN or infinity in the matrix brings it about.
-fn not_converged<E>(_: E) -> SetupError {
+pub(super) fn not_converged<E>(_: E) -> SetupError {
     SetupError::NotApplicable {
         method: "dense eigenvalues",
         reason: "the iteration did not converge; the matrix holds NaN, infinity or entries that overflow when squared"
@@ -26,7 +24,7 @@ fn not_converged<E>(_: E) -> SetupError {
     }
 }
 
-fn buffer(request: faer::dyn_stack::StackReq) -> MemBuffer {
+pub(super) fn buffer(request: faer::dyn_stack::StackReq) -> MemBuffer {
     MemBuffer::new(request)
 }
 
@@ -175,38 +173,6 @@ pub fn general_eigen(a: MatRef<'_, f64>) -> Result<(Vec<c64>, Mat<c64>), SetupEr
         j += width;
     }
     Ok((values, vectors))
-}
-
-/// An upper Hessenberg matrix that is orthogonally similar to a square one.
-pub fn hessenberg(mut a: Mat<f64>) -> Result<Mat<f64>, SetupError> {
-    let n = a.nrows();
-    if !a.is_all_finite() {
-        return Err(not_converged(()));
-    }
-    if n < 3 {
-        return Ok(a);
-    }
-    let block = recommended_block_size::<f64>(n - 1, n - 1);
-    let mut householder = Mat::zeros(block, n - 1);
-    let mut memory = buffer(hessenberg_in_place_scratch::<f64>(
-        n,
-        block,
-        Par::Seq,
-        Default::default(),
-    ));
-    hessenberg_in_place(
-        a.as_mut(),
-        householder.as_mut(),
-        Par::Seq,
-        MemStack::new(&mut memory),
-        Default::default(),
-    );
-    for j in 0..n {
-        for i in j + 2..n {
-            a[(i, j)] = 0.0;
-        }
-    }
-    Ok(a)
 }
 
 /// Singular values, descending: min(rows, columns) of them.

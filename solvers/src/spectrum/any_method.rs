@@ -46,6 +46,12 @@ pub fn analyse_method(
             "eigenvectors are computed for method = \"racp\" and \"racp:published\" only, and for systems without rows of slip or opening",
         ));
     }
+    if request.certify {
+        return Err(SetupError::NotApplicable {
+            method: "certify",
+            reason: "M has no explicit blocks; take method = \"racp:published\" with inner = \"exact\", and a system without rows of slip, opening or flow".to_owned(),
+        });
+    }
     let mut stages = Stages { observer, done: 0 };
     let (blocks, structure, notes) = simplified(blocks);
     let m = method.ready(&blocks)?.inverse;

@@ -2,7 +2,7 @@
 
 use super::bounds::{Bounds, Ingredients, Theorem};
 use super::region::{Region, Verdict, is_non_real};
-use super::{FieldOfValues, Hypothesis, Mode, NonNormal, SpectrumRequest};
+use super::{Enclosures, FieldOfValues, Hypothesis, Mode, NonNormal, SpectrumRequest};
 use crate::SetupError;
 use crate::saddle::SaddleBlocks;
 use faer::c64;
@@ -133,8 +133,12 @@ pub struct SpectrumReport {
     /// What is proved, statement by statement.
     #[serde(serialize_with = "by_parts")]
     pub region: Region,
-    /// False: eigenvalues and ends are had in f64 and judged with a tolerance, not enclosed by directed rounding.
+    /// True: `enclosures` are proved, rounding included, and where there are bounds the verdict with them. False: eigenvalues and ends are had
+    /// in f64 and judged with a tolerance.
     pub certified: bool,
+    /// Where a proof is asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub enclosures: Option<Enclosures>,
     /// All eigenvalues lie inside; null when nothing is proved.
     pub contained: Option<bool>,
     /// What the bounds rest on; empty where none is stated.
@@ -212,6 +216,7 @@ impl SpectrumReport {
             bounds: Bounds::none(None),
             region: Region::default(),
             certified: false,
+            enclosures: None,
             contained: None,
             hypotheses: Vec::new(),
             verdict: String::new(),

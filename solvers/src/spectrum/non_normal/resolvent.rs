@@ -1,8 +1,7 @@
 //! `‖(zI − T)⁻¹‖` of a real dense matrix, point by point.
 
 use crate::SetupError;
-use crate::eigen::dense;
-use crate::eigen::{Ends, LanczosSettings, extreme_eigenvalues};
+use crate::eigen::{Ends, LanczosSettings, extreme_eigenvalues, factors};
 use faer::{Mat, c64};
 use std::cell::RefCell;
 
@@ -29,7 +28,7 @@ impl Resolvent {
     /// NaN or infinity in T.
     pub fn new(t: &Mat<f64>) -> Result<Self, SetupError> {
         let n = t.nrows();
-        let h = dense::hessenberg(t.clone())?;
+        let h = factors::hessenberg(t.clone())?;
         let rows = (0..n * n).map(|k| h[(k / n, k % n)]).collect();
         Ok(Self { n, rows })
     }

@@ -109,7 +109,7 @@ fn discs_about_eigenvalues_lie_in_pseudospectra_and_are_them_for_a_normal_matrix
 #[test]
 fn gmres_never_lies_above_its_bounds() {
     let (mut by_resolvent, mut by_field) = (0, 0);
-    for seed in 0..60 {
+    for seed in 0..40 {
         let t = case(seed);
         let n = t.nrows();
         let request = NonNormalRequest {
@@ -135,7 +135,7 @@ fn gmres_never_lies_above_its_bounds() {
         }
     }
     assert!(
-        by_resolvent > 80 && by_field > 30,
+        by_resolvent > 50 && by_field > 20,
         "{by_resolvent} {by_field}"
     );
 }
