@@ -1,6 +1,7 @@
 //! Eigenvalues: in the complex plane over the regions that theorems predict, and as rows on a logarithmic axis.
 
 use super::figure::{Figure, Mark, Region, Series};
+use super::non_normal::{self, Gmres, Level};
 use super::{Axis, Scale};
 use crate::report::format_real;
 use fracas_solvers::spectrum::region::is_non_real;
@@ -182,6 +183,12 @@ pub struct Spectrum {
     pub is_partial: bool,
     /// Corners of the field of values.
     pub field: Option<Vec<[f64; 2]>>,
+    /// Boundaries of pseudospectra.
+    #[serde(default)]
+    pub levels: Vec<Level>,
+    /// GMRES under its bounds.
+    #[serde(default)]
+    pub gmres: Option<Gmres>,
 }
 
 impl From<&SpectrumReport> for Spectrum {
@@ -203,7 +210,17 @@ impl From<&SpectrumReport> for Spectrum {
             complex: region.re.zip(region.im_max),
             circles: region.parts().iter().filter_map(Circle::of).collect(),
             is_partial: report.method == Method::Iterative,
-            field: report.field_of_values.as_ref().map(corners),
+            field: match &report.non_normal {
+                Some(found) => Some(corners(&found.field_of_values)),
+                None => report.field_of_values.as_ref().map(corners),
+            },
+            levels: (report
+                .non_normal
+                .iter()
+                .flat_map(|found| &found.pseudospectra))
+            .flat_map(non_normal::levels)
+            .collect(),
+            gmres: report.non_normal.as_ref().map(Gmres::from),
         }
     }
 }
@@ -281,7 +298,7 @@ impl Spectrum {
             let low = format_real(round(low, high));
             format!("{what} [{low}, {}]", format_real(high))
         };
-        if self.is_real() {
+        if self.is_real() && self.levels.is_empty() {
             let least = self.re.iter().copied().fold(f64::INFINITY, f64::min);
             let most = self.re.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             let axis = match least > 0.0 && most > 20.0 * least {
@@ -330,6 +347,7 @@ impl Spectrum {
         for part in &self.circles {
             figure = figure.circles(part);
         }
+        self.contours(&mut figure);
         if let Some(corners) = &self.field {
             figure = figure.shade("field of values", Region::Polygon(corners.clone()));
         }
@@ -347,7 +365,13 @@ impl Spectrum {
             let wider = |(a, b): (f64, f64), v: &f64| (a.min(*v), b.max(*v));
             values.iter().fold(ends, wider)
         };
-        let ((low, high), (down, up)) = (ends(&self.re), ends(&self.im));
+        let lines = self
+            .levels
+            .iter()
+            .flat_map(|level| level.lines.iter().flatten());
+        let (re, im): (Vec<f64>, Vec<f64>) = lines.map(|[x, y]| (*x, *y)).unzip();
+        let re = [&self.re[..], &re].concat();
+        let ((low, high), (down, up)) = (ends(&re), ends(&[&self.im[..], &im].concat()));
         let im = up.max(-down);
         let room = WINDOW * (high - low).max(im);
         let [real, re] =

@@ -1,5 +1,6 @@
 //! How far M⁻¹𝒜 is from normal: pseudospectra, field of values, and what they say of GMRES.
 
+mod compress;
 mod ellipse;
 mod inner_product;
 mod pseudospectra;
@@ -116,12 +117,14 @@ impl NonNormal {
         request: &NonNormalRequest,
     ) -> Result<Self, SetupError> {
         let inner_product = request.inner_product.formula();
+        let squares = t.norm_l2().powi(2);
+        let small = compress::compressed(t, r_0);
+        let (t, r_0) = small.as_ref().map_or((t, r_0), |(t, r_0)| (t, &r_0[..]));
         let field = field_of_values::of_matrix(t.as_ref(), inner_product)?;
         let resolvent = Resolvent::new(t)?;
         let pseudospectra = (request.points > 1)
             .then(|| Pseudospectra::new(&resolvent, eigenvalues, &field, request.points))
             .transpose()?;
-        let squares = t.norm_l2().powi(2);
         let of_values: f64 = eigenvalues.iter().map(|(re, im)| re * re + im * im).sum();
         let n = t.nrows();
         let dense = Dense::from_fn(Shape::square(n), |i, j| t[(i, j)]);

@@ -161,3 +161,39 @@ fn a_bound_too_small_is_seen() {
     assert_eq!(grid.log10_epsilon.len(), grid.im.len());
     assert_eq!(grid.log10_epsilon[0].len(), grid.re.len());
 }
+
+#[test]
+fn what_is_the_identity_beside_a_small_space_is_left_out_without_loss() {
+    for seed in 0..20 {
+        let dice = &mut Random::new(seed);
+        let (n, rank) = (30 + dice.below(20), 1 + dice.below(6));
+        let random = |dice: &mut Random, m, n| Mat::from_fn(m, n, |_, _| dice.between(-1.0, 1.0));
+        let (p, q) = (random(dice, n, rank), random(dice, n, rank));
+        let t = Mat::<f64>::identity(n, n) + &p * q.transpose() * (0.5 / n as f64);
+        let r: Vec<f64> = probe(n, seed);
+        let (small, r_small) = compress::compressed(&t, &r).unwrap();
+        assert_eq!((small.nrows(), r_small.len()), (2 * rank + 1, 2 * rank + 1));
+        let resolvent = Resolvent::new(&small).unwrap();
+        for _ in 0..6 {
+            let z = c64::new(dice.between(0.0, 2.0), dice.between(-1.0, 1.0));
+            let (found, expected) = (resolvent.smallest(z, 1e-8).unwrap(), by_svd(&t, z));
+            assert!(
+                (found - expected).abs() <= 1e-6 * expected,
+                "{seed}: {found} {expected}"
+            );
+        }
+        // W and GMRES
+        let field = |t: &Mat<f64>| field_of_values::of_matrix(t.as_ref(), "").unwrap().support;
+        for (a, b) in field(&t).iter().zip(field(&small)) {
+            assert!((a - b).abs() < 1e-6, "{seed}: {a} {b}");
+        }
+        let history = |t: &Mat<f64>, r: &[f64]| {
+            let n = r.len();
+            transient::residuals(&Dense::from_fn(Shape::square(n), |i, j| t[(i, j)]), r)
+        };
+        for (a, b) in history(&t, &r).iter().zip(history(&small, &r_small)) {
+            assert!((a - b).abs() < 1e-8, "{seed}: {a} {b}");
+        }
+    }
+    assert!(compress::compressed(&case(3), &[1.0; 40][..case(3).nrows()]).is_none());
+}

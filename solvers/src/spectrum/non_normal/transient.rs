@@ -27,13 +27,13 @@ const ROUNDING: f64 = 1e-12;
 const ACCURACY: f64 = 1e-6;
 
 /// Places of curves between the spectrum and zero, in logarithms.
-const SHARES: [f64; 9] = [0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8];
+const SHARES: [f64; 7] = [0.03, 0.08, 0.15, 0.25, 0.35, 0.5, 0.7];
 
 /// Half a piece of a curve is at most this much of σ_min in its middle: K is then had to 1/(1 − 0.2). Unit: 1.
 const FINE: f64 = 0.2;
 
 /// Pieces of a curve that are tried before it is given up: it runs too near to an eigenvalue.
-const PIECES: usize = 400;
+const PIECES: usize = 300;
 
 /// Bounds of `‖r_k‖/‖r_0‖` of GMRES for T y = r_0 from y = 0, beside one that ran, in the inner product of T.
 ///
@@ -127,18 +127,20 @@ impl GmresBounds {
 
 /// `(1/2π)∮ ‖(zI − T)⁻¹‖ |dz|` from above; `None` where the curve comes too near to the spectrum.
 fn constant(resolvent: &Resolvent, curve: &Ellipse) -> Result<Option<f64>, SetupError> {
-    let mut arcs = Arc::upper_half(12);
+    let mut arcs = Arc::upper_half(8);
     let (mut sum, mut tried) = (0.0, 0);
     while let Some(arc) = arcs.pop() {
-        tried += 1;
-        if tried > PIECES {
-            return Ok(None);
-        }
         let ([x, y], length) = curve.arc(&arc);
         let sigma = resolvent.smallest(c64::new(x, y), ACCURACY)?;
         match 0.5 * length <= FINE * sigma {
             true => sum += length / (sigma - 0.5 * length),
+            // as many pieces as this one falls into, if σ_min stays what it is
+            false if length > 2.0 * FINE * sigma * PIECES as f64 => return Ok(None),
             false => arcs.extend(arc.halves()),
+        }
+        tried += 1;
+        if tried > PIECES {
+            return Ok(None);
         }
     }
     // the lower half is its mirror image
@@ -163,7 +165,7 @@ fn norm(t: &Dense<f64>) -> Result<f64, SetupError> {
 }
 
 /// Relative residuals of GMRES without restarts; a breakdown ends them.
-fn residuals(t: &Dense<f64>, r_0: &[f64]) -> Vec<f64> {
+pub(super) fn residuals(t: &Dense<f64>, r_0: &[f64]) -> Vec<f64> {
     struct History(Vec<f64>);
     impl Observer for History {
         fn observe(&mut self, step: &Step) -> ControlFlow<()> {
