@@ -13,6 +13,7 @@ mod non_normal;
 mod palette;
 mod series;
 mod spectrum;
+mod window;
 
 #[cfg(test)]
 mod tests;

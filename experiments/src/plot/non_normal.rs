@@ -93,10 +93,12 @@ pub(super) fn levels(grid: &Pseudospectra) -> Vec<Level> {
         .flatten()
         .copied()
         .fold(f64::INFINITY, f64::min);
+    // lines that lie between two points of the grid have no shape
+    let finest = (0.5 * (grid.re[1] - grid.re[0])).log10();
     let first = (rim / STEP).floor();
     let levels = (0..LEVELS).map(|k| (first - k as f64) * STEP);
     levels
-        .filter(|level| *level > least)
+        .filter(|level| *level > least.max(finest))
         .map(|level| Level {
             log10_epsilon: level,
             lines: lines(grid, level),
@@ -179,6 +181,9 @@ fn lines(grid: &Pseudospectra, level: f64) -> Vec<Vec<[f64; 2]>> {
 impl Spectrum {
     /// The lines of every level behind what is drawn already.
     pub(super) fn contours(&self, figure: &mut Figure) {
+        if self.levels.is_empty() {
+            return;
+        }
         for (k, series) in figure.series.iter_mut().enumerate() {
             series.tone.get_or_insert(k);
         }
@@ -190,6 +195,7 @@ impl Spectrum {
             })
         });
         let mut series: Vec<Series> = behind.collect();
+        figure.series.retain(|series| !series.points.is_empty());
         series.append(&mut figure.series);
         figure.series = series;
     }

@@ -128,9 +128,6 @@ fn union(discs: &[(f64, f64)]) -> Vec<[f64; 2]> {
     upper.iter().copied().chain(lower).collect()
 }
 
-/// Bounds further than this many extents of the spectrum from it are cut at the edge of the figure.
-const WINDOW: f64 = 0.6;
-
 /// What holds non-real eigenvalues; discs have their centre on the real axis, and these ends on it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -336,7 +333,8 @@ impl Spectrum {
         ];
         let mut figure = Figure::complex_plane(id, &title, &self.which(), &sets);
         self.window(&mut figure);
-        if let Some(((low, high), im)) = self.complex {
+        let none_complex = self.is_real() && !self.levels.is_empty();
+        if let Some(((low, high), im)) = self.complex.filter(|_| !none_complex) {
             let re = name("proved, complex: Re λ in", (low, high));
             let region = Region::Rectangle {
                 x: [low, high],
@@ -356,32 +354,6 @@ impl Spectrum {
             figure = figure.shade(&name("proved, real:", (low, high)), region);
         }
         figure
-    }
-
-    /// Shows all eigenvalues, and bounds as far as they lie within a window around them.
-    fn window(&self, figure: &mut Figure) {
-        let ends = |values: &[f64]| {
-            let ends = (f64::INFINITY, f64::NEG_INFINITY);
-            let wider = |(a, b): (f64, f64), v: &f64| (a.min(*v), b.max(*v));
-            values.iter().fold(ends, wider)
-        };
-        let lines = self
-            .levels
-            .iter()
-            .flat_map(|level| level.lines.iter().flatten());
-        let (re, im): (Vec<f64>, Vec<f64>) = lines.map(|[x, y]| (*x, *y)).unzip();
-        let re = [&self.re[..], &re].concat();
-        let ((low, high), (down, up)) = (ends(&re), ends(&[&self.im[..], &im].concat()));
-        let im = up.max(-down);
-        let room = WINDOW * (high - low).max(im);
-        let [real, re] =
-            [self.real, self.complex.map(|(re, _)| re)].map(|i| i.unwrap_or((low, high)));
-        let left = low.min(real.0.min(re.0).max(low - room));
-        let right = high.max(real.1.max(re.1).min(high + room));
-        let top = im.max(self.complex.map_or(im, |(_, bound)| bound.min(im + room)));
-        let margin = 0.05 * (right - left);
-        figure.x = figure.x.clone().range(left - margin, right + margin);
-        figure.y = figure.y.clone().range(-top - margin, top + margin);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::SetupError;
 use crate::eigen::dense;
-use crate::saddle::SaddleBlocks;
+use crate::saddle::{Elimination, SaddleBlocks};
 use crate::spectrum::product::energy_scales;
 use faer::Mat;
 use schemars::JsonSchema;
@@ -13,8 +13,8 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "snake_case")]
 pub enum InnerProduct {
     /// `G = diag(A + B D⁻¹Bᵀ, C_0 + H)`, `C_0 = diag(B1ᵀ diag(A)⁻¹B1)`, `D = C_0 + diag H`: the energies in which errors are judged. It
-    /// depends neither on units nor on the method. Where C_0 + H is not SPD (rows of slip), its diagonal of absolute values takes its
-    /// place; pressures have the weights `diag(Q1ᵀ diag(A)⁻¹Q1) + |diag T|`.
+    /// depends neither on units nor on the method. Rows with a law of their own (slip, opening) have no H there, and where C_0 + H is not SPD
+    /// all the same D takes its place; pressures have the weights `diag(Q1ᵀ diag(A)⁻¹Q1) + |diag T|`.
     #[default]
     Energy,
     /// `G = I`, for unknowns in the units of the system: metres beside pascals for one of ours.
@@ -55,8 +55,15 @@ impl InnerProduct {
                 row + 1
             ),
         })?;
+        let is_own = |i: usize| weights.own[i];
         let mut g_t = match &blocks.h {
-            Some(h) => dense::to_dense(h),
+            Some(h) => {
+                let h = dense::to_dense(h);
+                Mat::from_fn(n_t, n_t, |i, j| match is_own(i) || is_own(j) {
+                    true => 0.0,
+                    false => h[(i, j)],
+                })
+            }
             None => Mat::zeros(n_t, n_t),
         };
         dense::symmetrize(&mut g_t);
@@ -87,35 +94,35 @@ impl InnerProduct {
 struct Weights {
     /// `C_0`.
     c_0: Vec<f64>,
-    /// `C_0 + |diag H|`.
+    /// `D = C_0 + diag H`, without the H of rows with a law of their own.
     total: Vec<f64>,
+    /// Which rows those are.
+    own: Vec<bool>,
 }
 
 impl Weights {
     fn new(blocks: &SaddleBlocks) -> Self {
-        let mut c_0 = vec![0.0; blocks.n_t()];
-        for (i, row) in blocks.b1.outer_iterator().enumerate() {
-            if let Some(a_ii) = blocks.a.get(i, i).filter(|a_ii| **a_ii > 0.0) {
-                row.iter().for_each(|(k, b)| c_0[k] += b * b / a_ii);
-            }
+        let n_t = blocks.n_t();
+        let mut c_0 = blocks.contact_compliance();
+        let mut own = vec![false; n_t];
+        if let Some(eliminated) = Elimination::new(blocks) {
+            eliminated.rows().iter().for_each(|k| own[*k] = true);
         }
-        let diagonal = |k: usize| {
-            blocks
-                .h
-                .as_ref()
-                .and_then(|h| h.get(k, k))
-                .map_or(0.0, |h| h.abs())
+        let of_h = |k: usize| {
+            let h = blocks.h.as_ref().and_then(|h| h.get(k, k)).copied();
+            if own[k] {
+                0.0
+            } else {
+                h.unwrap_or(0.0).max(0.0)
+            }
         };
-        for (k, c) in c_0.iter_mut().enumerate() {
-            if *c == 0.0 && diagonal(k) == 0.0 {
+        let of_h: Vec<f64> = (0..n_t).map(of_h).collect();
+        for (c, h) in c_0.iter_mut().zip(&of_h) {
+            if *c == 0.0 && *h == 0.0 {
                 *c = 1.0;
             }
         }
-        let total = c_0
-            .iter()
-            .enumerate()
-            .map(|(k, c)| c + diagonal(k))
-            .collect();
-        Self { c_0, total }
+        let total = c_0.iter().zip(&of_h).map(|(c, h)| c + h).collect();
+        Self { c_0, total, own }
     }
 }

@@ -42,7 +42,7 @@ impl Default for NonNormalRequest {
     fn default() -> Self {
         Self {
             inner_product: InnerProduct::default(),
-            points: 60,
+            points: 80,
         }
     }
 }

@@ -8,7 +8,7 @@ use faer::c64;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Relative accuracy of σ_min on the grid: two hundredths of a line apart are not seen. Unit: 1.
+/// Relative accuracy of σ_min on the grid: lines that close are not told apart. Unit: 1.
 const ACCURACY: f64 = 1e-3;
 
 /// Room around the eigenvalues, in the larger of their extents. Unit: 1.
