@@ -138,7 +138,7 @@ fn a_partial_spectrum_speaks_of_what_was_found() {
 
 #[test]
 fn pseudospectra_stand_beside_gmres_and_its_bounds() {
-    let folder = folder("pseudospectra");
+    let folder = scratch("pseudospectra");
     let plot = folder.join("c.svg");
     let figure = plot.to_str().unwrap();
     let published = [

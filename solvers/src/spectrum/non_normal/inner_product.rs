@@ -103,7 +103,7 @@ struct Weights {
 impl Weights {
     fn new(blocks: &SaddleBlocks) -> Self {
         let n_t = blocks.n_t();
-        let mut c_0 = blocks.contact_compliance();
+        let c_0 = blocks.contact_compliance();
         let mut own = vec![false; n_t];
         if let Some(eliminated) = Elimination::new(blocks) {
             eliminated.rows().iter().for_each(|k| own[*k] = true);
@@ -117,11 +117,6 @@ impl Weights {
             }
         };
         let of_h: Vec<f64> = (0..n_t).map(of_h).collect();
-        for (c, h) in c_0.iter_mut().zip(&of_h) {
-            if *c == 0.0 && *h == 0.0 {
-                *c = 1.0;
-            }
-        }
         let total = c_0.iter().zip(&of_h).map(|(c, h)| c + h).collect();
         Self { c_0, total, own }
     }
