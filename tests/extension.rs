@@ -192,7 +192,7 @@ impl Preconditioner<f64> for Inverse {
     }
 
     fn properties(&self) -> Properties {
-        Properties::default()
+        Properties::LINEAR
     }
 }
 

@@ -213,9 +213,9 @@ measures! {
     FieldIm "field_im" NonNormal "largest |Im| of the field of values" |m| non_normal(m, |n| {
         n.field_of_values.im.iter().copied().reduce(f64::max)
     });
-    StepsGmres "steps_gmres" NonNormal "steps of GMRES to 1e-8 in energy" |m| steps(m, 0);
-    StepsResolvent "steps_resolvent" NonNormal "steps to 1e-8, bound by the resolvent" |m| steps(m, 1);
-    StepsField "steps_field" NonNormal "steps to 1e-8, bound by the field of values" |m| steps(m, 2);
+    StepsGmres "steps_gmres" NonNormal "steps of GMRES" |m| steps(m, 0);
+    StepsResolvent "steps_resolvent" NonNormal "bound by the resolvent" |m| steps(m, 1);
+    StepsField "steps_field" NonNormal "bound by the field of values" |m| steps(m, 2);
     Contained "contained" Spectrum "inside the proved regions" |m| {
         word(m.spectrum.as_ref().and_then(|s| s.contained))
     };
