@@ -200,8 +200,9 @@ impl Preconditioner<f64> for Inverse {
 fn a_c_and_a_preconditioner_go_through_pseudospectra_and_proofs() {
     let own = AugmentationChoice::register(&Doubled).unwrap();
     SaddleMethod::register(&Diagonals).unwrap();
-    let scene = named("patch").unwrap().small_scene().unwrap();
-    let body = scene.build().unwrap();
+    let scene = named("crossing").unwrap().scene().unwrap();
+    let cells = ["mesh.x.cells=8", "mesh.y.cells=2", "mesh.z.cells=8"];
+    let body = scene.with_overrides(&cells).unwrap().build().unwrap();
     let blocks = body.saddle_blocks(Some(Default::default())).unwrap();
     let request = SpectrumRequest {
         non_normal: Some(NonNormalRequest {
