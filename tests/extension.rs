@@ -201,7 +201,7 @@ fn a_c_and_a_preconditioner_go_through_pseudospectra_and_proofs() {
     let own = AugmentationChoice::register(&Doubled).unwrap();
     SaddleMethod::register(&Diagonals).unwrap();
     let scene = named("crossing").unwrap().scene().unwrap();
-    let cells = ["mesh.x.cells=8", "mesh.y.cells=2", "mesh.z.cells=8"];
+    let cells = ["mesh.x.cells=4", "mesh.y.cells=2", "mesh.z.cells=4"];
     let body = scene.with_overrides(&cells).unwrap().build().unwrap();
     let blocks = body.saddle_blocks(Some(Default::default())).unwrap();
     let request = SpectrumRequest {
