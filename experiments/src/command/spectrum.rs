@@ -100,7 +100,7 @@ impl Spectrum {
 
 fn draw(path: &Path, figure: &plot::Figure) -> anyhow::Result<()> {
     output::text(path, &figure.to_svg()?)?;
-    Ok(output::text(&path.with_extension("csv"), &figure.to_csv())?)
+    output::text(&path.with_extension("csv"), &figure.to_csv())
 }
 
 /// `NAME_gmres.svg` beside `NAME.svg`.
