@@ -4,10 +4,13 @@
 
 use fracas::nonlinear::Simulation;
 use fracas::scene::named;
+use fracas_operators::{Preconditioner, Properties};
 use fracas_solvers::direct::DirectSolver;
 use fracas_solvers::saddle::{
-    AugmentationChoice, AugmentationMatrix, AugmentationRule, SaddleBlocks,
+    AugmentationChoice, AugmentationMatrix, AugmentationRule, CustomMethod, Racp, SaddleBlocks,
+    SaddleMethod,
 };
+use fracas_solvers::spectrum::{NonNormalRequest, SpectrumRequest, analyse_method};
 use fracas_solvers::{Named, SetupError, Silent};
 
 #[path = "../examples/from_code.rs"]
@@ -114,4 +117,133 @@ fn a_c_of_faces_given_by_its_entries_makes_the_same_run() {
             assert!(far <= 1e-6 * size, "{inner}: {far:e} of {size:e}");
         }
     }
+}
+
+/// `local_h` twice, given by its entries.
+#[derive(Debug)]
+struct Doubled;
+
+impl Named for Doubled {
+    fn name(&self) -> &'static str {
+        "local_h_doubled"
+    }
+}
+
+impl AugmentationRule for Doubled {
+    fn is_local(&self) -> bool {
+        false
+    }
+
+    fn compute(
+        &self,
+        blocks: &SaddleBlocks,
+        direct: &dyn DirectSolver,
+    ) -> Result<AugmentationMatrix, SetupError> {
+        let once = AugmentationChoice::LocalH.compute(blocks, direct)?.matrix;
+        AugmentationMatrix::from_sparse(once.entries().map(|c| 2.0 * c))
+    }
+}
+
+/// `diag(A, −(C_0 + diag H))⁻¹`.
+#[derive(Debug)]
+struct Diagonals;
+
+struct Inverse(Vec<f64>);
+
+impl Named for Diagonals {
+    fn name(&self) -> &'static str {
+        "diagonals"
+    }
+}
+
+impl CustomMethod for Diagonals {
+    fn prepare(&self, blocks: &SaddleBlocks) -> Result<Box<dyn Preconditioner<f64>>, SetupError> {
+        let h = |k| blocks.h.as_ref().and_then(|h| h.get(k, k)).copied();
+        let of_a = (0..blocks.n_u()).map(|i| blocks.a.get(i, i).copied().unwrap_or(1.0));
+        let of_t = blocks.contact_compliance().into_iter().enumerate();
+        let of_t = of_t.map(|(k, c)| -(c + h(k).unwrap_or(0.0)));
+        Ok(Box::new(Inverse(
+            of_a.chain(of_t).map(|d| 1.0 / d).collect(),
+        )))
+    }
+
+    fn takes_flow(&self) -> bool {
+        false
+    }
+
+    fn takes_local_rows(&self) -> bool {
+        false
+    }
+}
+
+impl Preconditioner<f64> for Inverse {
+    fn size(&self) -> usize {
+        self.0.len()
+    }
+
+    fn solve(&self, x: &[f64], y: &mut [f64], _: &mut [f64]) {
+        for ((y, x), d) in y.iter_mut().zip(x).zip(&self.0) {
+            *y = d * x;
+        }
+    }
+
+    fn flops(&self) -> u64 {
+        self.0.len() as u64
+    }
+
+    fn properties(&self) -> Properties {
+        Properties::LINEAR
+    }
+}
+
+#[test]
+fn a_c_and_a_preconditioner_go_through_pseudospectra_and_proofs() {
+    let own = AugmentationChoice::register(&Doubled).unwrap();
+    SaddleMethod::register(&Diagonals).unwrap();
+    let scene = named("crossing").unwrap().scene().unwrap();
+    let cells = ["mesh.x.cells=4", "mesh.y.cells=2", "mesh.z.cells=4"];
+    let body = scene.with_overrides(&cells).unwrap().build().unwrap();
+    let blocks = body.saddle_blocks(Some(Default::default())).unwrap();
+    let request = SpectrumRequest {
+        non_normal: Some(NonNormalRequest {
+            points: 12,
+            ..NonNormalRequest::default()
+        }),
+        conditions: false,
+        ..SpectrumRequest::default()
+    };
+    let published = SaddleMethod::Racp(Racp {
+        augmentation: own,
+        relaxation: 0.0,
+        ..Racp::default()
+    });
+    let certify = SpectrumRequest {
+        certify: true,
+        ..request.clone()
+    };
+    let report = analyse_method(&blocks, &published, &certify, &mut Silent).unwrap();
+    assert_eq!(report.augmentation, "local_h_doubled");
+    assert!(report.certified, "{:?}", report.enclosures);
+    let (low, high) = (report.real_min.unwrap(), report.real_max.unwrap());
+    let enclosures = report.enclosures.unwrap();
+    for (value, ends) in [(low, enclosures.real_min), (high, enclosures.real_max)] {
+        let (a, b) = ends.unwrap();
+        assert!(a <= value + 1e-9 && value <= b + 1e-9, "{value}: {a} {b}");
+    }
+
+    let method: SaddleMethod = "diagonals".parse().unwrap();
+    let other = analyse_method(&blocks, &method, &request, &mut Silent).unwrap();
+    for found in [report.non_normal.unwrap(), other.non_normal.unwrap()] {
+        let gmres = found.gmres;
+        let bounds = gmres.resolvent.iter().zip(&gmres.field_of_values);
+        for (measured, (a, b)) in gmres.measured.iter().zip(bounds) {
+            assert!(*measured <= a.min(*b) * (1.0 + 1e-8) + 1e-10);
+        }
+        assert!(gmres.measured.len() > 2 && found.pseudospectra.is_some());
+    }
+    let refused = analyse_method(&blocks, &method, &certify, &mut Silent).unwrap_err();
+    assert!(
+        refused.to_string().contains("no explicit blocks"),
+        "{refused}"
+    );
 }

@@ -28,6 +28,7 @@ pub static EXPERIMENTS: &[&dyn Experiment] = &[
     &crate::e22_gas_storage::GasStorage,
     &crate::e23_ground_ruptures::GroundRuptures,
     &gallery::E24,
+    &gallery::E25,
 ];
 
 /// What `fracas reproduce` runs without arguments: about two minutes on two cores.

@@ -4,6 +4,7 @@
 //! memory, 3 not converged, 4 a check failed; 130 and 143: a run or a study that SIGINT or SIGTERM stopped, with its state written.
 //! Every other command ends at once, by that signal.
 
+mod beyond;
 mod check;
 mod compare;
 mod explain;

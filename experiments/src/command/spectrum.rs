@@ -1,5 +1,6 @@
 //! `fracas spectrum`: eigenvalues of M⁻¹𝒜, what is proved about them, and whether it holds.
 
+use super::beyond::{self, Beyond};
 use super::method::Method;
 use super::modes::Modes;
 use super::progress::Progress;
@@ -13,7 +14,7 @@ use fracas_solvers::saddle::SaddleMethod;
 use fracas_solvers::spectrum::{Certificate, Part, SpectrumReport, SpectrumRequest, certificate};
 use serde::Serialize;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(Args, Debug)]
 pub(super) struct Spectrum {
@@ -26,10 +27,12 @@ pub(super) struct Spectrum {
     dense_limit: usize,
     #[command(flatten)]
     modes: Modes,
+    #[command(flatten)]
+    beyond: Beyond,
     /// Report as JSON; `-` writes it to standard output, in place of the lines.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Figure of the eigenvalues; its numbers go into a CSV file beside it.
+    /// Figure of the eigenvalues; its numbers go into a CSV file beside it, and with --pseudospectra GMRES and its bounds into NAME_gmres.svg.
     #[arg(long, value_name = "FILE.svg", value_parser = svg)]
     plot: Option<PathBuf>,
 }
@@ -47,12 +50,17 @@ impl Spectrum {
         let problem = self.source.problem()?;
         let (method, rule) = self.method.of(SaddleMethod::default())?;
         let method = spectrum_method(&problem, &method, rule, "spectrum")?;
-        output::try_files(self.json.iter().chain(&self.plot))?;
+        let of_gmres = (self.plot.as_deref())
+            .filter(|_| self.beyond.non_normal().is_some())
+            .map(beside);
+        output::try_files(self.json.iter().chain(&self.plot).chain(&of_gmres))?;
         let mut progress = Progress::new();
         let system = self.source.load(&mut progress)?;
         let request = SpectrumRequest {
             dense_limit: self.dense_limit,
             modes: self.modes.modes.clone(),
+            non_normal: self.beyond.non_normal(),
+            certify: self.beyond.certify,
             ..SpectrumRequest::default()
         };
         let report = spectrum(&problem, &system, &method, &request, &mut progress)?;
@@ -62,9 +70,14 @@ impl Spectrum {
         }
         drop(progress);
         if let Some(path) = &self.plot {
-            let figure = plot::Spectrum::from(&report).figure("spectrum");
-            output::text(path, &figure.to_svg()?)?;
-            output::text(&path.with_extension("csv"), &figure.to_csv())?;
+            let spectrum = plot::Spectrum::from(&report);
+            draw(path, &spectrum.figure("spectrum"))?;
+            if let Some(gmres) = &spectrum.gmres {
+                draw(
+                    &beside(path),
+                    &gmres.figure("gmres", &report.preconditioner),
+                )?;
+            }
         }
         let whole = WithCertificate {
             report: &report,
@@ -83,6 +96,17 @@ impl Spectrum {
             Status::Done
         })
     }
+}
+
+fn draw(path: &Path, figure: &plot::Figure) -> anyhow::Result<()> {
+    output::text(path, &figure.to_svg()?)?;
+    output::text(&path.with_extension("csv"), &figure.to_csv())
+}
+
+/// `NAME_gmres.svg` beside `NAME.svg`.
+fn beside(path: &Path) -> PathBuf {
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!("{name}_gmres.svg"))
 }
 
 /// `a, b, c`, or that there is nothing.
@@ -159,54 +183,53 @@ fn print(
             format!("{} {holds}", h.statement)
         })
         .collect();
-    output::pairs(
-        out,
-        &[
-            ("method", report.preconditioner.clone()),
-            (
-                "C",
-                if report.c_min.is_nan() {
-                    report.augmentation.clone()
-                } else {
-                    format!(
-                        "{}, eigenvalues {}",
-                        report.augmentation,
-                        range(Some(report.c_min), Some(report.c_max))
-                    )
-                },
+    let lines = [
+        ("method", report.preconditioner.clone()),
+        (
+            "C",
+            if report.c_min.is_nan() {
+                report.augmentation.clone()
+            } else {
+                format!(
+                    "{}, eigenvalues {}",
+                    report.augmentation,
+                    range(Some(report.c_min), Some(report.c_max))
+                )
+            },
+        ),
+        ("inner", report.inner.clone()),
+        (
+            "cond A",
+            report.kernel_A.map_or_else(
+                || number(report.cond_A),
+                |k| format!("singular, kernel of dimension {k}"),
             ),
-            ("inner", report.inner.clone()),
-            (
-                "cond A",
-                report.kernel_A.map_or_else(
-                    || number(report.cond_A),
-                    |k| format!("singular, kernel of dimension {k}"),
-                ),
+        ),
+        ("cond S_u", number(report.cond_S_u)),
+        ("real eigenvalues", range(report.real_min, report.real_max)),
+        ("Re λ", range(report.re_min, report.re_max)),
+        (
+            "|Im λ|",
+            format!("≤ {}, {} non-real", number(report.im_max), report.n_complex),
+        ),
+        (
+            "at 1, at ½",
+            format!("{}, {}", report.n_at_one, report.n_at_half),
+        ),
+        ("S_u~^-1 S_u, C^-1 H", quality(report)),
+        (
+            "inf-sup",
+            certificate.map_or_else(
+                || "not stated".to_owned(),
+                |c| format!("β² ≥ {:.6e} (local certificate)", c.beta_squared),
             ),
-            ("cond S_u", number(report.cond_S_u)),
-            ("real eigenvalues", range(report.real_min, report.real_max)),
-            ("Re λ", range(report.re_min, report.re_max)),
-            (
-                "|Im λ|",
-                format!("≤ {}, {} non-real", number(report.im_max), report.n_complex),
-            ),
-            (
-                "at 1, at ½",
-                format!("{}, {}", report.n_at_one, report.n_at_half),
-            ),
-            ("S_u~^-1 S_u, C^-1 H", quality(report)),
-            (
-                "inf-sup",
-                certificate.map_or_else(
-                    || "not stated".to_owned(),
-                    |c| format!("β² ≥ {:.6e} (local certificate)", c.beta_squared),
-                ),
-            ),
-            ("hypotheses", list_or_none(&hypotheses)),
-            ("bounds", theorem),
-            ("verdict", report.verdict.clone()),
-        ],
-    )?;
+        ),
+        ("hypotheses", list_or_none(&hypotheses)),
+        ("bounds", theorem),
+        ("verdict", report.verdict.clone()),
+    ];
+    let lines: Vec<_> = lines.into_iter().chain(beyond::lines(report)).collect();
+    output::pairs(out, &lines)?;
     for mode in &report.modes {
         let (re, im) = mode.eigenvalue;
         writeln!(

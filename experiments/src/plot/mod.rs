@@ -9,9 +9,11 @@ mod figure;
 mod indices;
 mod legend;
 mod marks;
+mod non_normal;
 mod palette;
 mod series;
 mod spectrum;
+mod window;
 
 #[cfg(test)]
 mod tests;
@@ -19,4 +21,5 @@ mod tests;
 pub use axis::{Axis, Scale};
 pub use cells::Cells;
 pub use figure::{Figure, Mark, Region, Series, Shade, Slope};
+pub use non_normal::{Gmres, Level};
 pub use spectrum::Spectrum;

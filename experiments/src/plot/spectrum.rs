@@ -1,6 +1,7 @@
 //! Eigenvalues: in the complex plane over the regions that theorems predict, and as rows on a logarithmic axis.
 
 use super::figure::{Figure, Mark, Region, Series};
+use super::non_normal::{self, Gmres, Level};
 use super::{Axis, Scale};
 use crate::report::format_real;
 use fracas_solvers::spectrum::region::is_non_real;
@@ -127,9 +128,6 @@ fn union(discs: &[(f64, f64)]) -> Vec<[f64; 2]> {
     upper.iter().copied().chain(lower).collect()
 }
 
-/// Bounds further than this many extents of the spectrum from it are cut at the edge of the figure.
-const WINDOW: f64 = 0.6;
-
 /// What holds non-real eigenvalues; discs have their centre on the real axis, and these ends on it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -182,6 +180,12 @@ pub struct Spectrum {
     pub is_partial: bool,
     /// Corners of the field of values.
     pub field: Option<Vec<[f64; 2]>>,
+    /// Boundaries of pseudospectra.
+    #[serde(default)]
+    pub levels: Vec<Level>,
+    /// GMRES under its bounds.
+    #[serde(default)]
+    pub gmres: Option<Gmres>,
 }
 
 impl From<&SpectrumReport> for Spectrum {
@@ -203,7 +207,17 @@ impl From<&SpectrumReport> for Spectrum {
             complex: region.re.zip(region.im_max),
             circles: region.parts().iter().filter_map(Circle::of).collect(),
             is_partial: report.method == Method::Iterative,
-            field: report.field_of_values.as_ref().map(corners),
+            field: match &report.non_normal {
+                Some(found) => Some(corners(&found.field_of_values)),
+                None => report.field_of_values.as_ref().map(corners),
+            },
+            levels: (report
+                .non_normal
+                .iter()
+                .flat_map(|found| &found.pseudospectra))
+            .flat_map(non_normal::levels)
+            .collect(),
+            gmres: report.non_normal.as_ref().map(Gmres::from),
         }
     }
 }
@@ -281,7 +295,7 @@ impl Spectrum {
             let low = format_real(round(low, high));
             format!("{what} [{low}, {}]", format_real(high))
         };
-        if self.is_real() {
+        if self.is_real() && self.levels.is_empty() {
             let least = self.re.iter().copied().fold(f64::INFINITY, f64::min);
             let most = self.re.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             let axis = match least > 0.0 && most > 20.0 * least {
@@ -319,7 +333,8 @@ impl Spectrum {
         ];
         let mut figure = Figure::complex_plane(id, &title, &self.which(), &sets);
         self.window(&mut figure);
-        if let Some(((low, high), im)) = self.complex {
+        let none_complex = self.is_real() && !self.levels.is_empty();
+        if let Some(((low, high), im)) = self.complex.filter(|_| !none_complex) {
             let re = name("proved, complex: Re λ in", (low, high));
             let region = Region::Rectangle {
                 x: [low, high],
@@ -330,6 +345,7 @@ impl Spectrum {
         for part in &self.circles {
             figure = figure.circles(part);
         }
+        self.contours(&mut figure);
         if let Some(corners) = &self.field {
             figure = figure.shade("field of values", Region::Polygon(corners.clone()));
         }
@@ -338,26 +354,6 @@ impl Spectrum {
             figure = figure.shade(&name("proved, real:", (low, high)), region);
         }
         figure
-    }
-
-    /// Shows all eigenvalues, and bounds as far as they lie within a window around them.
-    fn window(&self, figure: &mut Figure) {
-        let ends = |values: &[f64]| {
-            let ends = (f64::INFINITY, f64::NEG_INFINITY);
-            let wider = |(a, b): (f64, f64), v: &f64| (a.min(*v), b.max(*v));
-            values.iter().fold(ends, wider)
-        };
-        let ((low, high), (down, up)) = (ends(&self.re), ends(&self.im));
-        let im = up.max(-down);
-        let room = WINDOW * (high - low).max(im);
-        let [real, re] =
-            [self.real, self.complex.map(|(re, _)| re)].map(|i| i.unwrap_or((low, high)));
-        let left = low.min(real.0.min(re.0).max(low - room));
-        let right = high.max(real.1.max(re.1).min(high + room));
-        let top = im.max(self.complex.map_or(im, |(_, bound)| bound.min(im + room)));
-        let margin = 0.05 * (right - left);
-        figure.x = figure.x.clone().range(left - margin, right + margin);
-        figure.y = figure.y.clone().range(-top - margin, top + margin);
     }
 }
 

@@ -1,5 +1,6 @@
 //! What a study file says of a figure.
 
+use super::Name;
 use serde::{Deserialize, Deserializer, Serialize};
 use toml::Table;
 
@@ -69,6 +70,10 @@ pub enum Kind {
     Points,
     /// The eigenvalues of every row over the region that is proved.
     Spectrum,
+    /// The same with the boundaries of pseudospectra and the field of values.
+    Pseudospectra,
+    /// GMRES in the inner product of energy under its bounds, a figure per row.
+    GmresBounds,
     /// The eigenvalues of several rows over each other.
     Spectra,
     /// Real spectra, a line of marks per row, with the proved intervals.
@@ -82,7 +87,23 @@ pub enum Kind {
 impl Kind {
     /// True where it draws eigenvalues.
     pub(super) fn is_of_spectra(self) -> bool {
-        matches!(self, Self::Spectrum | Self::Spectra | Self::Strips)
+        matches!(
+            self,
+            Self::Spectrum | Self::Pseudospectra | Self::GmresBounds | Self::Spectra | Self::Strips
+        )
+    }
+
+    /// True where every row has a figure of its own.
+    pub(super) fn is_of_one(self) -> bool {
+        matches!(
+            self,
+            Self::Spectrum | Self::Pseudospectra | Self::GmresBounds
+        )
+    }
+
+    /// The measure without which there is nothing to draw, where it is no spectrum alone.
+    pub(super) fn needs(self) -> Option<Name> {
+        matches!(self, Self::Pseudospectra | Self::GmresBounds).then_some(Name::Departure)
     }
 
     /// True where it draws y over x.

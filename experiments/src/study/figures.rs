@@ -101,6 +101,7 @@ fn eigenvalues(
             }
             figure
         }
+        Kind::GmresBounds => first.gmres.as_ref()?.figure(id, ""),
         _ => first.figure(id),
     };
     if !caption.is_empty() {
@@ -147,7 +148,7 @@ fn facets<'a>(
     rows: &[&'a Fields],
     findings: &'a Findings,
 ) -> Vec<Option<&'a str>> {
-    let own = (section.kind == Kind::Spectrum).then_some("row");
+    let own = section.kind.is_of_one().then_some("row");
     let Some(axis) = section.facet.as_deref().or(own) else {
         return vec![None];
     };

@@ -297,7 +297,13 @@ impl Study {
                 own => own,
             };
             let any = |groups: &[Group]| names.iter().any(|name| groups.contains(&name.group()));
-            let solves = any(&[Group::Solve, Group::Count, Group::Clock, Group::Spectrum]);
+            let solves = any(&[
+                Group::Solve,
+                Group::Count,
+                Group::Clock,
+                Group::Spectrum,
+                Group::NonNormal,
+            ]);
             let idle = axes.of_solves();
             ensure!(
                 !any(&[Group::Run]) || solves || idle.is_none(),

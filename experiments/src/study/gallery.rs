@@ -47,6 +47,7 @@ gallery! {
     E08 "e08";
     E09 "e09";
     E24 "e24";
+    E25 "e25";
 }
 
 /// The study of that name.

@@ -2,7 +2,7 @@
 
 use super::measured::Measured;
 use fracas_solvers::saddle::AugmentationChoice;
-use fracas_solvers::spectrum::{Bounds, SpectrumReport};
+use fracas_solvers::spectrum::{Bounds, NonNormal, SpectrumReport};
 use serde::{Deserialize, Serialize};
 
 /// What a measure takes.
@@ -24,6 +24,8 @@ pub(super) enum Group {
     Condition,
     /// Eigenvalues of M⁻¹𝒜.
     Spectrum,
+    /// How far M⁻¹𝒜 is from normal, in the inner product of energy.
+    NonNormal,
     /// Errors against solutions of their own.
     Nested,
     /// The scene, through its load steps.
@@ -87,6 +89,16 @@ fn spectrum(m: &Measured, of: fn(&SpectrumReport) -> Option<f64>) -> Option<Stri
 
 fn eigenvalues(m: &Measured, of: fn(&SpectrumReport) -> usize) -> Option<String> {
     count(m.spectrum.as_ref().map(of))
+}
+
+fn non_normal(m: &Measured, of: fn(&NonNormal) -> Option<f64>) -> Option<String> {
+    let found = m.spectrum.as_ref().and_then(|s| s.non_normal.as_ref());
+    real(found.and_then(of))
+}
+
+fn steps(m: &Measured, which: usize) -> Option<String> {
+    let found = m.spectrum.as_ref().and_then(|s| s.non_normal.as_ref());
+    count(found.and_then(|found| found.gmres.steps[which]))
 }
 
 fn bound(m: &Measured, of: fn(&Bounds) -> Option<f64>) -> Option<String> {
@@ -195,6 +207,15 @@ measures! {
     OutsidePrinted "outside_printed" Spectrum "eigenvalues outside the region as printed" |m| {
         eigenvalues(m, |s| s.printed.as_ref().map_or(0, |p| p.outside.len()))
     };
+    Departure "departure" NonNormal "departure from normality" |m| non_normal(m, |n| Some(n.departure));
+    FieldLow "field_low" NonNormal "least Re of the field of values" |m| non_normal(m, |n| Some(n.gmres.coercivity));
+    FieldHigh "field_high" NonNormal "largest Re of the field of values" |m| non_normal(m, |n| Some(n.field_of_values.support[0]));
+    FieldIm "field_im" NonNormal "largest |Im| of the field of values" |m| non_normal(m, |n| {
+        n.field_of_values.im.iter().copied().reduce(f64::max)
+    });
+    StepsGmres "steps_gmres" NonNormal "steps of GMRES" |m| steps(m, 0);
+    StepsResolvent "steps_resolvent" NonNormal "bound by the resolvent" |m| steps(m, 1);
+    StepsField "steps_field" NonNormal "bound by the field of values" |m| steps(m, 2);
     Contained "contained" Spectrum "inside the proved regions" |m| {
         word(m.spectrum.as_ref().and_then(|s| s.contained))
     };

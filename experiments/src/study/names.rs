@@ -214,6 +214,7 @@ impl Study {
             .for_each(|name| add(name.text()));
         for figure in &self.figure {
             figure.formulas().for_each(|text| add(text));
+            figure.kind.needs().iter().for_each(|name| add(name.text()));
             match figure.kind {
                 Kind::Residuals => add(Name::Iterations.text()),
                 kind if kind.is_of_spectra() => add(Name::ReMin.text()),

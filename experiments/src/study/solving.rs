@@ -1,6 +1,7 @@
 //! One row: a system, a method, and what is measured.
 
 use super::counted::counted;
+use super::figure_section::Kind;
 use super::measure::Group;
 use super::measured::{Contact, Measured};
 use super::nested::Nested;
@@ -14,7 +15,7 @@ use fracas::memory;
 use fracas::run::Stop;
 use fracas::solve::{End, Problem, Route, Solve, Solver, SystemKind};
 use fracas_solvers::saddle::SaddleMethod;
-use fracas_solvers::spectrum::{SpectrumRequest, analyse_method};
+use fracas_solvers::spectrum::{NonNormalRequest, SpectrumRequest, analyse_method};
 use fracas_solvers::{Observer, Silent, Step};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -172,7 +173,7 @@ impl Row<'_> {
         let counts = setting.counts.unwrap_or(study.counts);
         let (published, spectral) = (
             solves && counts == Counts::Published,
-            self.asks(&[Group::Spectrum]),
+            self.asks(&[Group::Spectrum, Group::NonNormal]),
         );
         let conditions = self.asks(&[Group::Condition]);
         let runs = self.asks(&[Group::Run]);
@@ -236,6 +237,7 @@ impl Row<'_> {
                 Route::new(&settings.method, settings.inner, kind, None)?.method;
             let request = SpectrumRequest {
                 conditions: false,
+                non_normal: self.non_normal(),
                 dense_limit: (setting.dense).unwrap_or(SpectrumRequest::default().dense_limit),
                 ..SpectrumRequest::default()
             };
@@ -245,6 +247,16 @@ impl Row<'_> {
         }
         measured.outcome.get_or_insert(Outcome::Measured);
         Ok(())
+    }
+
+    /// Where a measure or a figure asks for it; the grid is for figures.
+    fn non_normal(&self) -> Option<NonNormalRequest> {
+        let draws = |kind| self.study.figure.iter().any(|figure| figure.kind == kind);
+        let mut request = NonNormalRequest::default();
+        if !draws(Kind::Pseudospectra) {
+            request.points = 0;
+        }
+        self.asks(&[Group::NonNormal]).then_some(request)
     }
 
     fn is_too_large(&self, n: usize, measured: &mut Measured) -> bool {

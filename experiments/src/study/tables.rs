@@ -136,7 +136,7 @@ fn one(column: &LongColumn, row: &Fields, findings: &Findings) -> Cell {
         let group = Name::find(of).map(Name::group);
         let is_result = matches!(
             group,
-            Some(Group::Count | Group::Condition | Group::Spectrum)
+            Some(Group::Count | Group::Condition | Group::Spectrum | Group::NonNormal)
         );
         return match is_result && findings.has_failed(row) {
             true => word("X").unwrap_or(Cell::Failed),

@@ -135,3 +135,86 @@ fn a_partial_spectrum_speaks_of_what_was_found() {
     assert_eq!(report["verdict"], verdict);
     assert_eq!(report["method"], "iterative");
 }
+
+#[test]
+fn pseudospectra_stand_beside_gmres_and_its_bounds() {
+    let folder = scratch("pseudospectra");
+    let plot = folder.join("c.svg");
+    let figure = plot.to_str().unwrap();
+    let published = [
+        "--method",
+        "racp:published",
+        "--pseudospectra",
+        "--grid",
+        "20",
+        "--plot",
+        figure,
+    ];
+    let report = crossing(&published);
+    let found = &report["non_normal"];
+    assert!(
+        found["inner_product"]
+            .as_str()
+            .unwrap()
+            .starts_with("energy")
+    );
+    let list = |key: &str| -> Vec<f64> {
+        let values = found["gmres"][key].as_array().unwrap().iter();
+        values.map(|v| v.as_f64().unwrap()).collect()
+    };
+    let (measured, resolvent, field) =
+        (list("measured"), list("resolvent"), list("field_of_values"));
+    assert!(measured.len() > 5 && measured.last().unwrap() < &1e-8);
+    for (k, measured) in measured.iter().enumerate() {
+        assert!(*measured <= resolvent[k] && *measured <= field[k], "{k}");
+    }
+    let steps: Vec<u64> = (0..3)
+        .map(|k| found["gmres"]["steps"][k].as_u64().unwrap())
+        .collect();
+    assert!(steps[0] <= steps[1] && steps[1] < steps[2], "{steps:?}");
+    for (file, part) in [
+        ("c.svg", "field of values"),
+        ("c.csv", "ε = "),
+        ("c_gmres.svg", "bound by the resolvent"),
+        ("c_gmres.csv", "GMRES"),
+    ] {
+        let text = std::fs::read_to_string(folder.join(file)).unwrap();
+        assert!(text.contains(part), "{file}");
+    }
+    let euclidean = crossing(&["--pseudospectra=euclidean", "--grid", "2"]);
+    let name = euclidean["non_normal"]["inner_product"].as_str().unwrap();
+    assert!(name.starts_with("Euclidean"), "{name}");
+    let ran = fracas(&["spectrum", "patch", "--grid", "20"]);
+    assert_eq!(ran.status, 2, "{}", ran.stderr);
+}
+
+#[test]
+fn what_is_certified_is_said_and_what_cannot_be_is_refused_in_a_sentence() {
+    let report = crossing(&["--method", "racp:published", "--certify"]);
+    assert_eq!(report["certified"], true);
+    assert_eq!(report["enclosures"]["contained"], true);
+    for (key, ends) in [("real_min", "real_min"), ("real_max", "real_max")] {
+        let value = report[key].as_f64().unwrap();
+        let end = |k: usize| report["enclosures"][ends][k].as_f64().unwrap();
+        assert!(end(0) <= value && value <= end(1), "{key}: {value}");
+        assert!(end(1) - end(0) < 1e-7);
+    }
+    assert_eq!(
+        crossing(&["--method", "racp:published"])["certified"],
+        false
+    );
+    for (arguments, part) in [
+        (&["--certify"][..], "take --method racp:published"),
+        (
+            &["--certify", "--method", "racp:published", "--inner", "ssor"],
+            "take --inner exact",
+        ),
+        (&["--certify", "--method", "mcp"], "no explicit blocks"),
+    ] {
+        let small = ["spectrum", "crossing:small"];
+        let all: Vec<&str> = small.into_iter().chain(arguments.iter().copied()).collect();
+        let ran = fracas(&all);
+        assert_eq!(ran.status, 2, "{arguments:?}: {}", ran.stderr);
+        assert!(ran.stderr.contains(part), "{arguments:?}: {}", ran.stderr);
+    }
+}

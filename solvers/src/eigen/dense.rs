@@ -16,7 +16,7 @@ use rayon::prelude::*;
 const COLUMNS_PER_TASK: usize = 64;
 
 /// The failure of an iteration inside faer: only NaN or infinity in the matrix brings it about.
-fn not_converged<E>(_: E) -> SetupError {
+pub(super) fn not_converged<E>(_: E) -> SetupError {
     SetupError::NotApplicable {
         method: "dense eigenvalues",
         reason: "the iteration did not converge; the matrix holds NaN, infinity or entries that overflow when squared"
@@ -24,7 +24,7 @@ fn not_converged<E>(_: E) -> SetupError {
     }
 }
 
-fn buffer(request: faer::dyn_stack::StackReq) -> MemBuffer {
+pub(super) fn buffer(request: faer::dyn_stack::StackReq) -> MemBuffer {
     MemBuffer::new(request)
 }
 

@@ -6,6 +6,7 @@
 //! same bits for any number of threads.
 
 pub mod dense;
+pub mod factors;
 pub mod kernel;
 pub mod lanczos;
 mod tridiagonal;

@@ -46,6 +46,12 @@ pub fn analyse_method(
             "eigenvectors are computed for method = \"racp\" and \"racp:published\" only, and for systems without rows of slip or opening",
         ));
     }
+    if request.certify {
+        return Err(SetupError::NotApplicable {
+            method: "certify",
+            reason: "M has no explicit blocks; take method = \"racp:published\" with inner = \"exact\", and a system without rows of slip, opening or flow".to_owned(),
+        });
+    }
     let mut stages = Stages { observer, done: 0 };
     let (blocks, structure, notes) = simplified(blocks);
     let m = method.ready(&blocks)?.inverse;
@@ -87,7 +93,10 @@ pub fn analyse_method(
         let d = &scales;
         let matrix = Mat::from_fn(n, n, |i, j| d[i] * product.entry(i, j) / d[j]);
         if !structure.symmetric || blocks.flow.is_some() {
-            report.field_of_values = Some(field_of_values::of_matrix(matrix.as_ref())?);
+            report.field_of_values = Some(field_of_values::of_matrix(
+                matrix.as_ref(),
+                field_of_values::OF_SCALES,
+            )?);
         }
         let judge = Judge {
             operator: &operator,
@@ -109,6 +118,7 @@ pub fn analyse_method(
     };
     stages.next("eigenvalues");
     report.judge(Eigenvalues::sorted(eigenvalues));
+    report.non_normal(request, &operator, m.as_ref(), &blocks)?;
     Ok(report)
 }
 

@@ -41,7 +41,10 @@ pub(super) fn dense_eigenvalues(
                 let matrix = similarity.matrix();
                 let back = |v: &[f64]| whole(similarity.back(v));
                 report.modes = modes::of_dense(&request.modes, &matrix, back, judge)?;
-                report.field_of_values = Some(field_of_values::of_matrix(matrix.as_ref())?);
+                report.field_of_values = Some(field_of_values::of_matrix(
+                    matrix.as_ref(),
+                    field_of_values::OF_SIMILARITY,
+                )?);
                 matrix
             }
         }

@@ -6,13 +6,18 @@ use faer::MatRef;
 use fracas_operators::{AdjointOperator, Dense, LinearOperator, Shape};
 use serde::Serialize;
 
+/// The inner product in which T of the module [`spectrum`](super) is M⁻¹𝒜.
+pub(super) const OF_SIMILARITY: &str = "|u|^2 in S_u~ plus |t - C^-1 B^T u|^2 in C";
+
+/// The one of `D M⁻¹𝒜 D⁻¹` with the scales of energy.
+pub(super) const OF_SCALES: &str = "Euclidean, in scales of energy";
+
 /// Directions at which the boundary is supported.
 const ANGLES: usize = 32;
 
 /// An outer polygon of `W(T) = {v*Tv : ‖v‖ = 1}`.
 ///
-/// T = Z⁻¹M⁻¹𝒜Z, so lengths are those of `‖u‖²_{S̃_u} + ‖t − C⁻¹Bᵀu‖²_C`: that is the inner product of this W. The
-/// support function `h(θ) = λ_max(½(e^{−iθ}T + e^{iθ}Tᵀ))` gives half planes `Re(e^{−iθ}z) ≤ h(θ)`; W lies in their
+/// For T = Z⁻¹M⁻¹𝒜Z lengths are those of `‖u‖²_{S̃_u} + ‖t − C⁻¹Bᵀu‖²_C`; `inner_product` says which it is. The support function `h(θ) = λ_max(½(e^{−iθ}T + e^{iθ}Tᵀ))` gives half planes `Re(e^{−iθ}z) ≤ h(θ)`; W lies in their
 /// intersection and touches every edge line.
 ///
 /// # Cost
@@ -33,8 +38,18 @@ pub struct FieldOfValues {
     pub excludes_zero: bool,
 }
 
+impl FieldOfValues {
+    /// The least Re z.
+    pub fn least_real_part(&self) -> f64 {
+        -self.support[ANGLES / 2]
+    }
+}
+
 /// Support function and polygon of a dense T.
-pub(super) fn of_matrix(t: MatRef<'_, f64>) -> Result<FieldOfValues, SetupError> {
+pub(super) fn of_matrix(
+    t: MatRef<'_, f64>,
+    inner_product: &'static str,
+) -> Result<FieldOfValues, SetupError> {
     let n = t.nrows();
     let t = Dense::from_fn(Shape::square(n), |i, j| t[(i, j)]);
     let quarter = ANGLES / 4;
@@ -62,7 +77,7 @@ pub(super) fn of_matrix(t: MatRef<'_, f64>) -> Result<FieldOfValues, SetupError>
         im.push((q * a.cos() - p * b.cos()) / determinant);
     }
     Ok(FieldOfValues {
-        inner_product: "|u|^2 in S_u~ plus |t - C^-1 B^T u|^2 in C",
+        inner_product,
         angles: (0..ANGLES).map(angle).collect(),
         excludes_zero: support.iter().any(|h| *h < 0.0),
         support,
@@ -111,7 +126,7 @@ mod tests {
     fn a_jordan_block_has_a_disc_and_a_normal_matrix_the_hull_of_its_eigenvalues() {
         // W([1 1; 0 1]) is the disc of radius ½ around 1.
         let jordan = Mat::from_fn(2, 2, |i, j| if j >= i { 1.0 } else { 0.0 });
-        let w = of_matrix(jordan.as_ref()).unwrap();
+        let w = of_matrix(jordan.as_ref(), "").unwrap();
         for (theta, h) in w.angles.iter().zip(&w.support) {
             assert!((h - (theta.cos() + 0.5)).abs() < 1e-8);
         }
@@ -126,7 +141,7 @@ mod tests {
                 1.0
             }
         });
-        let w = of_matrix(rotation.as_ref()).unwrap();
+        let w = of_matrix(rotation.as_ref(), "").unwrap();
         for (theta, h) in w.angles.iter().zip(&w.support) {
             assert!((h - theta.sin().abs()).abs() < 1e-8);
         }

@@ -4,10 +4,11 @@ use super::condition::StiffnessEnds;
 use super::coupling::Coupling;
 use super::dense_spectrum::dense_eigenvalues;
 use super::modes::{self, Judge, ModeTarget};
+use super::non_normal::NonNormalRequest;
 use super::product::{Preconditioned, energy_scales};
 use super::report::{Eigenvalues, Method, Parts, SpectrumReport};
 use super::stated::state_bounds;
-use super::{Hypothesis, condition, hypotheses, iterative};
+use super::{Hypothesis, certify, condition, hypotheses, iterative};
 use crate::direct::DirectSolver;
 use crate::eigen::dense;
 use crate::saddle::{
@@ -42,6 +43,10 @@ pub struct SpectrumRequest {
     pub conditions: bool,
     /// Eigenvectors wanted.
     pub modes: Vec<ModeTarget>,
+    /// Pseudospectra, field of values and what they say of GMRES.
+    pub non_normal: Option<NonNormalRequest>,
+    /// Proofs, rounding included, of where the ends of the spectrum lie; exact S_u only.
+    pub certify: bool,
 }
 
 impl Default for SpectrumRequest {
@@ -53,6 +58,8 @@ impl Default for SpectrumRequest {
             dense_limit: 5000,
             conditions: true,
             modes: Vec::new(),
+            non_normal: None,
+            certify: false,
         }
     }
 }
@@ -107,6 +114,7 @@ pub fn analyse_around(
     let mut stages = Stages { observer, done: 0 };
     let augmentation = request.augmentation.compute(blocks, direct.as_ref())?;
     stages.next("augmentation");
+    let given = blocks;
     let (mut blocks, structure, mut notes) = simplified(blocks);
     if blocks.flow.take().is_some() {
         notes.push(
@@ -174,6 +182,9 @@ pub fn analyse_around(
         layout: blocks.layout(),
     };
     let is_relaxed = relaxation.degree > 0;
+    if request.certify {
+        certify::refuse(&blocks, request, is_relaxed)?;
+    }
     // unrelaxed, the n_t eigenvalues beside 1; relaxed, 2 n_t, of which there are modes only through all of T
     let reduced = match is_relaxed {
         false => blocks.n_t(),
@@ -249,6 +260,12 @@ pub fn analyse_around(
     let is_real = exact && !is_relaxed;
     state_bounds(&mut report, &structure, statements, relaxation, is_real);
     report.judge(Eigenvalues::sorted(eigenvalues));
+    report.non_normal(request, &operator, &racp, &blocks)?;
+    if request.certify {
+        let enclosures = certify::enclosures(given, &c, &report);
+        report.certified = enclosures.is_complete();
+        report.enclosures = Some(enclosures);
+    }
     Ok(report)
 }
 

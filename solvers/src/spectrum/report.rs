@@ -2,9 +2,11 @@
 
 use super::bounds::{Bounds, Ingredients, Theorem};
 use super::region::{Region, Verdict, is_non_real};
-use super::{FieldOfValues, Hypothesis, Mode};
+use super::{Enclosures, FieldOfValues, Hypothesis, Mode, NonNormal, SpectrumRequest};
+use crate::SetupError;
 use crate::saddle::SaddleBlocks;
 use faer::c64;
+use fracas_operators::{LinearOperator, Preconditioner};
 use serde::{Serialize, Serializer};
 
 /// An eigenvalue counts as 1 (or ½) when it is this close.
@@ -131,8 +133,12 @@ pub struct SpectrumReport {
     /// What is proved, statement by statement.
     #[serde(serialize_with = "by_parts")]
     pub region: Region,
-    /// False: eigenvalues and ends are had in f64 and judged with a tolerance, not enclosed by directed rounding.
+    /// True: `enclosures` are proved, rounding included, and where there are bounds the verdict with them. False: eigenvalues and ends are had
+    /// in f64 and judged with a tolerance.
     pub certified: bool,
+    /// Where a proof is asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub enclosures: Option<Enclosures>,
     /// All eigenvalues lie inside; null when nothing is proved.
     pub contained: Option<bool>,
     /// What the bounds rest on; empty where none is stated.
@@ -161,6 +167,9 @@ pub struct SpectrumReport {
     pub smallest_nonzero_A: Option<f64>,
     /// Field of values, where no theorem speaks.
     pub field_of_values: Option<FieldOfValues>,
+    /// Pseudospectra and what they say of GMRES, where asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub non_normal: Option<NonNormal>,
     /// Eigenvectors asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub modes: Vec<Mode>,
@@ -207,6 +216,7 @@ impl SpectrumReport {
             bounds: Bounds::none(None),
             region: Region::default(),
             certified: false,
+            enclosures: None,
             contained: None,
             hypotheses: Vec::new(),
             verdict: String::new(),
@@ -221,6 +231,7 @@ impl SpectrumReport {
             kernel_A: None,
             smallest_nonzero_A: None,
             field_of_values: None,
+            non_normal: None,
             modes: Vec::new(),
             notes,
         }
@@ -229,6 +240,21 @@ impl SpectrumReport {
     /// The first hypothesis that does not hold.
     pub(super) fn objection(&self) -> Option<String> {
         self.hypotheses.iter().find_map(Hypothesis::objection)
+    }
+
+    /// The departure from normality, where the request asks for it and all eigenvalues are there.
+    pub(super) fn non_normal(
+        &mut self,
+        request: &SpectrumRequest,
+        operator: &dyn LinearOperator<f64>,
+        m: &dyn Preconditioner<f64>,
+        blocks: &SaddleBlocks,
+    ) -> Result<(), SetupError> {
+        if let Some(request) = &request.non_normal {
+            let found = NonNormal::new(operator, m, blocks, &self.eigenvalues, request)?;
+            self.non_normal = Some(found);
+        }
+        Ok(())
     }
 
     /// Fills in the statistics and verdicts of the eigenvalues.
