@@ -19,4 +19,5 @@ mod tests;
 pub use axis::{Axis, Scale};
 pub use cells::Cells;
 pub use figure::{Figure, Mark, Region, Series, Shade, Slope};
+pub(crate) use indices::with_indices;
 pub use spectrum::Spectrum;
