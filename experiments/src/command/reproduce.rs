@@ -97,3 +97,18 @@ fn nearest(id: &str) -> Option<&'static str> {
         .min_by_key(distance)
         .filter(|known| distance(known) <= 2)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_names_everything_is_small_or_the_short_selection_is_as_in_print() {
+        let ids = |level| -> Vec<&str> {
+            let selection = select(&[], level).unwrap_or_default();
+            selection.iter().map(|e| e.id()).collect()
+        };
+        assert_eq!(ids(Level::Smoke).len(), EXPERIMENTS.len());
+        assert_eq!(ids(Level::Paper), SHORT_SELECTION);
+    }
+}

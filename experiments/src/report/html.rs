@@ -213,9 +213,16 @@ fn verdicts(html: &mut String, checks: &[Check]) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// A sentence in HTML, with the indices of symbols below the line.
+/// A sentence in HTML, with the indices of symbols below the line and what stands between backticks as code.
 pub(super) fn prose(text: &str) -> String {
-    with_indices(&escape(text), |index| format!("<sub>{index}</sub>"))
+    let mut html = String::new();
+    for (k, part) in escape(text).split('`').enumerate() {
+        html += &match k % 2 {
+            0 => with_indices(part, |index| format!("<sub>{index}</sub>")),
+            _ => format!("<code>{part}</code>"),
+        };
+    }
+    html
 }
 
 /// Text in HTML.
