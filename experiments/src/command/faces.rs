@@ -84,7 +84,7 @@ fn quantities<'a>(fields: &'a FaceFields, states: &'a [ContactState]) -> [Quanti
     [
         Quantity {
             id: "state",
-            name: "Contact state (0 stick, 1 new-slip, 2 slip, 3 open)",
+            name: "State (0 stick, 2 slip, 3 open)",
             unit: "1",
             of: Box::new(|f| f64::from(states[f].code())),
         },
