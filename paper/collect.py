@@ -50,6 +50,12 @@ def collect(folder: Path) -> str:
     return name
 
 
+def write_index() -> None:
+    """Lists what is there, from which the manuscript decides which studies to print."""
+    present = sorted(path.parent.name for path in DATA.glob("*/manifest.json"))
+    (DATA / "index.json").write_text(json.dumps({"experiments": present}, indent=2) + "\n")
+
+
 def main() -> None:
     if len(sys.argv) < 2:
         sys.exit(__doc__)
@@ -63,8 +69,7 @@ def main() -> None:
     for folder in found:
         if not wanted or folder.name in wanted:
             print("collected", collect(folder))
-    present = sorted(path.parent.name for path in DATA.glob("*/manifest.json"))
-    (DATA / "index.json").write_text(json.dumps({"experiments": present}, indent=2) + "\n")
+    write_index()
 
 
 if __name__ == "__main__":

@@ -340,11 +340,14 @@ impl Experiment for Checkerboard {
                 } else {
                     0
                 };
-                findings.checks.push(Check::equal(
-                    format!("dim ker B, {} N = {n}", border.word()),
-                    expected,
-                    row.kernel,
-                ));
+                findings.checks.push(
+                    Check::equal(
+                        format!("dim ker B, {} N = {n}", border.word()),
+                        expected,
+                        row.kernel,
+                    )
+                    .closed_form(),
+                );
                 for (line, beta) in lines.iter_mut().zip(row.beta) {
                     if beta > 0.0 {
                         line.push([SIDE / *n as f64, beta]);

@@ -258,11 +258,14 @@ impl Experiment for PressurisedCracks {
             let (Some(first), Some(last)) = (own.first(), own.last()) else {
                 continue;
             };
-            findings.checks.push(Check::at_most(
-                format!("{crack} crack, finest mesh: error of the opening in the middle"),
-                limit,
-                (last.peak - 1.0).abs(),
-            ));
+            findings.checks.push(
+                Check::at_most(
+                    format!("{crack} crack, finest mesh: error of the opening in the middle"),
+                    limit,
+                    (last.peak - 1.0).abs(),
+                )
+                .closed_form(),
+            );
             findings.checks.push(Check::at_most(
                 format!("{crack} crack: error of the volume, finest over coarsest mesh"),
                 0.7,
@@ -273,11 +276,9 @@ impl Experiment for PressurisedCracks {
                 .iter()
                 .map(|r| r.answer.faces.iter().sum::<usize>())
                 .sum();
-            findings.checks.push(Check::equal(
-                format!("{crack} crack: open faces"),
-                all,
-                open,
-            ));
+            findings
+                .checks
+                .push(Check::equal(format!("{crack} crack: open faces"), all, open).closed_form());
             let curve = |from: f64, w: &dyn Fn(f64) -> f64| -> Vec<[f64; 2]> {
                 let at = |k: i32| from + (1.0 - from) * f64::from(k) / 200.0;
                 (0..=200).map(|k| [at(k), w(at(k))]).collect()

@@ -258,7 +258,8 @@ impl Experiment for GroundRuptures {
                 "ridge: throw over opening, which symmetry forbids",
                 1e-3,
                 ridge.last(|r| r.throw.abs() / r.opening),
-            ),
+            )
+            .closed_form(),
         ];
         Ok(findings)
     }

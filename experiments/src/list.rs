@@ -31,7 +31,7 @@ pub static EXPERIMENTS: &[&dyn Experiment] = &[
     &gallery::E25,
 ];
 
-/// What `fracas reproduce` runs without arguments: about two minutes on two cores.
+/// What `fracas reproduce --level paper` runs without names: about two minutes on two cores.
 pub static SHORT_SELECTION: &[&str] = &["e01", "e02", "e03"];
 
 /// The experiment with this id.

@@ -20,9 +20,25 @@ pub fn in_full(error: &anyhow::Error) -> String {
 /// Settings that are flags of the command line, too.
 const FLAGS: [&str; 5] = ["augmentation", "inner", "krylov", "method", "restart"];
 
-/// A sentence of the library with its settings as flags: `inner = "amg"` becomes `--inner amg`.
+/// A sentence of the library with its settings as flags: `inner = "amg"` becomes `--inner amg`. Quoted lines of a file stay as they are.
 pub(crate) fn with_flags(text: &str) -> String {
-    let mut text = text.to_owned();
+    let lines: Vec<String> = (text.split('\n'))
+        .map(|line| match is_quoted(line) {
+            true => line.to_owned(),
+            false => line_with_flags(line),
+        })
+        .collect();
+    lines.join("\n")
+}
+
+/// A line of a file as error messages show it: `10 | inner = "amg"`.
+fn is_quoted(line: &str) -> bool {
+    let number = line.split_once(" | ").map(|(number, _)| number.trim());
+    number.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()))
+}
+
+fn line_with_flags(line: &str) -> String {
+    let mut text = line.to_owned();
     for name in FLAGS {
         let setting = format!("{name} = \"");
         while let Some((before, rest)) = text.split_once(&setting) {
@@ -45,6 +61,15 @@ mod tests {
         let said =
             "inner = \"geometric\" belongs to method = \"racp\"; take name = \"x\" or inner = \"y";
         let shown = "--inner geometric belongs to --method racp; take name = \"x\" or inner = \"y";
+        assert_eq!(with_flags(said), shown);
+    }
+
+    #[test]
+    fn quoted_lines_of_a_file_stay_as_they_are() {
+        let said =
+            "inner = \"a\" is none\n   |\n10 | values = { inner = \"a\" }\n   |            ^^^^^";
+        let shown =
+            "--inner a is none\n   |\n10 | values = { inner = \"a\" }\n   |            ^^^^^";
         assert_eq!(with_flags(said), shown);
     }
 

@@ -2,6 +2,7 @@
 
 use crate::plot::{Axis, Cells, Figure, Mark, Series};
 use crate::report::format_real;
+use fracas::contact::ContactState;
 use fracas::mesh::{FractureFace, HexMesh};
 use fracas::nonlinear::FaceFields;
 use fracas::run::Running;
@@ -22,6 +23,7 @@ const NARROW: f64 = 0.1;
 pub(super) fn figures(run: &Running<'_>) -> (Vec<Figure>, Vec<String>) {
     let body = run.simulation().problem().body();
     let fields = run.simulation().face_fields(run.state());
+    let states = &run.state().states;
     let (mut figures, mut notes) = (Vec::new(), Vec::new());
     for (fracture, name) in body.fractures.names.iter().enumerate() {
         let faces = body.fractures.faces.iter().enumerate();
@@ -36,7 +38,7 @@ pub(super) fn figures(run: &Running<'_>) -> (Vec<Figure>, Vec<String>) {
             continue;
         }
         let plane = Plane::new(&body.mesh, &own);
-        for quantity in quantities(&fields) {
+        for quantity in quantities(&fields, states) {
             let values: Vec<f64> = own.iter().map(|(f, _)| (quantity.of)(*f)).collect();
             let ends = [f64::INFINITY, f64::NEG_INFINITY];
             let [low, high] = values
@@ -78,8 +80,14 @@ struct Quantity<'a> {
     of: Box<dyn Fn(usize) -> f64 + 'a>,
 }
 
-fn quantities(fields: &FaceFields) -> [Quantity<'_>; 4] {
+fn quantities<'a>(fields: &'a FaceFields, states: &'a [ContactState]) -> [Quantity<'a>; 5] {
     [
+        Quantity {
+            id: "state",
+            name: "State (0 stick, 2 slip, 3 open)",
+            unit: "1",
+            of: Box::new(|f| f64::from(states[f].code())),
+        },
         Quantity {
             id: "normal",
             name: "Normal traction",

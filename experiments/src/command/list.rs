@@ -9,7 +9,7 @@ pub(super) fn run(out: &mut dyn Write) -> anyhow::Result<Status> {
     let width = EXPERIMENTS.iter().map(|e| e.id().len()).max().unwrap_or(0);
     writeln!(
         out,
-        "experiments (* = in the short selection of `fracas reproduce`; those in docs/studies.md are studies for `fracas study`, too)"
+        "experiments (* = in the short selection of `fracas reproduce --level paper`; those in docs/studies.md are studies for `fracas study`, too)"
     )?;
     for e in EXPERIMENTS {
         let star = if SHORT_SELECTION.contains(&e.id()) {

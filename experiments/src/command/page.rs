@@ -24,6 +24,10 @@ pub fn write(scene: &Scene, lead: &str, run: &Running<'_>, out: &Path) -> anyhow
     } else {
         if rows.len() > 1 {
             findings.figures = vec![states(rows), iterations(rows), slip(rows)];
+            let written = std::fs::read_to_string(out.join("energy.csv"));
+            findings
+                .figures
+                .extend(written.ok().and_then(|t| energy(&t)));
         }
         let (maps, notes) = faces::figures(run);
         findings.figures.extend(maps);
@@ -91,6 +95,37 @@ fn slip(rows: &History) -> Figure {
     .with(curve(rows, "time_s", "slip_max_m", ""))
 }
 
+/// What loads have done, and where it went, from `energy.csv`, a row per step; none for a file of another form.
+fn energy(csv: &str) -> Option<Figure> {
+    let mut lines = csv.lines();
+    let heading: Vec<&str> = lines.next()?.split(',').collect();
+    let rows: Vec<Vec<f64>> = lines
+        .map(|line| line.split(',').map(|x| x.parse().ok()).collect())
+        .collect::<Option<_>>()?;
+    let column = |name: &str| heading.iter().position(|h| *h == name);
+    let time = column("time_s")?;
+    let summed = |names: &[&str], name: &str| {
+        let columns = names.iter().filter_map(|n| column(n));
+        let columns: Vec<usize> = columns.collect();
+        let points = rows.iter().scan(0.0, |sum, row| {
+            *sum += columns.iter().map(|k| row[*k]).sum::<f64>();
+            Some([row[time], *sum])
+        });
+        Series::new(name, Mark::LinePoints, points.collect())
+    };
+    let figure = Figure::new(
+        "energy",
+        "",
+        "Energy since the beginning: work of the loads and of fluid pressures, what is stored in the rock, what friction dissipates.",
+        Axis::linear("time [s]"),
+        Axis::linear("energy [J]"),
+    )
+    .with(summed(&["external_work_J", "pressure_work_J"], "work"))
+    .with(summed(&["elastic_change_J"], "stored"))
+    .with(summed(&["dissipation_J"], "dissipated"));
+    Some(figure)
+}
+
 /// Sums and extremes over all steps.
 fn totals(rows: &History) -> Table {
     let sum = |name| rows.column(name).sum::<f64>() as usize;
@@ -120,4 +155,22 @@ fn totals(rows: &History) -> Table {
         table.push([what.into(), most(name).into()]);
     }
     table
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn energies_are_summed_over_the_steps() {
+        let csv =
+            "step,time_s,external_work_J,elastic_change_J,dissipation_J\n0,0,3,2,1\n1,0.5,1,-1,2\n";
+        let figure = energy(csv).unwrap();
+        let ends = figure.series.iter().map(|s| s.points[1]);
+        let ends: Vec<[f64; 2]> = ends.collect();
+        assert_eq!(ends, [[0.5, 4.0], [0.5, 1.0], [0.5, 3.0]]);
+        assert!(energy("step\n1\n").is_none());
+        assert!(energy("time_s,dissipation_J\n0,x\n").is_none());
+    }
 }

@@ -11,12 +11,12 @@ use std::path::PathBuf;
 
 #[derive(Args, Debug)]
 pub(super) struct Reproduce {
-    /// Experiments by id (see `fracas list`), or `all`; none = a selection of about two minutes.
+    /// Experiments by id (see `fracas list`), or `all`; none = every one at the level `smoke`, in about three minutes.
     #[arg(value_name = "ID")]
     ids: Vec<String>,
-    /// Size: `paper` is the size in print, `smoke` takes seconds.
-    #[arg(long, value_enum, default_value = "paper")]
-    level: LevelChoice,
+    /// Size: `paper`, the size in print, where experiments are named; `smoke`, which takes seconds each, where none is.
+    #[arg(long, value_enum)]
+    level: Option<LevelChoice>,
     /// Folder for report.html and one subfolder per experiment.
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
@@ -38,11 +38,11 @@ struct UnknownExperiment {
 
 impl Reproduce {
     pub(super) fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
-        let selection = select(&self.ids)?;
-        let level = match self.level {
-            LevelChoice::Smoke => Level::Smoke,
-            LevelChoice::Paper => Level::Paper,
+        let level = match (self.level, self.ids.as_slice()) {
+            (Some(LevelChoice::Smoke), _) | (None, []) => Level::Smoke,
+            (Some(LevelChoice::Paper), _) | (None, _) => Level::Paper,
         };
+        let selection = select(&self.ids, level)?;
         output::folder(&self.out)?;
         let mut progress = Progress::new();
         let mut chapters = Vec::new();
@@ -69,8 +69,8 @@ impl Reproduce {
     }
 }
 
-/// The experiments named, in the order of the list and without repetition.
-fn select(ids: &[String]) -> Result<Vec<&'static dyn Experiment>, UnknownExperiment> {
+/// The experiments named, in the order of the list and without repetition; without names all of them, or those that take minutes in print.
+fn select(ids: &[String], level: Level) -> Result<Vec<&'static dyn Experiment>, UnknownExperiment> {
     let unknown = |id: &String| UnknownExperiment {
         id: id.clone(),
         nearest: nearest(id),
@@ -79,7 +79,7 @@ fn select(ids: &[String]) -> Result<Vec<&'static dyn Experiment>, UnknownExperim
         return Err(unknown(id));
     }
     let wanted = |id: &str| match ids {
-        [] => SHORT_SELECTION.contains(&id),
+        [] => level == Level::Smoke || SHORT_SELECTION.contains(&id),
         _ => ids.iter().any(|wanted| wanted == id || wanted == "all"),
     };
     Ok(EXPERIMENTS
@@ -96,4 +96,19 @@ fn nearest(id: &str) -> Option<&'static str> {
         .map(|e| e.id())
         .min_by_key(distance)
         .filter(|known| distance(known) <= 2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_names_everything_is_small_or_the_short_selection_is_as_in_print() {
+        let ids = |level| -> Vec<&str> {
+            let selection = select(&[], level).unwrap_or_default();
+            selection.iter().map(|e| e.id()).collect()
+        };
+        assert_eq!(ids(Level::Smoke).len(), EXPERIMENTS.len());
+        assert_eq!(ids(Level::Paper), SHORT_SELECTION);
+    }
 }

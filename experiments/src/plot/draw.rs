@@ -110,7 +110,26 @@ impl Figure {
             }
             legend.draw(canvas, 0.5 * page_width, top + height + below)
         })?;
-        Ok(svg)
+        Ok(self.described(&svg))
+    }
+
+    /// The page with title and description, for those who do not see it.
+    fn described(&self, svg: &str) -> String {
+        let escaped =
+            |text: &str| (text.replace('&', "&amp;").replace('<', "&lt;")).replace('>', "&gt;");
+        let title = match (self.title.is_empty(), self.y.label.is_empty()) {
+            (false, _) => self.title.clone(),
+            (true, false) => format!("{} over {}", self.y.label, self.x.label),
+            (true, true) => self.id.clone(),
+        };
+        let described = format!(
+            "><title>{}</title><desc>{}</desc>",
+            escaped(&title),
+            escaped(&self.caption)
+        );
+        // the end of the opening tag
+        svg.replacen('>', &described, 1)
+            .replacen("<svg ", "<svg role=\"img\" ", 1)
     }
 
     /// Points that no axis can show; lines run to the edge instead.

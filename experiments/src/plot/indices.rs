@@ -20,6 +20,20 @@ fn opens(text: &str, at: usize) -> bool {
     })
 }
 
+/// The text with every index, less its underscore, as `set` writes it: `S_u` becomes `S<sub>u</sub>` in HTML.
+pub(crate) fn with_indices(text: &str, set: impl Fn(&str) -> String) -> String {
+    let mut result = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(at) = (rest.char_indices().map(|(at, _)| at)).find(|at| opens(rest, *at)) {
+        let index = &rest[at + 1..];
+        let end = (index.find(|c: char| !c.is_ascii_alphanumeric())).unwrap_or(index.len());
+        result.push_str(&rest[..at]);
+        result.push_str(&set(&index[..end]));
+        rest = &index[end..];
+    }
+    result + rest
+}
+
 /// Lowers the indices in every text of a page.
 pub(super) fn lower(svg: &str) -> String {
     let mut result = String::with_capacity(svg.len());

@@ -1,7 +1,20 @@
 //! A claim held against a number.
 
 use super::table::format_real;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+
+/// Where the bound of a claim is from.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Basis {
+    /// Chosen here: a threshold that tells a good answer from a bad one.
+    #[default]
+    Own,
+    /// A theorem, a conservation law or a solution in closed form.
+    ClosedForm,
+    /// A printed value, with its source.
+    Published(String),
+}
 
 /// One line of the verdict: the claim, what is expected or published, what was found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -14,9 +27,24 @@ pub struct Check {
     pub ours: String,
     /// Does the claim hold?
     pub pass: bool,
+    /// Where the expected value is from.
+    pub basis: Basis,
 }
 
 impl Check {
+    /// The same, with where its bound is from.
+    #[must_use]
+    pub fn by(mut self, basis: Basis) -> Self {
+        self.basis = basis;
+        self
+    }
+
+    /// The same, with a bound that follows from a theorem, a conservation law or a solution in closed form.
+    #[must_use]
+    pub fn closed_form(self) -> Self {
+        self.by(Basis::ClosedForm)
+    }
+
     /// `|ours − expected| ≤ tolerance · |expected|`.
     pub fn close(claim: impl Into<String>, expected: f64, ours: f64, tolerance: f64) -> Self {
         Self {
@@ -28,6 +56,7 @@ impl Check {
             ),
             ours: format_real(ours),
             pass: (ours - expected).abs() <= tolerance * expected.abs(),
+            basis: Basis::Own,
         }
     }
 
@@ -38,6 +67,7 @@ impl Check {
             expected: format!("≤ {}", format_real(limit)),
             ours: format_real(ours),
             pass: ours <= limit,
+            basis: Basis::Own,
         }
     }
 
@@ -48,6 +78,7 @@ impl Check {
             expected: format!("≥ {}", format_real(limit)),
             ours: format_real(ours),
             pass: ours >= limit,
+            basis: Basis::Own,
         }
     }
 
@@ -58,6 +89,7 @@ impl Check {
             expected: expected.to_string(),
             ours: ours.to_string(),
             pass: expected == ours,
+            basis: Basis::Own,
         }
     }
 
@@ -73,6 +105,7 @@ impl Check {
             expected: expected.into(),
             ours: ours.into(),
             pass,
+            basis: Basis::Own,
         }
     }
 }

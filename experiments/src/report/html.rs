@@ -1,7 +1,10 @@
 //! The report: one page, figures inline, nothing fetched, no scripts.
 
+use super::lecture;
 use super::sheet::{FIGURES, Sheet};
-use super::{Chapter, Check, Findings, Level, Outcome, Table};
+use super::{Basis, Chapter, Check, Findings, Level, Outcome, Table};
+use crate::plot::with_indices;
+use fracas_operators::simd;
 use std::fmt::Write as _;
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -11,13 +14,20 @@ const STYLE: &str = include_str!("report.css");
 /// The whole page.
 pub(super) fn page(chapters: &[Chapter], level: Level) -> anyhow::Result<String> {
     let mut html = String::new();
-    let lead = format!("fracas {}, level {}.", VERSION, level.word());
+    let size = match level {
+        Level::Paper => "the sizes in print",
+        Level::Smoke => {
+            "small sizes, so that everything takes minutes; <code>fracas reproduce ID</code> computes the sizes in print"
+        }
+    };
+    let lead = format!("{}. Level {}: {size}.", origin(), level.word());
     let heading = "Figures and tables, beside the published numbers";
     head(&mut html, "fracas: figures and tables", heading, &lead)?;
     overview(&mut html, chapters)?;
     for chapter in chapters {
         section(&mut html, chapter)?;
     }
+    lecture::section(&mut html, chapters)?;
     html.push_str("</body>\n</html>\n");
     Ok(html)
 }
@@ -25,12 +35,24 @@ pub(super) fn page(chapters: &[Chapter], level: Level) -> anyhow::Result<String>
 /// The page of a single answer.
 pub(super) fn single(sheet: &Sheet<'_>) -> anyhow::Result<String> {
     let mut html = String::new();
-    let lead = format!("fracas {VERSION}. {}", escape(sheet.lead));
+    let lead = format!("{}. {}", origin(), prose(sheet.lead));
     let title = escape(sheet.title);
     head(&mut html, &format!("fracas: {title}"), &title, &lead)?;
     answer(&mut html, FIGURES, sheet.findings)?;
     html.push_str("</body>\n</html>\n");
     Ok(html)
+}
+
+/// Version, commit where the build knows it, and machine code: what a number depends on beside its settings.
+fn origin() -> String {
+    let commit = match env!("FRACAS_COMMIT") {
+        "" => String::new(),
+        commit => format!(", commit <code>{commit}</code>"),
+    };
+    format!(
+        "fracas {VERSION}{commit}, instruction set {}",
+        escape(simd::Level::best().name())
+    )
 }
 
 /// Everything down to the first paragraph, from texts in HTML.
@@ -52,7 +74,7 @@ fn overview(html: &mut String, chapters: &[Chapter]) -> anyhow::Result<()> {
         writeln!(
             html,
             "<tr><td><a href=\"#{id}\">{id}</a></td><td>{}</td><td class=\"{class}\">{verdict}</td></tr>",
-            escape(e.question()),
+            prose(e.question()),
             id = escape(e.id())
         )?;
     }
@@ -80,10 +102,10 @@ fn section(html: &mut String, chapter: &Chapter) -> anyhow::Result<()> {
     write!(
         html,
         "<section id=\"{id}\">\n<h2><span class=\"id\">{id}</span> {}</h2>\n<dl>\n<dt>Question</dt><dd>{}</dd>\n<dt>Set-up</dt><dd>{}</dd>\n<dt>Expected</dt><dd>{}</dd>\n</dl>\n",
-        escape(e.title()),
-        escape(e.question()),
-        escape(e.setup()),
-        escape(e.expect()),
+        prose(e.title()),
+        prose(e.question()),
+        prose(e.setup()),
+        prose(e.expect()),
         id = escape(e.id())
     )?;
     match &chapter.outcome {
@@ -104,7 +126,7 @@ fn answer(html: &mut String, id: &str, findings: &Findings) -> anyhow::Result<()
             html,
             "<figure>\n{}\n<figcaption>{} <a href=\"{id}/{file}.csv\">data</a></figcaption>\n</figure>",
             figure.to_svg()?.trim(),
-            escape(&figure.caption),
+            prose(&figure.caption),
             file = escape(&figure.id)
         )?;
     }
@@ -115,7 +137,7 @@ fn answer(html: &mut String, id: &str, findings: &Findings) -> anyhow::Result<()
         verdicts(html, &findings.checks)?;
     }
     for note in &findings.notes {
-        writeln!(html, "<p class=\"note\">{}</p>", escape(note))?;
+        writeln!(html, "<p class=\"note\">{}</p>", prose(note))?;
     }
     if !findings.settings.is_empty() {
         let settings = serde_json::to_string_pretty(&findings.settings)?;
@@ -132,7 +154,7 @@ fn table_rows(html: &mut String, id: &str, table: &Table) -> anyhow::Result<()> 
     writeln!(
         html,
         "<table>\n<caption>{} <a href=\"{id}/{file}.csv\">data</a></caption>",
-        escape(&table.caption),
+        prose(&table.caption),
         file = escape(&table.id)
     )?;
     html.push_str("<thead><tr>");
@@ -142,7 +164,7 @@ fn table_rows(html: &mut String, id: &str, table: &Table) -> anyhow::Result<()> 
         } else {
             format!(" <span class=\"unit\">[{}]</span>", escape(&column.unit))
         };
-        write!(html, "<th>{}{unit}</th>", escape(&column.name))?;
+        write!(html, "<th>{}{unit}</th>", prose(&column.name))?;
     }
     html.push_str("</tr></thead>\n<tbody>\n");
     for row in &table.rows {
@@ -162,18 +184,28 @@ fn table_rows(html: &mut String, id: &str, table: &Table) -> anyhow::Result<()> 
 }
 
 fn verdicts(html: &mut String, checks: &[Check]) -> anyhow::Result<()> {
-    html.push_str("<table>\n<caption>Verdict</caption>\n<thead><tr><th>claim</th><th>published or expected</th><th>ours</th><th></th></tr></thead>\n<tbody>\n");
+    html.push_str("<table>\n<caption>Verdict</caption>\n<thead><tr><th>claim</th><th>published</th><th>closed form</th><th>own threshold</th><th>ours</th><th></th></tr></thead>\n<tbody>\n");
     for check in checks {
         let (class, word) = if check.pass {
             ("pass", "holds")
         } else {
             ("fail", "fails")
         };
+        let expected = prose(&check.expected);
+        let [published, closed_form, own] = match &check.basis {
+            Basis::Published(source) => {
+                let source = escape(source);
+                let value = format!("{expected}<br><span class=\"unit\">{source}</span>");
+                [value, String::new(), String::new()]
+            }
+            Basis::ClosedForm => [String::new(), expected, String::new()],
+            Basis::Own => [String::new(), String::new(), expected],
+        };
         writeln!(
             html,
-            "<tr><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td><td class=\"{class}\">{word}</td></tr>",
-            escape(&check.claim),
-            escape(&check.expected),
+            "<tr><td>{}</td><td class=\"bound\">{published}</td><td class=\"bound\">{closed_form}</td><td class=\"bound\">{own}</td>\
+             <td class=\"bound\">{}</td><td class=\"{class}\">{word}</td></tr>",
+            prose(&check.claim),
             escape(&check.ours)
         )?;
     }
@@ -181,8 +213,20 @@ fn verdicts(html: &mut String, checks: &[Check]) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// A sentence in HTML, with the indices of symbols below the line and what stands between backticks as code.
+pub(super) fn prose(text: &str) -> String {
+    let mut html = String::new();
+    for (k, part) in escape(text).split('`').enumerate() {
+        html += &match k % 2 {
+            0 => with_indices(part, |index| format!("<sub>{index}</sub>")),
+            _ => format!("<code>{part}</code>"),
+        };
+    }
+    html
+}
+
 /// Text in HTML.
-fn escape(text: &str) -> String {
+pub(super) fn escape(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")

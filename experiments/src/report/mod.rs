@@ -4,6 +4,7 @@ mod check;
 mod experiment;
 mod folder;
 mod html;
+mod lecture;
 mod manifest;
 mod sheet;
 mod table;
@@ -11,7 +12,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-pub use check::Check;
+pub use check::{Basis, Check};
 pub use experiment::{Experiment, Findings, Level};
 pub(crate) use folder::write_whole;
 pub use folder::{Chapter, Outcome, run_chapter, write_report};

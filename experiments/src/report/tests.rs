@@ -36,8 +36,13 @@ impl Experiment for Sums {
         findings.figures.push(
             Figure::new("line", "", "A line.", Axis::linear("x"), Axis::linear("y")).with(series),
         );
-        findings.checks.push(Check::close("sum", 2.0, 2.0, 1e-12));
-        findings.checks.push(Check::at_most("cost", 1.0, 1.5));
+        findings
+            .checks
+            .push(Check::close("sum", 2.0, 2.0, 1e-12).closed_form());
+        let cost = Check::at_most("cost of S_u in `a`", 1.0, 1.5);
+        findings
+            .checks
+            .push(cost.by(Basis::Published("a lecture".into())));
         Ok(findings)
     }
 }
@@ -71,7 +76,12 @@ fn a_chapter_is_written_as_csv_svg_manifest_and_page() {
         "<td class=\"number\">✗</td>",
         "<svg",
         "fails",
-        "≤ 1",
+        "≤ 1<br><span class=\"unit\">a lecture</span>",
+        "<th>published</th><th>closed form</th><th>own threshold</th>",
+        "cost of S<sub>u</sub> in <code>a</code>",
+        "instruction set",
+        "<title>y over x</title><desc>A line.</desc>",
+        "From the lecture to this page",
     ] {
         assert!(html.contains(text), "{text}");
     }

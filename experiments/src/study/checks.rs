@@ -1,7 +1,7 @@
 //! Claims of a study, held against its rows.
 
-use super::findings::{Fields, Findings};
-use crate::report::{Check, format_real};
+use super::findings::{Fields, Findings, PUBLISHED};
+use crate::report::{Basis, Check, format_real};
 use serde::{Deserialize, Serialize};
 use toml::Table;
 
@@ -56,6 +56,9 @@ pub struct CheckSection {
     /// Where the bound is from.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub source: String,
+    /// A theorem or a solution in closed form gives the bound.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub closed_form: bool,
 }
 
 /// Rows to compare with.
@@ -140,6 +143,24 @@ impl CheckSection {
 
     /// Holds the claim against rows.
     pub(super) fn checks(&self, findings: &Findings) -> Vec<Check> {
+        let basis = self.basis(findings);
+        let checks = self.judged_rows(findings).into_iter();
+        checks.map(|check| check.by(basis.clone())).collect()
+    }
+
+    /// Printed where a bound names what is published, of a theory where the file says so, and a threshold otherwise.
+    fn basis(&self, findings: &Findings) -> Basis {
+        let mut bounds = [&self.min, &self.max, &self.equals].into_iter().flatten();
+        let is_printed =
+            |bound: &Bound| matches!(bound, Bound::Formula(text) if text.contains(PUBLISHED));
+        match (bounds.any(is_printed), self.closed_form) {
+            (true, _) => Basis::Published(findings.sources()),
+            (false, true) => Basis::ClosedForm,
+            (false, false) => Basis::Own,
+        }
+    }
+
+    fn judged_rows(&self, findings: &Findings) -> Vec<Check> {
         let rows = findings.chosen(&self.of_rows);
         let Some(axis) = &self.each else {
             return self.of_rows(&rows, findings, None);

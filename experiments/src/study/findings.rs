@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use toml::{Table, Value};
 
 /// Names of values that others have published.
-const PUBLISHED: &str = "published.";
+pub(super) const PUBLISHED: &str = "published.";
 
 /// `[[published]]`: what others have published of some rows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -46,11 +46,13 @@ pub(super) struct Findings {
     /// By number of the row.
     pub(super) kept: BTreeMap<usize, Kept>,
     published: Vec<(Wanted, BTreeMap<String, String>)>,
+    sources: std::collections::BTreeSet<String>,
 }
 
 impl Findings {
     pub(super) fn new(header: Vec<String>, published: &[Published]) -> Self {
         let text = |(key, value): (&String, &Value)| (key.clone(), super::product::text(value));
+        let sources = published.iter().map(|p| p.source.clone()).collect();
         let published = published.iter().map(|p| {
             let values = p.values.iter().map(text).collect();
             (Wanted::new(&p.rows), values)
@@ -58,8 +60,15 @@ impl Findings {
         Self {
             header,
             published: published.collect(),
+            sources,
             ..Self::default()
         }
+    }
+
+    /// Where what is published is from.
+    pub(super) fn sources(&self) -> String {
+        let sources: Vec<&str> = self.sources.iter().map(String::as_str).collect();
+        sources.join("; ")
     }
 
     /// What is kept of a row.

@@ -1,0 +1,121 @@
+//! From each figure and table of the lecture to ours.
+
+use super::Chapter;
+use super::html::{escape, prose};
+use crate::list::EXPERIMENTS;
+use std::fmt::Write as _;
+
+/// How ours stands to what the lecture shows.
+#[derive(Clone, Copy)]
+enum Standing {
+    /// The same problem.
+    Same,
+    /// Another mesh or geometry of the same character: that of the lecture is not public.
+    Analogue,
+    /// Data or photographs that are not public.
+    NotPublic,
+    /// Nothing here answers it.
+    Missing,
+}
+
+impl Standing {
+    const fn words(self) -> &'static str {
+        match self {
+            Self::Same => "same problem",
+            Self::Analogue => "analogue",
+            Self::NotPublic => "not public",
+            Self::Missing => "missing",
+        }
+    }
+}
+
+/// What the lecture shows, our experiments for it, how they stand to it, and a remark.
+type Line = (
+    &'static str,
+    &'static [&'static str],
+    Standing,
+    &'static str,
+);
+
+/// Figures and tables of [1] of `docs/methods.md`, in its order.
+#[rustfmt::skip]
+const LINES: &[Line] = &[
+    ("Faults, fracture zones and their permeability: drawings and photographs", &[], Standing::NotPublic, "Nothing is computed there."),
+    ("Checkerboard of the unstable pair, and its patch test", &["e01", "e13"], Standing::Same, ""),
+    ("Eigenvalues of M⁻¹𝒜 for each choice of C, with the bounds", &["e02"], Standing::Analogue, "The matrix is not named."),
+    ("Eigenvalues of M⁻¹𝒜 with AMG for S_u, with the bounds", &["e02b"], Standing::Analogue, "The matrix is not named."),
+    ("Conditioning of A and S_u, tests A, B, C", &["e03"], Standing::Analogue, "The meshes are not public; n_t/n_u agrees."),
+    ("Table of n_it, c_app and C_s: RACP, MCP+AMG, MCP+FSAI on tests A, B, C", &["e04"], Standing::Analogue, "The meshes are not public; sizes and character agree."),
+    ("Mesh independence", &["e05"], Standing::Analogue, "Numbers are not printed."),
+    ("Weak and strong scalability on distributed memory", &["e08"], Standing::Missing, "One machine only: e08 has time and memory per unknown up to the published size."),
+    ("Weak scalability with flow: four fractures, coarse and fine", &["e17"], Standing::Analogue, "Sizes agree; the geometry is not public."),
+    ("Linear iterations for ratios between fracture and body, six meshes", &["e17"], Standing::Missing, "e17 has two meshes of one ratio."),
+    ("Tilted well through several fractures", &["e19"], Standing::Analogue, "The geometry is not public."),
+    ("Sliding and normal traction against closed forms", &["e10"], Standing::Same, "Parameters from Phan et al. 2003."),
+    ("Opening and normal traction against closed forms", &["e11"], Standing::Same, "Sneddon's solutions."),
+    ("Convergence of sliding, traction and energy", &["e12"], Standing::Same, ""),
+    ("Ground ruptures: emerging bedrock, abrupt thickness, buried ridge", &["e23"], Standing::Analogue, "Geometry and parameters are stand-ins."),
+    ("Laboratory experiment of a ground rupture", &[], Standing::NotPublic, "Its measurements are not printed."),
+    ("Gas storage: seismic events, fields, pressure histories", &[], Standing::NotPublic, "Measured data of operators."),
+    ("Gas storage: activation of faults, criticality, creep, sensitivity", &["e22"], Standing::Analogue, "Schematic geometry; offsets and depths are stand-ins."),
+];
+
+/// The last section of the page.
+pub(super) fn section(html: &mut String, chapters: &[Chapter]) -> anyhow::Result<()> {
+    html.push_str(
+        "<section id=\"lecture\">\n<h2>From the lecture to this page</h2>\n\
+         <p>What M. Ferronato, SNA'25 lecture, shows, in its order, and what answers it here.</p>\n\
+         <table>\n<thead><tr><th>lecture</th><th>here</th><th>ours is</th><th>remark</th></tr></thead>\n<tbody>\n",
+    );
+    for (shown, ids, standing, remark) in LINES {
+        let links: Vec<String> = ids.iter().map(|id| link(id, chapters)).collect();
+        writeln!(
+            html,
+            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
+            prose(shown),
+            links.join(", "),
+            standing.words(),
+            prose(remark)
+        )?;
+    }
+    html.push_str("</tbody>\n</table>\n");
+    let others: Vec<String> = (EXPERIMENTS.iter().map(|e| e.id()))
+        .filter(|id| LINES.iter().all(|(_, ids, ..)| !ids.contains(id)))
+        .map(|id| link(id, chapters))
+        .collect();
+    writeln!(
+        html,
+        "<p>The lecture has no figure for {}.</p>\n</section>",
+        others.join(", ")
+    )?;
+    Ok(())
+}
+
+/// A link into the page where the experiment is on it.
+fn link(id: &str, chapters: &[Chapter]) -> String {
+    let id = escape(id);
+    match chapters.iter().any(|c| c.experiment.id() == id) {
+        true => format!("<a href=\"#{id}\">{id}</a>"),
+        false => id,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_experiment_that_is_named_exists_and_an_answer_has_one() {
+        for (shown, ids, standing, remark) in LINES {
+            for id in *ids {
+                assert!(crate::list::find(id).is_some(), "{shown}: {id}");
+            }
+            let is_answered = matches!(standing, Standing::Same | Standing::Analogue);
+            assert!(!is_answered || !ids.is_empty(), "{shown}");
+            assert!(
+                matches!(standing, Standing::Same) || !remark.is_empty(),
+                "{shown}"
+            );
+        }
+    }
+}
