@@ -14,6 +14,11 @@ pub(super) fn from_table(
     let shape = table.shape();
     let position = |row: usize| [0, 1, 2].map(|k| table.entry(row, k));
     if shape == Shape::new(n_u, 4) {
+        let mut components = (0..n_u).map(|i| table.entry(i, 3));
+        let from_one = n_u > 0 && components.all(|c| [1.0, 2.0, 3.0].contains(&c));
+        if from_one && (0..n_u).any(|i| table.entry(i, 3) == 3.0) {
+            return Err(FolderError::ComponentsFromOne { file: FILE });
+        }
         (0..n_u)
             .map(|i| match table.entry(i, 3) {
                 value if [0.0, 1.0, 2.0].contains(&value) => Ok(DofCoordinate {

@@ -208,6 +208,14 @@ pub enum FolderError {
         /// As written.
         value: f64,
     },
+    /// Components that are counted from 1.
+    #[error(
+        "{file}: the components are 1, 2 and 3; they count from 0 (x is 0, y is 1, z is 2): subtract 1 from the last column"
+    )]
+    ComponentsFromOne {
+        /// The file.
+        file: &'static str,
+    },
     /// Coordinates of the wrong size.
     #[error(
         "coords.mtx is {found}, expected {n_u}×4 (x y z component per unknown){} because A.mtx has {n_u} rows", if n_u % 3 == 0 { format!(" or {}×3 (x y z per node)", n_u / 3) } else { String::new() }

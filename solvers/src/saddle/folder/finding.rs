@@ -115,6 +115,16 @@ pub enum Remark {
         /// How many.
         count: usize,
     },
+    /// Tractions that act alike.
+    #[error(
+        "{count} columns are multiples of others (first: of column {of}): these tractions act alike, and without H they make the system singular; is a face given twice?"
+    )]
+    EqualColumns {
+        /// How many.
+        count: usize,
+        /// The column that the first one is a multiple of, counted from 1.
+        of: usize,
+    },
     /// Pressures that nothing determines.
     #[error(
         "{count} rows are zero here and in Q2.mtx: nothing determines these pressures and the system is singular; add storage, a conductivity or a prescribed pressure"
@@ -175,6 +185,16 @@ pub enum Remark {
         "{count} diagonal entries are negative (first: {value:e}): H is indefinite, as open and slipping faces make it; C is not built from these rows"
     )]
     NegativeDiagonal {
+        /// How many.
+        count: usize,
+        /// The first one.
+        value: f64,
+    },
+    /// H with the sign of the (2,2) block.
+    #[error(
+        "all {count} diagonal entries that are not zero are negative (first: {value:e}): is this −H? The system is [A B1; B2 −H] with H ⪰ 0; change the sign"
+    )]
+    OppositeSign {
         /// How many.
         count: usize,
         /// The first one.

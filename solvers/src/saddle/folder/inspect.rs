@@ -6,6 +6,8 @@ use super::{FolderError, SYMMETRY_TOLERANCE};
 use crate::saddle::FlowBlocks;
 use fracas_operators::matrix_market::Symmetry;
 use fracas_operators::sparse::SparseMatrix;
+use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// A: symmetric (an error otherwise), nonzero rows, a diagonal that a semi-definite matrix can have.
 pub(super) fn stiffness(
@@ -84,20 +86,65 @@ impl Tally {
     }
 }
 
-/// B1: columns without entries.
+/// Columns of one pattern that a further one is compared with: a face has three.
+const ALIKE: usize = 16;
+
+/// B1: columns without entries, and columns that are multiples of others.
 pub(super) fn coupling(b1: &SparseMatrix<f64>, findings: &mut Vec<Finding>) {
-    let mut touched = vec![false; b1.cols()];
-    for (value, (_, j)) in b1 {
-        touched[j as usize] |= *value != 0.0;
+    const FILE: &str = "B1.mtx";
+    let columns: SparseMatrix<f64> = b1.transpose_view().to_csr();
+    let (mut empty, mut equal) = (Tally::default(), Tally::default());
+    let entries = |j: usize| {
+        let range = columns.indptr().outer_inds_sz(j);
+        let rows = columns.indices()[range.clone()].iter().copied();
+        rows.zip(&columns.data()[range])
+            .filter(|(_, value)| **value != 0.0)
+    };
+    // first columns of every pattern, by its hash
+    let mut seen: HashMap<u64, Vec<usize>> = HashMap::new();
+    for j in 0..columns.rows() {
+        let mut hasher = DefaultHasher::new();
+        entries(j).for_each(|(i, _)| i.hash(&mut hasher));
+        if entries(j).next().is_none() {
+            empty.count(j, 0.0);
+            continue;
+        }
+        let alike = seen.entry(hasher.finish()).or_default();
+        match alike
+            .iter()
+            .take(ALIKE)
+            .find(|of| are_multiples(entries(j), entries(**of)))
+        {
+            Some(of) => equal.count(j, *of as f64),
+            None => alike.push(j),
+        }
     }
-    if let Some(first) = touched.iter().position(|t| !t) {
-        let count = touched.iter().filter(|t| !**t).count();
+    if let Some((first, _)) = empty.first {
+        let count = empty.count;
         findings.push(Finding::at_column(
-            "B1.mtx",
+            FILE,
             first,
             Remark::EmptyColumns { count },
         ));
     }
+    if let Some((first, of)) = equal.first {
+        let (count, of) = (equal.count, 1 + of as usize);
+        findings.push(Finding::at_column(
+            FILE,
+            first,
+            Remark::EqualColumns { count, of },
+        ));
+    }
+}
+
+/// True where x = α y to rounding, entries of the same rows.
+fn are_multiples<'v, E: Iterator<Item = (u32, &'v f64)> + Clone>(x: E, y: E) -> bool {
+    let larger = |m: f64, (_, v): (u32, &f64)| if v.abs() > m.abs() { *v } else { m };
+    let (a, b) = (x.clone().fold(0.0, larger), y.clone().fold(0.0, larger));
+    let apart = |((i, x), (j, y)): ((u32, &f64), (u32, &f64))| {
+        i != j || (x / a - y / b).abs() > 8.0 * f64::EPSILON
+    };
+    x.clone().count() == y.clone().count() && !x.zip(y).any(apart)
 }
 
 /// B2: `None` when it repeats B1ᵀ.
@@ -156,18 +203,19 @@ pub(super) fn stabilization(
         };
         findings.push(Finding::at_entry(FILE, worst.row, worst.column, remark));
     }
-    let mut negative = Tally::default();
+    let (mut negative, mut any_positive) = (Tally::default(), false);
     for i in 0..h.rows() {
         match h.get(i, i) {
             Some(value) if *value < 0.0 => negative.count(i, *value),
-            _ => {}
+            Some(value) => any_positive |= *value > 0.0,
+            None => {}
         }
     }
-    negative.report(
-        findings,
-        |count, value| Remark::NegativeDiagonal { count, value },
-        FILE,
-    );
+    let remark = |count, value| match any_positive {
+        true => Remark::NegativeDiagonal { count, value },
+        false => Remark::OppositeSign { count, value },
+    };
+    negative.report(findings, remark, FILE);
     Some(h)
 }
 

@@ -251,6 +251,12 @@ fn coordinates_come_in_two_forms_or_are_refused() {
         message,
         "coords.mtx, row 5: the component is 7, expected 0, 1 or 2 (x, y, z)"
     );
+    let rows = format!("{ARRAY}6 4\n{}1\n2\n3\n1\n2\n3\n", "0\n".repeat(18));
+    let message = refusal("from one", &[("coords.mtx", &rows)]);
+    assert!(
+        message.starts_with("coords.mtx: the components are 1, 2 and 3; they count from 0"),
+        "{message}"
+    );
 }
 
 #[test]
@@ -292,6 +298,30 @@ fn what_is_remarkable_is_found_with_its_place() {
     has(&list, "A.mtx, row 2: 1 rows hold only their diagonal");
     has(&list, "B1.mtx, column 2: 1 empty columns");
     has(&list, "b2.MTX: not read");
+
+    let entries = [
+        (1, 1, 1.0),
+        (4, 1, -3.0),
+        (1, 2, 2.0),
+        (4, 2, -5.0),
+        (1, 3, -0.1),
+        (4, 3, 0.3),
+    ];
+    let b1 = coordinate(6, 3, &entries);
+    let h = coordinate(
+        3,
+        3,
+        &[(1, 1, -1.0), (2, 2, -2.0), (3, 1, 0.5), (1, 3, 0.5)],
+    );
+    let list = found("alike", &[("B1.mtx", &b1), ("H.mtx", &h)]);
+    has(
+        &list,
+        "B1.mtx, column 3: 1 columns are multiples of others (first: of column 1)",
+    );
+    has(
+        &list,
+        "H.mtx, row 1: all 2 diagonal entries that are not zero are negative (first: -1e0): is this −H?",
+    );
 
     let third = 1.0 / 3.0;
     let transposed = |s: f64| {
