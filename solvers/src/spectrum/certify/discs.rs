@@ -3,7 +3,9 @@
 //! `M⁻¹𝒜 = I + M⁻¹P Q`, `P = [0; I]`, `Q = [B2 − B1ᵀ, C − H]`: 1 at least n_u times, and `1 + eig(K)`, `K = Q Y`, M Y = P, of size n_t.
 
 use super::pencil::Pencil;
-use super::rounding::{U, above, absolute, absolute_product, gamma, largest, row_sums};
+use super::rounding::{
+    U, above, absolute, absolute_product, column_maxima, gamma, largest, row_sums,
+};
 use crate::eigen::{dense, factors};
 use faer::{Mat, c64};
 
@@ -163,11 +165,8 @@ fn outer(pencil: &Pencil) -> Result<Enclosed, &'static str> {
         above(off + gamma(n + 4) * above(size[(i, j)], n), 4)
     });
     let spread = dense::multiply(absolute(r.as_ref()).as_ref(), residual.as_ref());
-    let errors: Vec<f64> = (0..n_t)
-        .map(|j| {
-            let worst = (0..n).fold(0.0, |m: f64, i| m.max(spread[(i, j)]));
-            above(above(worst, n) / (1.0 - alpha) * (1.0 + 4.0 * U), 4)
-        })
+    let errors: Vec<f64> = (column_maxima(spread.as_ref()).iter())
+        .map(|worst| above(above(*worst, n) / (1.0 - alpha) * (1.0 + 4.0 * U), 4))
         .collect();
     let q = Mat::from_fn(n_t, n, |k, j| match j < n_u {
         true => match &pencil.b2 {

@@ -40,6 +40,10 @@ impl Symmetric {
         const TRIES: usize = 3;
         let n = self.matrix.nrows();
         let norm = largest(&row_sums(self.matrix.as_ref()));
+        // also where an entry is NaN or infinite
+        if !norm.is_finite() {
+            return None;
+        }
         let mut tau = FIRST * n as f64 * U * norm + 2.0 * self.error;
         for _ in 0..TRIES {
             let mut shifted = Mat::from_fn(n, n, |i, j| sign * self.matrix[(i, j)]);

@@ -62,9 +62,12 @@ impl Enclosures {
         }
     }
 
-    /// All that was asked for.
+    /// All that was asked for, and nothing that speaks against it.
     pub fn is_complete(&self) -> bool {
-        self.real_min.is_some() && self.real_max.is_some() && self.contained != Some(false)
+        self.real_min.is_some()
+            && self.real_max.is_some()
+            && self.contained != Some(false)
+            && self.reason.is_none()
     }
 }
 
@@ -99,6 +102,9 @@ pub(super) fn enclosures(
     c: &AugmentationMatrix,
     report: &SpectrumReport,
 ) -> Enclosures {
+    if blocks.n_u() == 0 {
+        return Enclosures::failed("without displacements 1 need not be an eigenvalue");
+    }
     let pencil = Pencil::new(blocks, c);
     let mut found = match pencil.is_symmetric().then(|| pencil.route()).flatten() {
         Some(route) => by_signs(&pencil, route, report),
@@ -117,6 +123,12 @@ pub(super) fn enclosures(
     });
     if found.contained == Some(false) && found.reason.is_none() {
         found.reason = Some("the enclosures reach beyond the bounds".to_owned());
+    }
+    if report.contained == Some(false) && found.contained == Some(true) {
+        found.reason = Some(
+            "eigenvalues found in f64 lie outside of the bounds, where none is proved to lie"
+                .to_owned(),
+        );
     }
     found
 }

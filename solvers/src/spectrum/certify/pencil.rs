@@ -25,9 +25,12 @@ pub(super) enum Route {
     Dominated,
 }
 
+/// A power of two near `size^{-1/2}`, exact whatever the library of functions rounds.
 fn power_of_two(size: f64) -> f64 {
+    const BIAS: i64 = 1023;
     match size > 0.0 && size.is_finite() {
-        true => size.sqrt().log2().round().exp2().recip(),
+        // |exponent| ≤ 537, so that the number is normal
+        true => f64::from_bits(((BIAS - (0.5 * size.log2()).round() as i64) as u64) << 52),
         false => 1.0,
     }
 }
@@ -146,11 +149,9 @@ impl Pencil {
     fn shifted(&self, sigma: f64) -> Symmetric {
         let factor = 1.0 - sigma;
         let d = power_of_two(factor.abs());
-        let matrix = self.combined(
-            |a| d * (factor * a) * d,
-            |b| d * (factor * b),
-            |c, h| sigma * c - h,
-        );
+        // the scales first: what underflows in a product is not enlarged afterwards
+        let (of_a, of_b) = (d * factor * d, d * factor);
+        let matrix = self.combined(|a| of_a * a, |b| of_b * b, |c, h| sigma * c - h);
         // 1 − σ and its product round, σC and its difference from H
         let (n_u, n_t) = self.sizes();
         let row = |i: usize| {

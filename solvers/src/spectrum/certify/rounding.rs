@@ -55,6 +55,13 @@ pub(super) fn largest(values: &[f64]) -> f64 {
     })
 }
 
+/// The largest of each column; NaN counts as infinite.
+pub(super) fn column_maxima(a: MatRef<'_, f64>) -> Vec<f64> {
+    (0..a.ncols())
+        .map(|j| largest(&a.col(j).iter().copied().collect::<Vec<_>>()))
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -69,5 +76,7 @@ mod tests {
         assert!(row_sums(row.as_ref())[0] >= exact);
         assert!(gamma(10) >= 10.0 * U && gamma(10) < 10.1 * U);
         assert_eq!(largest(&[1.0, f64::NAN]), f64::INFINITY);
+        let overflown = Mat::from_fn(2, 2, |i, j| [[0.5, f64::NAN], [2.0, 1.0]][i][j]);
+        assert_eq!(column_maxima(overflown.as_ref()), [2.0, f64::INFINITY]);
     }
 }

@@ -332,3 +332,174 @@ fn eigenvalues_of_random_unsymmetric_systems_lie_in_the_discs() {
     }
     assert!(complex > 50 && found_discs > 50, "{complex} {found_discs}");
 }
+
+#[test]
+fn no_end_is_proved_on_the_wrong_side_by_one_unit_in_the_last_place_or_more() {
+    for kind in [Kind::Plain, Kind::Clustered, Kind::Stretched] {
+        for seed in 200..230 {
+            let case = Case::new(seed, kind);
+            let pencil = Pencil::new(&case.blocks, &case.c);
+            let Some(route) = pencil.route() else {
+                continue;
+            };
+            // each is one rounding away from what is exact
+            let (low, high) = case.ends();
+            for digits in (0..40).step_by(3) {
+                let off = |at: f64| 2.0 * f64::EPSILON * at * f64::from(digits).exp2();
+                let (above, below) = (low + off(low), high - off(high));
+                assert!(!pencil.none_below(above), "{kind:?} {seed} {digits}");
+                assert!(!pencil.one_below(low - off(low)));
+                assert!(!pencil.none_above(below, route), "{kind:?} {seed} {digits}");
+                assert!(!pencil.one_above(high + off(high), route));
+            }
+        }
+    }
+}
+
+/// `𝒜 = [A b; bᵀ −h]` and c.
+fn with_one_traction(
+    a: &Mat<f64>,
+    b: &[f64],
+    c: f64,
+    h: f64,
+) -> (SaddleBlocks, AugmentationMatrix) {
+    let n_u = a.nrows();
+    let blocks = SaddleBlocks {
+        a: sparse(a),
+        b1: sparse(&Mat::from_fn(n_u, 1, |i, _| b[i])),
+        b2: None,
+        h: Some(sparse(&Mat::from_fn(1, 1, |_, _| h))),
+        rhs_u: vec![0.0; n_u],
+        rhs_t: vec![0.0],
+        coordinates: None,
+        flow: None,
+    };
+    (blocks, AugmentationMatrix::from_diagonal(vec![c]).unwrap())
+}
+
+#[test]
+fn what_overflows_on_the_way_hides_no_error() {
+    let mut refused = 0;
+    for seed in 0..1000 {
+        let dice = &mut Random::new(seed);
+        let n_u = 3 + dice.below(4);
+        let whole =
+            |dice: &mut Random, most: u32| f64::from(dice.whole(0, 2 * most)) - f64::from(most);
+        let rest = Mat::from_fn(n_u, n_u, |_, _| whole(dice, 3));
+        // the first row of A is g (0, 1, 1, 0, …), and b = 0 there: λ does not depend on g
+        let with = |g: f64| {
+            Mat::from_fn(n_u, n_u, |i, j| match (i, j) {
+                (0, 1 | 2) => g,
+                (0, _) => 0.0,
+                _ => rest[(i, j)],
+            })
+        };
+        let b: Vec<f64> = (0..n_u)
+            .map(|i| if i == 0 { 0.0 } else { whole(dice, 9) })
+            .collect();
+        let Some(inverse) = factors::inverse(with(1.0).as_ref()) else {
+            continue;
+        };
+        let x = &inverse * Mat::from_fn(n_u, 1, |i, _| b[i]);
+        let s: f64 = (0..n_u).map(|i| b[i] * x[(i, 0)]).sum();
+        // c + s is next to nothing, so that Y = [−A⁻¹b; 1]·t is large, t = −1/(c + s)
+        let c = -s * (1.0 + 1e-6);
+        if !(c > 0.1 && c < 1e3 && x[(1, 0)].abs() > 1e-3) {
+            continue;
+        }
+        let found = |g: f64| {
+            let (blocks, c) = with_one_traction(&with(g), &b, c, 0.0);
+            discs(&Pencil::new(&blocks, &c)).map(|discs| discs[0])
+        };
+        let Ok(sound) = found(1.0) else { continue };
+        for share in [0.9, 0.999, 1.001, 1.05, 1.3] {
+            // g Y overflows from 1 on
+            let g = share * f64::MAX / (x[(1, 0)] / (c + s)).abs();
+            match found(g) {
+                Ok(disc) => {
+                    let distance = (disc.center.re - sound.center.re).abs();
+                    assert!(
+                        distance <= 1.01 * (disc.radius + sound.radius),
+                        "{seed} {share}: {disc:?} and {sound:?}"
+                    );
+                }
+                Err(_) => refused += 1,
+            }
+        }
+    }
+    assert!(refused > 25, "{refused}");
+}
+
+#[test]
+fn nothing_is_proved_of_what_is_no_number_or_infinite() {
+    let sound = [[2.0, 0.5], [0.5, 2.0]];
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1.7e308] {
+        for place in 0..5 {
+            let a = Mat::from_fn(2, 2, |i, j| match (place, i, j) {
+                (0, 0, 0) | (1, 1, 1) | (2, 0, 1) | (2, 1, 0) => bad,
+                _ => sound[i][j],
+            });
+            let b = [1.0, if place == 3 { bad } else { 1.0 }];
+            let (blocks, c) = with_one_traction(&a, &b, 1.0, if place == 4 { bad } else { 0.5 });
+            let pencil = Pencil::new(&blocks, &c);
+            assert!(
+                bad.is_finite() || discs(&pencil).is_err(),
+                "{bad} at {place}"
+            );
+            let Some(route) = pencil.is_symmetric().then(|| pencil.route()).flatten() else {
+                continue;
+            };
+            for sigma in [
+                f64::NAN,
+                f64::INFINITY,
+                f64::NEG_INFINITY,
+                -1e3,
+                0.9,
+                2.0,
+                1e3,
+            ] {
+                let proved = [
+                    pencil.none_below(sigma),
+                    pencil.one_below(sigma),
+                    pencil.none_above(sigma, route),
+                    pencil.one_above(sigma, route),
+                ];
+                let may = bad.is_finite() && sigma.is_finite();
+                assert!(
+                    may || proved == [false; 4],
+                    "{bad} at {place}, {sigma}: {proved:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_verdict_that_the_proof_contradicts_is_not_certified_nor_is_a_system_without_displacements() {
+    let a = Mat::from_fn(2, 2, |i, j| [[2.0, 0.5], [0.5, 2.0]][i][j]);
+    let (mut blocks, _) = with_one_traction(&a, &[1.0, 1.0], 1.0, 0.5);
+    let request = SpectrumRequest {
+        inner: InnerChoice::Exact {
+            backend: DirectChoice::Faer,
+        },
+        conditions: false,
+        relaxation: 0.0,
+        certify: true,
+        ..SpectrumRequest::default()
+    };
+    let solver = DirectChoice::Faer.solver().unwrap();
+    let c = request
+        .augmentation
+        .compute(&blocks, solver.as_ref())
+        .unwrap()
+        .matrix;
+    let mut report = analyse(&blocks, &request, &mut Silent).unwrap();
+    assert!(report.certified && report.contained == Some(true));
+    report.contained = Some(false);
+    let found = enclosures(&blocks, &c, &report);
+    assert_eq!(found.contained, Some(true));
+    assert!(!found.is_complete() && found.reason.is_some());
+    // λ = h/c alone, and not 1
+    (blocks.a, blocks.b1) = (sparse(&Mat::zeros(0, 0)), sparse(&Mat::zeros(0, 1)));
+    assert_eq!(enclosures(&blocks, &c, &report).real_max, None);
+}
