@@ -135,7 +135,9 @@ fn the_text_names_only_files_and_columns_that_exist() {
         }
     }
     assert!(named > 30, "only {named} names were found");
-    let main = read(&root().join("paper/sections/studies.typ"));
+    let sections = ["studies.typ", "supplement.typ"];
+    let main = sections.map(|s| read(&root().join("paper/sections").join(s)));
+    let main = main.concat();
     for id in &ids {
         assert!(
             main.contains(&format!("studies/{id}.typ")),

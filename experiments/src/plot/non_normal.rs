@@ -248,11 +248,11 @@ mod tests {
         let (re, im) = (two.re.clone(), two.im.clone());
         for (row, y) in two.log10_epsilon.iter_mut().zip(&im) {
             for (value, x) in row.iter_mut().zip(&re) {
-                let far = (x - 0.0).hypot(*y).min((x - 2.0).hypot(*y));
+                let far = (x - 0.5).hypot(*y).min((x - 1.5).hypot(*y));
                 *value = far.log10();
             }
         }
         assert_eq!(lines(&two, -0.5).len(), 2);
-        assert_eq!(lines(&two, 0.1).len(), 1);
+        assert_eq!(lines(&two, -0.2).len(), 1);
     }
 }

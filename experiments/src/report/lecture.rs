@@ -64,7 +64,7 @@ const LINES: &[Line] = &[
 pub(super) fn section(html: &mut String, chapters: &[Chapter]) -> anyhow::Result<()> {
     html.push_str(
         "<section id=\"lecture\">\n<h2>From the lecture to this page</h2>\n\
-         <p>What M. Ferronato, SNA'25 lecture, shows, in its order, and what answers it here.</p>\n\
+         <p>Figures and tables of the lecture (M. Ferronato, SNA'25) in its order, and what answers them here.</p>\n\
          <table>\n<thead><tr><th>lecture</th><th>here</th><th>ours is</th><th>remark</th></tr></thead>\n<tbody>\n",
     );
     for (shown, ids, standing, remark) in LINES {

@@ -86,6 +86,13 @@ pub(super) fn figure(
         Some(names) => Axis::categories(&axis_label(&section.x), names.clone()),
         None => axis(&section.x, section.log_x, &points, |p| p.x),
     };
+    let x = match &section.x_label {
+        Some(label) => Axis {
+            label: label.clone(),
+            ..x
+        },
+        None => x,
+    };
     let first_y = section.y.first().map_or("", String::as_str);
     let mut y = axis(first_y, section.log_y, &points, |p| p.y);
     let plain = section.y.iter().filter(|y| !y.starts_with("published."));

@@ -20,6 +20,9 @@ pub struct FigureSection {
     /// A measure, an axis or a formula.
     #[serde(default)]
     pub x: String,
+    /// What stands along x in place of its name.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub x_label: Option<String>,
     /// A measure or a formula, or several.
     #[serde(default, deserialize_with = "one_or_many")]
     pub y: Vec<String>,

@@ -199,6 +199,7 @@ fn sensible(varying: &[String]) -> Vec<FigureSection> {
         of_rows: Table::new(),
         not_at: Vec::new(),
         x: x.into(),
+        x_label: None,
         y: vec![y.into()],
         series,
         facet: facet.cloned(),

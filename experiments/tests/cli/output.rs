@@ -130,7 +130,7 @@ fn a_run_leaves_its_tree() {
     for name in ["displacement", "stress", "material"] {
         assert!(fields.contains(&format!("Name=\"{name}\"")), "{name}");
     }
-    for figure in ["states", "iterations", "slip"] {
+    for figure in ["states", "iterations", "slip", "energy"] {
         assert!(read(out.join(format!("figures/{figure}.svg"))).starts_with("<svg"));
         assert!(read(out.join(format!("figures/{figure}.csv"))).starts_with("layer,kind,"));
     }
@@ -138,7 +138,7 @@ fn a_run_leaves_its_tree() {
     assert!(maps > 0, "no map of the fracture");
     assert_eq!(
         read(out.join("report.html")).matches("<svg").count(),
-        3 + maps
+        4 + maps
     );
     assert_eq!(names(&out.join("checkpoint"), "", "").len(), 2);
     assert!(names(&out, ".", ".tmp").is_empty());
