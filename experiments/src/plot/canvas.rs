@@ -176,6 +176,11 @@ impl Canvas<'_> {
     }
 }
 
+/// The size of letters, or a smaller one with which the text fits into this width.
+pub(super) fn fitting_size(text: &str, size: f64, width: f64) -> f64 {
+    size * (width / text_width(text, size)).min(1.0)
+}
+
 /// Width of a text in points, within about a tenth.
 pub(super) fn text_width(text: &str, size: f64) -> f64 {
     let em = |c: char| match c {

@@ -1,7 +1,7 @@
 //! From a figure to SVG.
 
 use super::axis::{Scale, Tick};
-use super::canvas::{Anchor, Canvas, DrawError, draw_page, text_width};
+use super::canvas::{Anchor, Canvas, DrawError, draw_page, fitting_size, text_width};
 use super::cells::BAR_SPACE;
 use super::figure::{Figure, Mark, Region, Series};
 use super::legend::Legend;
@@ -101,12 +101,10 @@ impl Figure {
             frame.all_series(canvas)?;
             frame.border(canvas)?;
             if !self.title.is_empty() {
-                canvas.text(
-                    [left + 0.5 * width, 18.0],
-                    &self.title,
-                    TITLE_SIZE,
-                    Anchor::Center,
-                )?;
+                let middle = left + 0.5 * width;
+                let room = 2.0 * middle.min(page_width - middle) - 8.0;
+                let size = fitting_size(&self.title, TITLE_SIZE, room);
+                canvas.text([middle, 18.0], &self.title, size, Anchor::Center)?;
             }
             legend.draw(canvas, 0.5 * page_width, top + height + below)
         })?;

@@ -1,6 +1,6 @@
 //! The legend: rows below the plot, where it cannot cover data.
 
-use super::canvas::{Anchor, Canvas, DrawError, text_width};
+use super::canvas::{Anchor, Canvas, DrawError, fitting_size, text_width};
 use super::figure::{Figure, Mark, Region};
 use super::{marks, palette};
 use plotters::style::Color;
@@ -19,6 +19,8 @@ enum Swatch<'a> {
 /// Entries and the rows that they fill.
 pub(super) struct Legend<'a> {
     rows: Vec<Vec<(Swatch<'a>, String)>>,
+    /// Points that a row has.
+    width: f64,
 }
 
 impl<'a> Legend<'a> {
@@ -53,7 +55,7 @@ impl<'a> Legend<'a> {
         let mut rows: Vec<Vec<(Swatch<'a>, String)>> = Vec::new();
         let mut used = f64::INFINITY;
         for entry in entries {
-            let wide = entry_width(&entry.1);
+            let wide = entry_width(&entry.1, width);
             if used + wide > width {
                 rows.push(Vec::new());
                 used = 0.0;
@@ -63,7 +65,7 @@ impl<'a> Legend<'a> {
                 row.push(entry);
             }
         }
-        Self { rows }
+        Self { rows, width }
     }
 
     /// Height in points.
@@ -78,21 +80,30 @@ impl<'a> Legend<'a> {
     /// Draws the rows centred on `x`, from `y` downwards.
     pub(super) fn draw(&self, canvas: &Canvas<'_>, x: f64, y: f64) -> Result<(), DrawError> {
         for (r, row) in self.rows.iter().enumerate() {
-            let total: f64 = row.iter().map(|(_, name)| entry_width(name)).sum::<f64>()
+            let total: f64 = row
+                .iter()
+                .map(|(_, name)| entry_width(name, self.width))
+                .sum::<f64>()
                 + GAP * (row.len() - 1) as f64;
             let (mut at, y) = (x - 0.5 * total, y + 6.0 + ROW * (r as f64 + 0.5));
             for (swatch, name) in row {
                 draw_swatch(canvas, swatch, at, y)?;
-                canvas.text([at + SWATCH + 5.0, y], name, SIZE, Anchor::Left)?;
-                at += entry_width(name) + GAP;
+                let size = size_of(name, self.width);
+                canvas.text([at + SWATCH + 5.0, y], name, size, Anchor::Left)?;
+                at += entry_width(name, self.width) + GAP;
             }
         }
         Ok(())
     }
 }
 
-fn entry_width(name: &str) -> f64 {
-    SWATCH + 5.0 + text_width(name, SIZE)
+fn entry_width(name: &str, width: f64) -> f64 {
+    SWATCH + 5.0 + text_width(name, size_of(name, width))
+}
+
+/// Size of the letters of an entry in a row of this width.
+fn size_of(name: &str, width: f64) -> f64 {
+    fitting_size(name, SIZE, width - SWATCH - 5.0)
 }
 
 fn draw_swatch(canvas: &Canvas<'_>, swatch: &Swatch<'_>, x: f64, y: f64) -> Result<(), DrawError> {

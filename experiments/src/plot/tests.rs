@@ -166,3 +166,12 @@ fn cells_are_drawn_with_their_colours_and_a_bar() {
     let csv = figure.to_csv();
     assert!(csv.contains("-5,cell,0.5,0.5\n") && csv.contains("5,cell,1.5,0.5\n"));
 }
+
+#[test]
+fn letters_shrink_until_a_text_fits() {
+    use super::canvas::{fitting_size, text_width};
+    let text = "proved, complex: Re λ in [0.2333, 1], |Im λ| ≤ 0.5";
+    let size = fitting_size(text, 10.0, 200.0);
+    assert!(size < 10.0 && (text_width(text, size) - 200.0).abs() < 1e-9);
+    assert_eq!(fitting_size("short", 10.0, 200.0), 10.0);
+}
