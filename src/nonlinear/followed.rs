@@ -45,7 +45,7 @@ impl Search<'_, '_> {
     ) -> Result<Option<Settled>, Failure> {
         let problem = self.attempt.problem;
         let h = problem.stabilization(&vec![ContactState::Stick; held.len()]);
-        let follows = self.follows();
+        let follows = self.attempt.flow.is_none() && !problem.weakens();
         let mut descend = |share: f64, held: Option<Vec<ContactState>>, x: &mut Iterate| {
             let natural = Natural::new(frozen, h.as_ref(), share, held);
             self.descend(natural, h.as_ref(), x, last, log)
@@ -75,11 +75,6 @@ impl Search<'_, '_> {
         Ok(None)
     }
 
-    /// True where friction may grow from none.
-    fn follows(&self) -> bool {
-        self.attempt.flow.is_none() && !self.attempt.problem.weakens()
-    }
-
     /// Steps on the natural map to a solution; with the whole friction on to rounds.
     fn descend(
         &mut self,
@@ -90,10 +85,11 @@ impl Search<'_, '_> {
         log: &mut Log,
     ) -> Result<Descent, Failure> {
         let problem = self.attempt.problem;
-        let (follows, max_krylov) = (self.follows(), problem.body().solver.max_krylov);
+        let max_krylov = problem.body().solver.max_krylov;
         let mut turns = Turns::new(problem.faces().len());
         let mut before = Vec::new();
-        let is_over = |natural: &Natural<'_>| natural.is_over() || follows && natural.creeps();
+        let flows = self.attempt.flow.is_some();
+        let is_over = |natural: &Natural<'_>| natural.is_over() || !flows && natural.creeps();
         while log.rounds < last && !log.is_spent(max_krylov) && !is_over(&natural) {
             let round = log.rounds;
             log.rounds += 1;

@@ -25,11 +25,11 @@ const HALVINGS: usize = 12;
 /// Steps in a row that lower nothing, after which the merit is taken to be at a minimum that is no solution.
 const STUCK: usize = 3;
 
-/// Steps after which the merit is to be a [`SLOW`]th.
-const WINDOW: usize = 10;
+/// Share of the merit that a step takes off lest it creeps. Unit: 1.
+const CREEP: f64 = 0.05;
 
-/// By how much the merit falls in a [`WINDOW`] lest it creeps. Unit: 1.
-const SLOW: f64 = 4.0;
+/// Steps in a row that creep, after which the merit is taken to lead nowhere.
+const CREEPING: usize = 10;
 
 /// √m over `√(Σ_f A_f ‖t‖²/κ)` from which on rounds may finish. Unit: 1.
 const CLOSE: f64 = 1e-5;
@@ -56,8 +56,9 @@ pub(super) struct Natural<'s> {
     correction: Vec<f64>,
     /// Steps in a row that lowered nothing.
     stuck: usize,
-    /// m after every step.
-    merits: Vec<f64>,
+    /// Steps, and those in a row that lowered little.
+    steps: usize,
+    creeping: usize,
     /// Share of the friction of every face.
     share: f64,
     /// √m over that of the tractions.
@@ -86,7 +87,8 @@ impl<'s> Natural<'s> {
             held,
             correction: vec![0.0; problem.saddle().layout().len()],
             stuck: 0,
-            merits: Vec::new(),
+            steps: 0,
+            creeping: 0,
             share,
             distance: f64::INFINITY,
         }
@@ -94,13 +96,12 @@ impl<'s> Natural<'s> {
 
     /// True where m does not go down any more, or has not led to a solution.
     pub(super) fn is_over(&self) -> bool {
-        self.stuck == STUCK || self.merits.len() == MOST
+        self.stuck == STUCK || self.steps == MOST
     }
 
     /// True where m goes down slowly.
     pub(super) fn creeps(&self) -> bool {
-        let before = self.merits.len().checked_sub(1 + WINDOW);
-        before.is_some_and(|before| self.merits[before] < SLOW * self.merits[before + WINDOW])
+        self.creeping >= CREEPING
     }
 
     /// True where the last step led to a solution, or nearly.
@@ -184,7 +185,11 @@ impl<'s> Natural<'s> {
         let faces = count(&here.states);
         let record = attempt.record([round, 0], faces, forcing, residual);
         records.push(record.solved(&solved, length));
-        self.merits.push(there.merit);
+        self.steps += 1;
+        self.creeping = match there.merit < (1.0 - CREEP) * here.merit {
+            true => 0,
+            false => self.creeping + 1,
+        };
         self.distance = (there.merit / there.size).sqrt();
         Ok(there.states)
     }
