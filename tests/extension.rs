@@ -56,13 +56,29 @@ fn a_system_is_solved_and_a_scene_run_from_code() {
     from_code::main().unwrap();
 }
 
-/// `half_h`, given by its entries.
+/// A C of the house times a number, given by its entries.
 #[derive(Debug)]
-struct ByEntries;
+struct ByEntries {
+    name: &'static str,
+    of: AugmentationChoice,
+    times: f64,
+}
+
+static HALF_H: ByEntries = ByEntries {
+    name: "half_h_by_entries",
+    of: AugmentationChoice::HalfH,
+    times: 1.0,
+};
+
+static DOUBLED: ByEntries = ByEntries {
+    name: "local_h_doubled",
+    of: AugmentationChoice::LocalH,
+    times: 2.0,
+};
 
 impl Named for ByEntries {
     fn name(&self) -> &'static str {
-        "half_h_by_entries"
+        self.name
     }
 }
 
@@ -76,8 +92,8 @@ impl AugmentationRule for ByEntries {
         blocks: &SaddleBlocks,
         direct: &dyn DirectSolver,
     ) -> Result<AugmentationMatrix, SetupError> {
-        let by_faces = AugmentationChoice::HalfH.compute(blocks, direct)?.matrix;
-        AugmentationMatrix::from_sparse(by_faces.entries())
+        let matrix = self.of.compute(blocks, direct)?.matrix;
+        AugmentationMatrix::from_sparse(matrix.entries().map(|c| self.times * c))
     }
 }
 
@@ -94,7 +110,7 @@ fn run(solver: &str) -> (usize, Vec<f64>, Vec<f64>) {
 
 #[test]
 fn a_c_of_faces_given_by_its_entries_makes_the_same_run() {
-    AugmentationChoice::register(&ByEntries).unwrap();
+    AugmentationChoice::register(&HALF_H).unwrap();
     for inner in ["exact", "amg"] {
         let with = |c: &str| {
             run(&format!(
@@ -116,31 +132,6 @@ fn a_c_of_faces_given_by_its_entries_makes_the_same_run() {
             let size = b.iter().fold(0.0, |m: f64, b| m.max(b.abs()));
             assert!(far <= 1e-6 * size, "{inner}: {far:e} of {size:e}");
         }
-    }
-}
-
-/// `local_h` twice, given by its entries.
-#[derive(Debug)]
-struct Doubled;
-
-impl Named for Doubled {
-    fn name(&self) -> &'static str {
-        "local_h_doubled"
-    }
-}
-
-impl AugmentationRule for Doubled {
-    fn is_local(&self) -> bool {
-        false
-    }
-
-    fn compute(
-        &self,
-        blocks: &SaddleBlocks,
-        direct: &dyn DirectSolver,
-    ) -> Result<AugmentationMatrix, SetupError> {
-        let once = AugmentationChoice::LocalH.compute(blocks, direct)?.matrix;
-        AugmentationMatrix::from_sparse(once.entries().map(|c| 2.0 * c))
     }
 }
 
@@ -198,7 +189,7 @@ impl Preconditioner<f64> for Inverse {
 
 #[test]
 fn a_c_and_a_preconditioner_go_through_pseudospectra_and_proofs() {
-    let own = AugmentationChoice::register(&Doubled).unwrap();
+    let own = AugmentationChoice::register(&DOUBLED).unwrap();
     SaddleMethod::register(&Diagonals).unwrap();
     let scene = named("crossing").unwrap().scene().unwrap();
     let cells = ["mesh.x.cells=4", "mesh.y.cells=2", "mesh.z.cells=4"];

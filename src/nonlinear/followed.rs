@@ -123,7 +123,7 @@ impl Search<'_, '_> {
                     return Ok(Descent::Settled(Box::new(settled)));
                 }
                 // pressures stay, and so does what is found with them
-                if self.attempt.flow.is_some() && self.joins() == joined {
+                if flows && self.joins() == joined {
                     return Ok(Descent::Close);
                 }
             }

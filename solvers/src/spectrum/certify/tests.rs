@@ -130,6 +130,14 @@ impl Case {
 /// One rounding of the quotient that is known.
 const LAST: f64 = 4.0 * f64::EPSILON;
 
+const KINDS: [Kind; 5] = [
+    Kind::Plain,
+    Kind::Clustered,
+    Kind::Stretched,
+    Kind::Singular,
+    Kind::Unsymmetric,
+];
+
 #[test]
 fn signs_enclose_spectra_that_are_known_and_prove_no_end_inside() {
     let mut decided = 0;
@@ -176,13 +184,7 @@ fn signs_enclose_spectra_that_are_known_and_prove_no_end_inside() {
 #[test]
 fn discs_hold_spectra_that_are_known_whatever_the_kind() {
     let (mut sharp, mut all) = (0, 0);
-    for kind in [
-        Kind::Plain,
-        Kind::Clustered,
-        Kind::Stretched,
-        Kind::Singular,
-        Kind::Unsymmetric,
-    ] {
+    for kind in KINDS {
         for seed in 0..60 {
             let case = Case::new(seed, kind);
             all += 1;
@@ -233,13 +235,7 @@ impl AugmentationRule for Given {
 fn a_report_is_certified_where_it_is_true_and_says_why_where_it_is_not() {
     AugmentationChoice::register(&GIVEN).unwrap();
     let (mut certified, mut all) = (0, 0);
-    for kind in [
-        Kind::Plain,
-        Kind::Clustered,
-        Kind::Stretched,
-        Kind::Singular,
-        Kind::Unsymmetric,
-    ] {
+    for kind in KINDS {
         for seed in 100..130 {
             let case = Case::new(seed, kind);
             *GIVEN.0.lock().unwrap() = Some(case.c.clone());
