@@ -20,8 +20,8 @@ const GAIN: f64 = 0.5;
 
 /// Judges the errors of every field, pass by pass, by `e = 𝒜⁻¹r = (M⁻¹𝒜)⁻¹ M⁻¹r ≈ M⁻¹r`.
 ///
-/// Where one field of M⁻¹r does not see the residuals of another ([`blind`](fracas_operators::Properties)), the sizes given are the larger ones of
-/// M⁻¹r and of `M⁻¹r + M⁻¹(r − 𝒜M⁻¹r)`: tractions were wrong by 4e-2 where 8e-8 was said, by what errors of u of 8e-6 do to them.
+/// Where one field of M⁻¹r does not see the residuals of another ([`blind`](fracas_operators::Properties)), or M is poor, the sizes given are the
+/// larger ones of M⁻¹r and of `M⁻¹r + M⁻¹(r − 𝒜M⁻¹r)`: tractions were wrong by 4e-2 where 8e-8 was said, by what errors of u of 8e-6 do to them.
 ///
 /// Where M is poor, M⁻¹r may be too small by the eigenvalue θ of M⁻¹𝒜 nearest to zero: 1/|θ|, θ a Ritz value of the iteration, is
 /// a bound, and what a further pass changes shows the error before it. The geometric mean of both is taken, and no less than a tenth
