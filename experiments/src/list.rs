@@ -29,6 +29,7 @@ pub static EXPERIMENTS: &[&dyn Experiment] = &[
     &crate::e23_ground_ruptures::GroundRuptures,
     &gallery::E24,
     &gallery::E25,
+    &gallery::E26,
 ];
 
 /// What `fracas reproduce --level paper` runs without names: about two minutes on two cores.

@@ -85,6 +85,8 @@ pub enum Kind {
     Residuals,
     /// A measure as a colour over the values of two axes.
     Map,
+    /// How far the measure x swings as one setting at a time is changed: the values of y are `setting = value`, and one that changes nothing.
+    Tornado,
 }
 
 impl Kind {

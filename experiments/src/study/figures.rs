@@ -5,6 +5,7 @@ use super::curves::{figure, label, named};
 use super::figure_section::{FigureSection, Kind};
 use super::findings::{Fields, Findings};
 use super::map::map;
+use super::tornado::tornado;
 use crate::plot::{Axis, Figure, Mark, Series, Spectrum};
 use std::collections::BTreeSet;
 use toml::Table;
@@ -63,8 +64,12 @@ pub(super) fn figures(study: &Study, findings: &Findings) -> Vec<Figure> {
                 Kind::Residuals => {
                     figures.extend(residuals(&id, section, &rows, findings, &varying))
                 }
-                Kind::Map => {
-                    let drawn = map(&id, section, &rows, findings);
+                Kind::Map | Kind::Tornado => {
+                    let draw = match section.kind {
+                        Kind::Map => map,
+                        _ => tornado,
+                    };
+                    let drawn = draw(&id, section, &rows, findings);
                     let title = facet.map(label).unwrap_or_default();
                     figures.extend(drawn.map(|figure| Figure { title, ..figure }));
                 }

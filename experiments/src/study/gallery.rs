@@ -48,6 +48,7 @@ gallery! {
     E09 "e09";
     E24 "e24";
     E25 "e25";
+    E26 "e26";
 }
 
 /// The study of that name.

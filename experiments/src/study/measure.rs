@@ -178,6 +178,13 @@ measures! {
     RunKrylov "run_krylov" Run "Krylov iterations of the run" |m| count(m.steps.map(|s| s.krylov));
     RunCuts "run_cuts" Run "halvings of load steps" |m| count(m.steps.map(|s| s.cuts));
     RunTime "run_s" Run "run [s]" |m| real(m.steps.map(|s| s.wall_s));
+    RunOnset "run_onset" Run "first slip [s]" |m| real(m.faults.and_then(|f| f.onset));
+    RunSlip "run_slip" Run "largest slip [m]" |m| real(m.faults.map(|f| f.slip));
+    RunSlipping "run_slipping" Run "largest slipping area [m²]" |m| real(m.faults.map(|f| f.slipping));
+    RunOpen "run_open" Run "largest open area [m²]" |m| real(m.faults.map(|f| f.open));
+    RunMoment "run_moment" Run "seismic moment [N m]" |m| real(m.faults.map(|f| f.moment));
+    RunCriticality "run_chi" Run "largest criticality χ" |m| real(m.faults.map(|f| f.criticality));
+    RunDissipated "run_dissipated" Run "dissipated by friction [J]" |m| real(m.faults.map(|f| f.dissipated));
     Kernel "kernel_A" Condition "dim ker A" |m| count(m.stiffness.map(|s| s.kernel));
     ConditionA "cond_A" Condition "κ(A), off its kernel" |m| real(m.stiffness.and_then(|s| s.ends).map(|e| e.condition()));
     ConditionSu "cond_S_u" Condition "κ(S_u)" |m| real(m.schur[0].map(|e| e.condition()));

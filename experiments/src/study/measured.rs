@@ -82,6 +82,25 @@ pub(super) struct Steps {
     pub(super) wall_s: f64,
 }
 
+/// What the fractures of a run did, all of them together.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Faults {
+    /// End of the first step in which a face slips [s]; none where no face does.
+    pub(super) onset: Option<f64>,
+    /// Largest ‖γ‖ of a face at the end of a step [m].
+    pub(super) slip: f64,
+    /// Largest area of faces in slip at the end of a step [m²].
+    pub(super) slipping: f64,
+    /// Largest area of open faces at the end of a step [m²].
+    pub(super) open: f64,
+    /// Seismic moment of all steps, slip that goes back counted, too [N m].
+    pub(super) moment: f64,
+    /// Largest χ of a face at the end of a step. Unit: 1.
+    pub(super) criticality: f64,
+    /// What friction dissipates in all steps [J].
+    pub(super) dissipated: f64,
+}
+
 /// What a row brought to light.
 #[derive(Default)]
 pub(super) struct Measured {
@@ -103,6 +122,7 @@ pub(super) struct Measured {
     pub(super) schur: [Option<Ends>; 2],
     pub(super) spectrum: Option<SpectrumReport>,
     pub(super) steps: Option<Steps>,
+    pub(super) faults: Option<Faults>,
     /// Relative residuals, iteration by iteration, as the method estimates them.
     pub(super) residuals: Vec<f64>,
     pub(super) outcome: Option<Outcome>,

@@ -41,10 +41,12 @@ mod reference;
 mod refine;
 mod rows;
 mod setting;
+mod slipping;
 mod solving;
 mod state;
 mod stepping;
 mod tables;
+mod tornado;
 
 pub use axes::{Axes, Products, Together, Tolerance};
 pub use checks::{Bound, CheckSection, Other, Take};

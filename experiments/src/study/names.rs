@@ -2,6 +2,7 @@
 
 use super::measure::{Group, Name};
 use super::product::Wanted;
+use super::tornado::SETS;
 use super::{Column, FigureSection, Kind, Study, TableSection, formula};
 use std::cell::RefCell;
 use std::cmp::Ordering;
@@ -101,6 +102,15 @@ impl Study {
         not_at.iter().all(|level| level != at)
     }
 
+    /// True where the axis has variants that change a setting, and one that does not.
+    fn changes_one_at_a_time(&self, y: &[String]) -> bool {
+        let all = self.axes.0.iter().flat_map(|axes| &axes.together);
+        let axes = all.filter(|axis| y.first() == Some(&axis.name));
+        let named = axes.flat_map(|axis| &axis.values);
+        let (changed, base): (Vec<_>, Vec<_>) = named.partition(|value| value.name.contains(SETS));
+        y.len() == 1 && !changed.is_empty() && !base.is_empty()
+    }
+
     /// Refuses what nobody measures or varies.
     pub(super) fn check_names(&self) -> Result<(), SectionError> {
         let measures = Name::ALL.iter().map(|name| name.text().to_owned());
@@ -121,6 +131,10 @@ impl Study {
                 judge.formula("x", &figure.x)?;
             }
             figure.y.iter().try_for_each(|y| judge.formula("y", y))?;
+            if figure.kind == Kind::Tornado && !self.changes_one_at_a_time(&figure.y) {
+                let why = "`y` of a tornado is an axis of variants named `setting = value`, and one without `=` that changes nothing";
+                return Err(judge.fail(why.into()));
+            }
             match (figure.kind, figure.color.as_str()) {
                 (Kind::Map, "") => return Err(judge.fail("a map needs a color".into())),
                 (_, "") => {}

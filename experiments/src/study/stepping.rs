@@ -3,6 +3,7 @@
 use super::measured::{Measured, Steps};
 use super::outcome::Outcome;
 use super::product::Case;
+use super::slipping::faults;
 use super::solving::Watch;
 use anyhow::Context;
 use fracas::run::{Outcome as Ending, Run, Taken, holds_run};
@@ -69,6 +70,10 @@ pub(super) fn run(
     measured.reasons.extend(ended.reason.clone());
     run.close(&ended)?;
     drop(folder);
+    let fractures = out.join("fault.csv");
+    if fractures.exists() {
+        measured.faults = faults(&std::fs::read_to_string(fractures)?)?;
+    }
     if place.is_none() {
         std::fs::remove_dir_all(&out)?;
     }

@@ -432,13 +432,13 @@ fn a_study_of_the_gallery_is_known_by_name_and_goes_on_as_reproduce_prints_it() 
     );
 }
 
-/// Runs, which are killed, maps and residuals.
+/// Runs, which are killed, maps, swings and residuals.
 const RUNS: &str = r#"
 title = "Runs"
 
 [[axes]]
 part = "runs"
-measures = ["run_steps", "run_newton", "run_krylov"]
+measures = ["run_steps", "run_newton", "run_krylov", "run_slip", "run_onset"]
 scene = ["cycle:small"]
 set."solver.racp.inner" = ["exact", "amg"]
 
@@ -448,6 +448,25 @@ measures = ["n_it"]
 scene = ["layered:small"]
 inner = ["exact", "amg"]
 method = ["racp", "racp:0"]
+
+[[axes]]
+part = "changes"
+measures = ["run_slip", "run_moment"]
+scene = ["cycle:small"]
+together = [{ name = "changed", values = [
+    { name = "as it is" },
+    { name = "friction angle [deg] = 20", set."fracture.cut.friction_angle" = "20 deg" },
+    { name = "friction angle [deg] = 40", set."fracture.cut.friction_angle" = "40 deg" },
+    { name = "ν = 0.1", set."material.0.poisson" = 0.1 },
+] }]
+
+[[figure]]
+id = "tornado"
+kind = "tornado"
+where = { part = "changes" }
+x = "run_moment"
+y = "changed"
+log_x = true
 
 [[figure]]
 id = "map"
@@ -490,7 +509,7 @@ fn runs_are_rows_that_go_on_from_their_checkpoints() {
         .is_some_and(|last| after.contains(last));
     assert!(whole, "the run went on");
     let found = rows(&out);
-    assert_eq!(column(&found, "outcome"), ["converged"; 6]);
+    assert_eq!(column(&found, "outcome"), ["converged"; 10]);
     let number = |text: &String| text.parse::<usize>().unwrap();
     let sum = |name: &str| -> usize {
         let head: Vec<&str> = after.lines().next().unwrap().split(',').collect();
@@ -507,7 +526,36 @@ fn runs_are_rows_that_go_on_from_their_checkpoints() {
     let csv =
         |name: &str| std::fs::read_to_string(out.join(format!("figures/{name}.csv"))).unwrap();
     assert_eq!(csv("map").matches(",cell,").count(), 4);
-    let n_it: usize = column(&found, "n_it")[2..].iter().map(number).sum();
+    let real = |text: &String| text.parse::<f64>().unwrap();
+    let slip: Vec<f64> = column(&found, "run_slip")[..2].iter().map(real).collect();
+    let faults = std::fs::read_to_string(out.join("runs/1/fault.csv")).unwrap();
+    let rows_of = |name: &str| -> Vec<f64> {
+        let head: Vec<&str> = faults.lines().next().unwrap().split(',').collect();
+        let k = head.iter().position(|heading| *heading == name).unwrap();
+        let fields = faults
+            .lines()
+            .skip(1)
+            .map(|row| row.split(',').nth(k).unwrap());
+        fields.map(|field| field.parse().unwrap()).collect()
+    };
+    let (slips, moments, times) = (
+        rows_of("slip_max_m"),
+        rows_of("moment_step_Nm"),
+        rows_of("time_s"),
+    );
+    assert_eq!(slip[0], slips.iter().copied().fold(0.0, f64::max));
+    let first = moments.iter().position(|moment| *moment > 0.0).unwrap();
+    assert!(first > 0, "nothing slips at time 0");
+    assert_eq!(real(&column(&found, "run_onset")[0]), times[first]);
+    // a mark per change, and the line of the one that changes nothing
+    let tornado = csv("tornado");
+    assert_eq!(tornado.matches(",points,").count(), 3, "{tornado}");
+    let base = &column(&found, "run_moment")[6];
+    assert!(
+        tornado.contains(&format!("nothing changed,dashed,{}", real(base))),
+        "{tornado}"
+    );
+    let n_it: usize = column(&found, "n_it")[2..6].iter().map(number).sum();
     assert!(csv("residuals").matches(",line,").count() >= n_it);
     refused(
         &RUNS.replace(
@@ -515,5 +563,10 @@ fn runs_are_rows_that_go_on_from_their_checkpoints() {
             "scene = [\"cycle:small\"]\ninner = [\"amg\"]",
         ),
         "`inner` has no effect on a run",
+    );
+    let unchanged = "    { name = \"as it is\" },\n";
+    refused(
+        &RUNS.replace(unchanged, ""),
+        "one without `=` that changes nothing",
     );
 }
