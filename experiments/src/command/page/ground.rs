@@ -116,7 +116,8 @@ impl Ground {
         let (mut panels, mut notes) = (Vec::new(), Vec::new());
         let [a, b] = self.sides();
         let is_narrow = a.min(b) <= self.narrow * a.max(b);
-        let mut profiles = Panels::default();
+        // several quantities in one row
+        let mut beside = Panels::default();
         for quantity in quantities {
             let all = || quantity.values.iter().flatten().filter(|v| v.is_finite());
             let ends = all().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| {
@@ -137,13 +138,21 @@ impl Ground {
                 continue;
             }
             let label = format!("{} [{unit}]", quantity.name);
-            match is_narrow {
-                true => (profiles.figures).push(self.profile(&quantity, &label, factor, moments)),
-                false => panels.push(self.row(&quantity, &label, factor, moments)),
+            if is_narrow {
+                (beside.figures).push(self.profile(&quantity, &label, factor, moments));
+                continue;
+            }
+            let mut row = self.row(&quantity, &label, factor, moments);
+            if let [figure] = &mut row.figures[..] {
+                figure.title.clone_from(&quantity.name);
+                figure.caption.clone_from(&moments[0].title);
+                beside.figures.append(&mut row.figures);
+            } else {
+                panels.push(row);
             }
         }
-        if !profiles.figures.is_empty() {
-            panels.push(profiles);
+        if !beside.figures.is_empty() {
+            panels.push(beside);
         }
         (panels, notes)
     }

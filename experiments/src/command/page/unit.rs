@@ -1,5 +1,8 @@
 //! Units that leave few digits before and none far behind the point.
 
+/// The largest value in a unit that is taken is no smaller. Unit: 1.
+const LEAST: f64 = 0.1;
+
 /// What a quantity measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -19,7 +22,7 @@ impl Kind {
             Self::Stress => &[("GPa", 1e-9), ("MPa", 1e-6), ("kPa", 1e-3), ("Pa", 1.0)],
             Self::Share => &[("1", 1.0)],
         };
-        let fits = units.iter().find(|(_, factor)| largest * factor >= 1.0);
+        let fits = units.iter().find(|(_, factor)| largest * factor >= LEAST);
         let (unit, factor) = fits.or(units.last()).copied().unwrap_or(("1", 1.0));
         (unit, factor)
     }
