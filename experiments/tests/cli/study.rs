@@ -561,7 +561,7 @@ fn every_axis_that_the_page_lists_changes_what_it_should() {
         ),
         (
             "state",
-            format!("scene = [\"analogue_b:small\"]\nstate = [\"stick\", \"slip:0.25\"]"),
+            "scene = [\"analogue_b:small\"]\nstate = [\"stick\", \"slip:0.25\"]".to_owned(),
             "slip",
         ),
         (
