@@ -4,7 +4,7 @@ mod field;
 mod junctions;
 
 use crate::crack::fitted;
-use crate::plot::{Axis, Cells, Figure, Mark, Series};
+use crate::plot::{Axis, Cells, Colors, Figure, Mark, Series};
 use crate::report::{Cell, Check, Experiment, Findings, Level, Table};
 use anyhow::Context;
 use field::Solved;
@@ -114,6 +114,7 @@ impl Row {
         );
         let span = field::AMPLITUDE * 1.2;
         figure.cells = Some(Cells {
+            colors: Colors::Diverging,
             label: "t_N [MPa]".into(),
             quads: faces.iter().map(|f| f.minus.nodes.map(corners)).collect(),
             values: self

@@ -1,6 +1,6 @@
 //! e23: where the ground tears as water is drawn.
 
-use crate::plot::{Axis, Cells, Figure, Mark, Series};
+use crate::plot::{Axis, Cells, Colors, Figure, Mark, Series};
 use crate::report::{Cell, Check, Experiment, Findings, Level, Table};
 use fracas::nonlinear::Simulation;
 use fracas::scene::{Body, Scene, named};
@@ -132,6 +132,7 @@ impl Run {
         let values: Vec<f64> = cells.iter().map(mean).collect();
         let most = values.iter().fold(0.0, |m: f64, v| m.max(*v));
         figure.cells = Some(Cells {
+            colors: Colors::Diverging,
             label: "settlement [cm]".into(),
             quads: (cells.iter())
                 .map(|quad| quad.map(|a| [place(a)[0], place(a)[2]]))

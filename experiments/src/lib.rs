@@ -23,5 +23,6 @@ pub mod list;
 pub mod plot;
 pub mod report;
 pub mod scenes;
+mod section;
 pub mod sentence;
 pub mod study;

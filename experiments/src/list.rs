@@ -10,6 +10,7 @@ pub static EXPERIMENTS: &[&dyn Experiment] = &[
     &gallery::E02B,
     &gallery::E03,
     &gallery::E04,
+    &gallery::E04B,
     &gallery::E05,
     &gallery::E06,
     &gallery::E06B,

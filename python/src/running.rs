@@ -6,7 +6,7 @@ use crate::watch::Watch;
 use fracas::contact::ContactState;
 use fracas::nonlinear::{Event, Failure, Simulation, State, StepRecord};
 use fracas::run::{History, Outcome, Run, Taken, event};
-use fracas_experiments::command::write_page;
+use fracas_experiments::command::{PageSteps, write_page};
 use fracas_solvers::Observer;
 use pyo3::prelude::*;
 use std::path::Path;
@@ -78,7 +78,13 @@ fn in_folder(
             Taken::Ended(ended) => break ended,
         }
     };
-    let page = write_page(&scene, &ended.to_string(), &run, &path);
+    let page = write_page(
+        &scene,
+        &ended.to_string(),
+        &run,
+        &PageSteps::default(),
+        &path,
+    );
     page.map_err(|error| of_any(Kind::Run, &error))?;
     run.close(&ended).raised()?;
     Ok(Ended {

@@ -64,7 +64,7 @@ impl<'a> Fields<'a> {
     }
 
     /// Writes the minus sides of the fracture faces: cell fields `traction`, `displacementJump` (n, t1, t2), `slip`,
-    /// `stabilizationJump` (n, t1, t2), `aperture`, `fractureState`, `criticality`, `tauLimit`, `pressure`, `stateFlips`, `normal`, `fracture`;
+    /// `stabilizationJump` (n, t1, t2), `aperture`, `fractureState`, `criticality`, `tauLimit`, `pressure`, `stateFlips`, `normal`, `t1`, `t2`, `fracture`;
     /// with a fluid also `flux` (x, y, z, per width [m²/s]) and `conductivity` [m³].
     ///
     /// # Errors

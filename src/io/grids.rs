@@ -37,7 +37,7 @@ pub(super) fn write_body(
     grid.write(out)
 }
 
-/// Writes the minus sides of the fracture faces with the cell fields `normal`, `fracture` and more.
+/// Writes the minus sides of the fracture faces with the cell fields `normal`, `t1`, `t2`, `fracture` and more.
 ///
 /// # Errors
 /// What the writer says.
@@ -60,10 +60,15 @@ pub(super) fn write_fractures(
             })
         })
         .collect();
-    let normal: Vec<f64> = faces.iter().flat_map(|f| f.frame[0]).collect();
+    let frame = [0, 1, 2].map(|k: usize| -> Vec<f64> {
+        let along = faces.iter().flat_map(|f| f.frame[k]);
+        along.collect()
+    });
     let fracture: Vec<f64> = faces.iter().map(|f| f64::from(f.fracture)).collect();
     let mut cell_fields = cell_fields;
-    cell_fields.push(field("normal", 3, &normal));
+    for (name, along) in ["normal", "t1", "t2"].iter().zip(&frame) {
+        cell_fields.push(field(name, 3, along));
+    }
     cell_fields.push(field("fracture", 1, &fracture));
     let grid = Grid {
         points: &points,

@@ -10,6 +10,7 @@ mod new_folder;
 mod pvd;
 mod snapshot;
 pub mod vtu;
+mod vtu_fields;
 
 pub use atomic::{unfinished, write_atomically};
 pub use checkpoint::{CheckpointError, Checkpoints, newest_checkpoint, read_checkpoint};
@@ -19,3 +20,4 @@ pub use fingerprint::Fingerprint;
 pub use new_folder::NewFolder;
 pub use pvd::{PvdEntry, read_pvd, write_pvd};
 pub use snapshot::Snapshot;
+pub use vtu_fields::read_field;

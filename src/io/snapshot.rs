@@ -47,7 +47,7 @@ impl<'a> Snapshot<'a> {
         write_body(self.body, &self.displacement, Vec::new(), out)
     }
 
-    /// Writes the minus sides of the fracture faces: cell fields `traction` (n, t1, t2), `normal`, `fracture`.
+    /// Writes the minus sides of the fracture faces: cell fields `traction` (n, t1, t2), `normal`, `t1`, `t2`, `fracture`.
     ///
     /// # Errors
     /// What the writer says.

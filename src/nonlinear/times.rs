@@ -1,6 +1,6 @@
 //! The times of a run: a table, the corners of histories, and halves of their steps.
 
-use super::State;
+use super::{Simulation, State};
 use crate::scene::{Body, TimeTable};
 
 /// Relative distance of two times that counts as none.
@@ -40,6 +40,20 @@ impl Times {
     pub(super) fn is_finished(&self, state: &State) -> bool {
         let end = self.table.map_or(0.0, |time| time.end);
         state.loaded >= 1.0 && state.time >= end
+    }
+
+    /// Steps from this time [s] and share of the loads of time 0 to the last time, where none is cut.
+    pub(super) fn left(&self, time: f64, loaded: f64) -> usize {
+        let (end, nominal) = self.table();
+        let apart = SAME_TIME * nominal;
+        let is_ahead = |t: &f64| *t > time + apart && *t <= end + apart;
+        let steps = self.table.map_or(0, |time| time.steps);
+        let of_table = (1..=steps).map(|n| end * f64::from(n) / f64::from(steps));
+        let mut times: Vec<f64> = of_table.chain(self.corners.iter().copied()).collect();
+        times.retain(is_ahead);
+        times.sort_by(f64::total_cmp);
+        times.dedup_by(|a, b| *a - *b <= apart);
+        times.len() + usize::from(loaded < 1.0)
     }
 
     /// Last time and length of a nominal step [s].
@@ -107,6 +121,13 @@ impl Times {
             increment
         };
         grown.min(longest)
+    }
+}
+
+impl Simulation<'_> {
+    /// Steps from a state to the last time, where none is cut.
+    pub fn steps_left(&self, state: &State) -> usize {
+        self.times.left(state.time, state.loaded)
     }
 }
 

@@ -62,6 +62,16 @@ impl Collection {
         self.times.iter().any(|(of, _)| *of == step)
     }
 
+    /// Steps with fields and their times [s], increasing.
+    pub(super) fn steps(&self) -> &[(usize, f64)] {
+        &self.times
+    }
+
+    /// The files of a step: body and fractures.
+    pub(super) fn files(&self, step: usize) -> [PathBuf; 2] {
+        PARTS.map(|(part, _)| self.out.join(file(part, step)))
+    }
+
     /// Writes the fields of a step, then the list.
     pub(super) fn add(
         &mut self,
@@ -69,7 +79,7 @@ impl Collection {
         time: f64,
         fields: &Fields<'_>,
     ) -> Result<(), RunError> {
-        let [domain, fracture] = PARTS.map(|(part, _)| self.out.join(file(part, step)));
+        let [domain, fracture] = self.files(step);
         write_atomically(&domain, |out| fields.write_body(out)).at("cannot write", &domain)?;
         write_atomically(&fracture, |out| fields.write_fracture(out))
             .at("cannot write", &fracture)?;

@@ -41,11 +41,7 @@ impl RunFolder {
         scene: Scene,
         observer: &mut dyn Observer,
     ) -> Result<Self, RunError> {
-        let work = match assembles(&scene) {
-            true => memory::BLOCKS,
-            false => memory::MATRIX_FREE,
-        };
-        memory::room_for(name, &scene, work)?;
+        memory::room_for(name, &scene, work_of(&scene))?;
         let checkpoint = match &settings.restart {
             Some(path) => tree::checkpoint(path)?,
             None => None,
@@ -151,6 +147,14 @@ fn folder(settings: &Run, checkpoint: Option<&Path>) -> PathBuf {
         ".".into()
     } else {
         own.into()
+    }
+}
+
+/// What a run of a scene needs memory for.
+pub fn work_of(scene: &Scene) -> memory::Work {
+    match assembles(scene) {
+        true => memory::BLOCKS,
+        false => memory::MATRIX_FREE,
     }
 }
 

@@ -48,15 +48,17 @@ mod manifest;
 mod outcome;
 mod running;
 mod settings;
+mod stored;
 mod tree;
 
 pub use error::RunError;
 pub use events::event;
-pub use folder::RunFolder;
+pub use folder::{RunFolder, work_of};
 pub use history::History;
 pub use lines::Unreadable;
 pub use lock::Busy;
 pub use outcome::{Done, Ended, Outcome, Stop, Taken};
 pub use running::Running;
 pub use settings::Run;
+pub use stored::Stored;
 pub use tree::{Refused, holds_run};

@@ -3,7 +3,7 @@
 use super::changed::changed;
 use super::manifest::Manifest;
 use super::tree::{RESOLVED, Tree};
-use super::{Done, Ended, History, Outcome, RunError, RunFolder, Stop, Taken};
+use super::{Done, Ended, History, Outcome, RunError, RunFolder, Stop, Stored, Taken};
 use crate::io::Fields;
 use crate::nonlinear::{
     Accepted, Failure, LinearFailure, Simulation, State, StepFailure, friction_remarks,
@@ -81,6 +81,28 @@ impl<'a> Running<'a> {
     /// The rows of all steps, those before a restart included.
     pub fn history(&self) -> &History {
         &self.tree.rows
+    }
+
+    /// Steps that are to come, where none is cut and the run is not stopped.
+    pub fn steps_left(&self) -> usize {
+        let all = self.simulation.steps_left(&self.state);
+        self.left.map_or(all, |left| left.min(all))
+    }
+
+    /// Steps whose fields are on the disk, and their times [s], increasing.
+    pub fn steps_with_fields(&self) -> &[(usize, f64)] {
+        self.tree.collection.steps()
+    }
+
+    /// Reads the fields of one of [`steps_with_fields`](Self::steps_with_fields); none of another step.
+    ///
+    /// # Errors
+    /// [`RunError`] of the files.
+    pub fn stored(&self, step: usize) -> Result<Option<Stored>, RunError> {
+        let found = self.steps_with_fields().iter().find(|(s, _)| *s == step);
+        found
+            .map(|(step, time)| Stored::read(&self.tree.collection, *step, *time))
+            .transpose()
     }
 
     /// The next step, on the disk when this returns, or how the run ended where there is none.

@@ -4,7 +4,9 @@ use super::Status;
 use super::scene::{self, Overrides};
 use clap::Args;
 use fracas::memory;
-use fracas::nonlinear::friction_remarks;
+use fracas::nonlinear::{Simulation, SimulationError, friction_remarks};
+use fracas::run::RunError;
+use fracas::scene::{Body, Scene};
 use fracas::undetermined;
 use fracas_solvers::saddle::folder::read_folder;
 use fracas_solvers::spectrum::{Certificate, certificate};
@@ -44,6 +46,7 @@ impl Check {
                     writeln!(out, "warning     {remark}")?;
                 }
                 undetermined::judge(name, &body, &audit.kernel)?;
+                judge_run(name, &scene, &body, out)?;
                 let unknowns = 3 * body.mesh.nodes.len();
                 if unknowns <= CERTIFIED && memory::room_for(name, &scene, memory::BLOCKS).is_ok() {
                     let blocks = body.saddle_blocks(Some(body.jump_stabilization()))?;
@@ -60,6 +63,37 @@ impl Check {
         }
         Ok(Status::Done)
     }
+}
+
+/// Refuses what `run` refuses before its first step.
+fn judge_run(name: &str, scene: &Scene, body: &Body, out: &mut dyn Write) -> anyhow::Result<()> {
+    let work = fracas::run::work_of(scene);
+    if let Err(too_large) = memory::room_for(name, scene, work) {
+        // another machine may have the room
+        writeln!(out, "warning     a run is refused here: {too_large}")?;
+        return Ok(());
+    }
+    let Err(source) = Simulation::new(body) else {
+        return Ok(());
+    };
+    let name = name.to_owned();
+    let refused = RunError::Simulation { name, source };
+    let has_friction = body.friction.iter().any(Option::is_some);
+    if has_friction
+        || !matches!(
+            refused,
+            RunError::Simulation {
+                source: SimulationError::NoFriction { .. },
+                ..
+            }
+        )
+    {
+        return Err(refused.into());
+    }
+    // without any friction it is a scene of systems: `solve` and `spectrum` ask for none
+    let why = anyhow::Error::from(refused);
+    writeln!(out, "warning     a run is refused: {why:#}")?;
+    Ok(())
 }
 
 /// Displacements up to which A is assembled for the certificate.

@@ -1,18 +1,43 @@
-//! The history of a run as curves, and its fractures at the end, as a page.
+//! A run as a page: its history as curves, the body in sections and every fracture at steps that tell most.
 
-use super::faces;
+mod body;
+mod fractures;
+mod ground;
+mod steps;
+mod unit;
+
 use crate::plot::{Axis, Figure, Mark, Series};
-use crate::report::{FIGURES, Findings, Sheet, Table};
+use crate::report::{FIGURES, Findings, Panels, Sheet, Table};
 use anyhow::Context;
 use fracas::run::{History, Running};
 use fracas::scene::Scene;
+use ground::{Moment, Scale};
 use std::path::Path;
+pub use steps::PageSteps;
+
+/// Pieces of all maps of a page: some megabytes.
+const PIECES: usize = 200_000;
+
+/// Pieces of one map: more could not be told apart.
+const PIECES_OF_MAP: usize = 12_000;
+
+/// Points of a curve: more could not be told apart.
+const POINTS: usize = 400;
+
+/// Points of a curve that have markers.
+const MARKED: usize = 100;
 
 /// Writes `figures/` and `report.html` of a run.
 ///
 /// # Errors
 /// Those of the files.
-pub fn write(scene: &Scene, lead: &str, run: &Running<'_>, out: &Path) -> anyhow::Result<()> {
+pub fn write(
+    scene: &Scene,
+    lead: &str,
+    run: &Running<'_>,
+    steps: &PageSteps,
+    out: &Path,
+) -> anyhow::Result<()> {
     let rows = run.history();
     let mut findings = Findings::default();
     let sections = serde_json::to_value(scene.sections())?;
@@ -29,9 +54,7 @@ pub fn write(scene: &Scene, lead: &str, run: &Running<'_>, out: &Path) -> anyhow
                 .figures
                 .extend(written.ok().and_then(|t| energy(&t)));
         }
-        let (maps, notes) = faces::figures(run);
-        findings.figures.extend(maps);
-        findings.notes = notes;
+        (findings.panels, findings.notes) = maps(run, steps)?;
         findings.tables.push(totals(rows));
     }
     let sheet = Sheet {
@@ -49,10 +72,70 @@ pub fn write(scene: &Scene, lead: &str, run: &Running<'_>, out: &Path) -> anyhow
     sheet.write(out)
 }
 
+/// Sections of the body and every fracture at these steps, and what is to be said.
+fn maps(run: &Running<'_>, steps: &PageSteps) -> anyhow::Result<(Vec<Panels>, Vec<String>)> {
+    let with_fields: Vec<usize> = run.steps_with_fields().iter().map(|(s, _)| *s).collect();
+    let (chosen, mut notes) = steps.choose(run.history(), &with_fields);
+    let body = run.simulation().problem().body();
+    if chosen.is_empty() {
+        return Ok((Vec::new(), notes));
+    }
+    let of_fractures = fractures::figures(body);
+    let share = |figures: usize| (PIECES / (chosen.len() * figures).max(1)).min(PIECES_OF_MAP);
+    let most = |sections| share(body::figures(sections) + of_fractures);
+    let mut sections = body::Sections::new(body, most);
+    let mut fractures = fractures::Fractures::new(body, most(sections.len()));
+    let (mut moments, mut scale) = (Vec::new(), Scale::default());
+    for step in chosen {
+        let Some(stored) = run.stored(step.step)? else {
+            continue;
+        };
+        scale.add(&stored);
+        sections.add(body, &stored);
+        fractures.add(&stored);
+        moments.push(Moment {
+            step: step.step,
+            title: format!("step {}, t = {}", step.step, unit::time(stored.time)),
+            why: step.why,
+        });
+    }
+    let (mut panels, same) = sections.panels(body, &moments, scale);
+    notes.extend(same);
+    let (more, same) = fractures.panels(&moments, scale);
+    panels.extend(more);
+    notes.extend(same);
+    Ok((panels, notes))
+}
+
 fn curve(rows: &History, x: &str, y: &str, name: &str) -> Series {
     let points = rows.column(x).zip(rows.column(y));
-    let points = points.map(|(x, y)| [x, y]).collect();
-    Series::new(name, Mark::LinePoints, points)
+    series(name, points.map(|(x, y)| [x, y]).collect())
+}
+
+/// A curve through as many points as can be told apart: of more, the least and the largest of each piece.
+fn series(name: &str, points: Vec<[f64; 2]>) -> Series {
+    let mark = match points.len() {
+        ..=MARKED => Mark::LinePoints,
+        _ => Mark::Line,
+    };
+    let each = points.len().div_ceil(POINTS / 2);
+    if points.len() <= POINTS {
+        return Series::new(name, mark, points);
+    }
+    let ends = |piece: &[[f64; 2]]| {
+        let by = |a: &[f64; 2], b: &[f64; 2]| a[1].total_cmp(&b[1]);
+        let found = [
+            piece.iter().copied().min_by(by),
+            piece.iter().copied().max_by(by),
+        ];
+        let mut found: Vec<[f64; 2]> = found.into_iter().flatten().collect();
+        found.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        found
+    };
+    let mut thin: Vec<[f64; 2]> = points.chunks(each).flat_map(ends).collect();
+    thin.insert(0, points[0]);
+    thin.extend(points.last());
+    Series::new(name, mark, thin)
 }
 
 fn states(rows: &History) -> Figure {
@@ -111,7 +194,7 @@ fn energy(csv: &str) -> Option<Figure> {
             *sum += columns.iter().map(|k| row[*k]).sum::<f64>();
             Some([row[time], *sum])
         });
-        Series::new(name, Mark::LinePoints, points.collect())
+        series(name, points.collect())
     };
     let figure = Figure::new(
         "energy",
@@ -161,6 +244,19 @@ fn totals(rows: &History) -> Table {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn long_curves_keep_their_ends_and_peaks() {
+        let mut points: Vec<[f64; 2]> = (0..10_000).map(|k| [f64::from(k), 0.0]).collect();
+        points[7_531][1] = 5.0;
+        points[123][1] = -2.0;
+        let thin = series("", points);
+        assert!(thin.points.len() <= POINTS + 2);
+        assert_eq!(thin.points[0], [0.0, 0.0]);
+        assert_eq!(thin.points.last(), Some(&[9_999.0, 0.0]));
+        assert!(thin.points.contains(&[7_531.0, 5.0]) && thin.points.contains(&[123.0, -2.0]));
+        assert!(thin.points.is_sorted_by(|a, b| a[0] <= b[0]));
+    }
 
     #[test]
     fn energies_are_summed_over_the_steps() {

@@ -1,9 +1,10 @@
 //! `fracas run`: a scene through its load steps, in a folder that survives the process.
 
+use super::Status;
 use super::interrupt::{self, Signals};
+use super::page::{self, PageSteps};
 use super::progress::Progress;
 use super::scene::{self, Overrides};
-use super::{Status, page};
 use crate::report::format_real;
 use clap::Args;
 use fracas::nonlinear::{Event, StepRecord};
@@ -31,6 +32,14 @@ pub(super) struct Run {
     /// Writes fields for ParaView every N steps and at the end.
     #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u32).range(1..))]
     fields_every: u32,
+    /// Steps of the maps of report.html, as in 0,4,12, or `none` [default: the first, where slip and opening begin, the largest slip, the last].
+    #[arg(
+        long,
+        value_name = "N,…",
+        default_value = "",
+        hide_default_value = true
+    )]
+    page_steps: PageSteps,
     /// Fills the column wall_s of history.csv, which then differs from run to run.
     #[arg(long)]
     clock: bool,
@@ -52,11 +61,13 @@ impl Run {
         let path = folder.path().to_path_buf();
         let scene = folder.scene().clone();
         let mut run = folder.begin(&mut progress)?;
+        progress.step(run.steps_left());
         let ended = loop {
             match run.advance(&Signals, &mut progress)? {
                 Taken::Step(done) => {
                     warn(&done.events, &progress);
                     progress.tell(&line(&done.record));
+                    progress.step(run.steps_left());
                 }
                 Taken::Ended(ended) => break ended,
             }
@@ -65,7 +76,8 @@ impl Run {
         if let Some(reason) = &ended.reason {
             progress.say(reason);
         }
-        page::write(&scene, &ended.to_string(), &run, &path)?;
+        let lead = ended.to_string();
+        page::write(&scene, &lead, &run, &self.page_steps, &path)?;
         run.close(&ended)?;
         writeln!(out, "{}", path.join("report.html").display())?;
         Ok(match (ended.outcome, interrupt::asked()) {

@@ -1,7 +1,7 @@
 //! Path, shares of the states, and where slip spreads.
 
 use super::steps::{Row, Run};
-use crate::plot::{Axis, Cells, Figure, Mark, Series};
+use crate::plot::{Axis, Cells, Colors, Figure, Mark, Series};
 use fracas::contact::ContactState;
 use fracas::scene::Body;
 
@@ -98,6 +98,7 @@ fn map(body: &Body, row: &Row, number: usize) -> Figure {
         Axis::linear("z [m]").range(0.0, end(2)),
     );
     figure.cells = Some(Cells {
+        colors: Colors::Diverging,
         label: "shear over limit".into(),
         quads: faces.iter().map(|f| f.minus.nodes.map(corner)).collect(),
         values: row.fields.criticality.clone(),

@@ -1,7 +1,7 @@
 //! Slipping area, dip slip and energies in time, criticality on the central fault.
 
 use super::run::{Run, Stage};
-use crate::plot::{Axis, Cells, Figure, Mark, Series};
+use crate::plot::{Axis, Cells, Colors, Figure, Mark, Series};
 
 /// Slipping area of every fault against time.
 pub(super) fn area(run: &Run) -> Figure {
@@ -88,6 +88,7 @@ pub(super) fn criticality(run: &Run) -> Vec<Figure> {
             Axis::linear("z [m]").range(-2500.0, -1900.0),
         );
         figure.cells = Some(Cells {
+            colors: Colors::Diverging,
             label: "χ".into(),
             quads: faces
                 .iter()

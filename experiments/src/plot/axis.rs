@@ -104,6 +104,23 @@ impl Axis {
         }
     }
 
+    /// The same, more where there would be less than two numbers, which say no length, as long as they fit.
+    pub(super) fn ticks_of_two(
+        &self,
+        ends: [f64; 2],
+        most: usize,
+        fit: impl Fn(&[Tick]) -> bool,
+    ) -> Vec<Tick> {
+        let labelled = |ticks: &[Tick]| ticks.iter().filter(|t| t.label.is_some()).count();
+        let more = (most..most + 4).map(|most| self.ticks(ends, most));
+        let mut found = more.filter(|ticks| labelled(ticks) > 1 && fit(ticks));
+        found.next().unwrap_or_else(|| {
+            let fewer = (1..=most).rev().map(|most| self.ticks(ends, most));
+            let mut fewer = fewer.filter(|ticks| fit(ticks));
+            fewer.next().unwrap_or_else(|| self.ticks(ends, most))
+        })
+    }
+
     /// Ticks between the (linearized) ends, at most about `most` with a label.
     pub(super) fn ticks(&self, [low, high]: [f64; 2], most: usize) -> Vec<Tick> {
         match &self.scale {

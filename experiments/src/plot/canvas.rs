@@ -5,6 +5,8 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::FontTransform;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
 
 /// Pixels per point.
 const FINE: f64 = 8.0;
@@ -19,23 +21,34 @@ pub(super) struct Canvas<'a> {
     area: DrawingArea<SVGBackend<'a>, Shift>,
 }
 
-/// Draws on a page of `width × height` points and returns the SVG.
+/// Draws on a page of `width × height` points and returns the SVG: what lies under the cells, cells, what lies over them.
 pub(super) fn draw_page(
-    width: f64,
-    height: f64,
-    draw: impl FnOnce(&Canvas<'_>) -> Result<(), DrawError>,
+    [width, height]: [f64; 2],
+    under: impl FnOnce(&Canvas<'_>) -> Result<(), DrawError>,
+    cells: &Quads,
+    over: impl FnOnce(&Canvas<'_>) -> Result<(), DrawError>,
 ) -> Result<String, DrawError> {
     let pixels = |points: f64| (points * FINE).round() as u32;
     let size = (pixels(width), pixels(height));
-    let mut svg = String::new();
+    let [mut svg, mut rest] = [String::new(), String::new()];
     {
-        let canvas = Canvas {
-            area: SVGBackend::with_string(&mut svg, size).into_drawing_area(),
-        };
+        let canvas = Canvas::new(&mut svg, size);
         canvas.area.fill(&WHITE)?;
-        draw(&canvas)?;
+        under(&canvas)?;
         canvas.area.present()?;
     }
+    {
+        let canvas = Canvas::new(&mut rest, size);
+        over(&canvas)?;
+        canvas.area.present()?;
+    }
+    // between the two: plotters would write five times the bytes for cells
+    let end = svg.rfind("</svg>").unwrap_or(svg.len());
+    svg.truncate(end);
+    svg += &cells.paths();
+    svg += rest
+        .split_once('>')
+        .map_or("", |(_, elements)| elements.trim_start());
     // The view box keeps the fine grid; the nominal size is in points.
     let fine = format!("width=\"{}\" height=\"{}\" viewBox", size.0, size.1);
     let nominal = format!("width=\"{width:.0}\" height=\"{height:.0}\" viewBox");
@@ -64,6 +77,48 @@ pub(super) enum Anchor {
     Upwards,
     /// From the point upwards.
     UpwardsFrom,
+}
+
+/// Filled quadrilaterals by colour.
+#[derive(Default)]
+pub(super) struct Quads {
+    paths: BTreeMap<(u8, u8, u8), String>,
+}
+
+impl Quads {
+    /// Adds one, from corners in points.
+    pub(super) fn add(&mut self, corners: &[[f64; 2]], color: RGBColor) {
+        let path = self.paths.entry((color.0, color.1, color.2)).or_default();
+        let mut last = None;
+        for (x, y) in corners.iter().map(|p| pixel(*p)) {
+            // Writing to a string cannot fail.
+            let _ = match last {
+                None => write!(path, "M{x} {y}"),
+                Some((_, b)) if b == y => write!(path, "H{x}"),
+                Some((a, _)) if a == x => write!(path, "V{y}"),
+                Some(_) => write!(path, "L{x} {y}"),
+            };
+            last = Some((x, y));
+        }
+        path.push('Z');
+    }
+
+    fn paths(&self) -> String {
+        let mut text = String::new();
+        for ((r, g, b), path) in &self.paths {
+            // as above
+            let _ = writeln!(text, "<path fill=\"#{r:02x}{g:02x}{b:02x}\" d=\"{path}\"/>");
+        }
+        text
+    }
+}
+
+impl<'a> Canvas<'a> {
+    fn new(svg: &'a mut String, size: (u32, u32)) -> Self {
+        Self {
+            area: SVGBackend::with_string(svg, size).into_drawing_area(),
+        }
+    }
 }
 
 impl Canvas<'_> {

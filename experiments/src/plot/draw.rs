@@ -2,7 +2,6 @@
 
 use super::axis::{Scale, Tick};
 use super::canvas::{Anchor, Canvas, DrawError, draw_page, fitting_size, text_width};
-use super::cells::BAR_SPACE;
 use super::figure::{Figure, Mark, Region, Series};
 use super::legend::Legend;
 use super::palette;
@@ -12,6 +11,8 @@ use plotters::style::{BLACK, Color, RGBColor};
 const WIDTH: f64 = 560.0;
 /// Width for one of two columns, in points: letters keep their size beside those of the text.
 const COLUMN: f64 = 280.0;
+/// Width for one of four side by side, in points.
+const PANEL: f64 = 318.0;
 /// Space that a labelled tick of the horizontal axis takes, in points.
 const TICK_SPACE: f64 = 60.0;
 const TICK_SIZE: f64 = 10.0;
@@ -47,14 +48,21 @@ impl Figure {
         self.to_svg_of(COLUMN)
     }
 
+    /// The same for one of several side by side: four to a page of 1,400 pixels, two on paper.
+    ///
+    /// # Errors
+    /// As [`Figure::to_svg`].
+    pub fn to_panel_svg(&self) -> anyhow::Result<String> {
+        self.to_svg_of(PANEL)
+    }
+
     fn to_svg_of(&self, page_width: f64) -> anyhow::Result<String> {
         let hidden: Vec<usize> = self.series.iter().map(|s| self.hidden(s)).collect();
         let (mut x, mut y) = self.ranges();
         let y_names = matches!(&self.y.scale, Scale::Categories(_));
-        let y_most = 7;
         let widest = self
             .y
-            .ticks(y, y_most)
+            .ticks(y, MOST_TICKS)
             .iter()
             .filter_map(|t| t.label.as_deref())
             .map(|l| text_width(l, TICK_SIZE))
@@ -66,7 +74,9 @@ impl Figure {
                 LABEL_SIZE + 8.0
             } + widest
                 + 8.0;
-        let bar = self.cells.as_ref().map_or(0.0, |_| BAR_SPACE);
+        // numbers of a low bar are fewer: there is room for all of them
+        let tall = 0.62 * (page_width - left);
+        let bar = (self.cells.as_ref()).map_or(0.0, |cells| cells.bar_space(tall));
         let width = page_width - left - 18.0 - bar;
         let mut height = match &self.y.scale {
             Scale::Categories(names) => 34.0 * names.len().max(2) as f64,
@@ -93,10 +103,12 @@ impl Figure {
         let legend = Legend::new(self, &hidden, page_width - 30.0);
         let below = 43.0;
         let page = top + height + below + legend.height() + 8.0;
-        let svg = draw_page(page_width, page, |canvas| {
-            frame.grid(canvas, y_names)?;
-            frame.cells(canvas)?;
+        let (size, cells) = ([page_width, page], frame.cells());
+        let grid = |canvas: &Canvas<'_>| frame.grid(canvas, y_names);
+        let svg = draw_page(size, grid, &cells, |canvas| {
+            frame.bar(canvas)?;
             frame.regions(canvas)?;
+            frame.outlines(canvas)?;
             frame.slopes(canvas)?;
             frame.all_series(canvas)?;
             frame.border(canvas)?;
@@ -159,6 +171,7 @@ impl Figure {
         corners.extend(self.shades.iter().flat_map(|s| s.region.outline().1));
         corners.extend(self.slopes.iter().map(|s| s.through));
         corners.extend(self.cells.iter().flat_map(|c| c.quads.iter().flatten()));
+        corners.extend(self.outlines.iter().flat_map(|o| &o.points));
         let x = self.x.fit(corners.iter().map(|p| p[0]));
         let mut y = self.y.fit(corners.iter().map(|p| p[1]));
         let bars = self.series.iter().any(|s| s.mark == Mark::Bars);
@@ -171,6 +184,14 @@ impl Figure {
         }
         (x, y)
     }
+}
+
+/// Labelled ticks of a vertical axis.
+const MOST_TICKS: usize = 7;
+
+/// Ticks for which a vertical axis of this height has room, in points.
+pub(super) fn tick_count(height: f64) -> usize {
+    ((height / 15.0) as usize).clamp(2, MOST_TICKS)
 }
 
 /// Widens a range symmetrically to at least `length`.
@@ -205,9 +226,20 @@ impl Frame<'_> {
             self.top + self.height,
         );
         let most = (self.width / TICK_SPACE).round() as usize;
-        let x_ticks = self.figure.x.ticks(self.x, most.clamp(2, 8));
-        let y_ticks = self.figure.y.ticks(self.y, 7);
         let x_names = matches!(self.figure.x.scale, Scale::Categories(_));
+        // a number ends before the next one begins; names are as many as there are
+        let beside = |ticks: &[Tick]| {
+            let labelled = ticks.iter().filter_map(|t| Some((t.at, t.label.as_ref()?)));
+            let ends = labelled.map(|(at, label)| {
+                let half = 0.5 * text_width(label, TICK_SIZE);
+                let at = self.at([at, self.y[0]])[0];
+                [at - half, at + half]
+            });
+            let ends: Vec<[f64; 2]> = ends.collect();
+            x_names || ends.windows(2).all(|pair| pair[0][1] + 3.0 < pair[1][0])
+        };
+        let x_ticks = (self.figure.x).ticks_of_two(self.x, most.clamp(2, 8), beside);
+        let y_ticks = (self.figure.y).ticks_of_two(self.y, tick_count(self.height), |_| true);
         let major = |t: &&Tick| t.label.is_some();
         for tick in x_ticks.iter().filter(major).filter(|_| !x_names) {
             let x = self.at([tick.at, self.y[0]])[0];
@@ -302,6 +334,17 @@ impl Frame<'_> {
                 page.push(page[0]);
                 canvas.line(&page, color.mix(1.0), 0.8)?;
             }
+        }
+        Ok(())
+    }
+
+    /// Lines of a section: bodies, materials, fractures.
+    fn outlines(&self, canvas: &Canvas<'_>) -> Result<(), DrawError> {
+        for outline in &self.figure.outlines {
+            let shown = outline.points.iter();
+            let shown = shown.filter_map(|p| self.figure.place(*p));
+            let page: Vec<[f64; 2]> = shown.map(|p| self.at(self.clamped(p))).collect();
+            canvas.line(&page, BLACK.mix(1.0), outline.width)?;
         }
         Ok(())
     }

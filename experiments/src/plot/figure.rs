@@ -24,6 +24,8 @@ pub struct Figure {
     pub shades: Vec<Shade>,
     /// Coloured cells, drawn behind the data.
     pub cells: Option<Cells>,
+    /// Black lines over the cells: edges of a body, of its materials, fractures.
+    pub outlines: Vec<Outline>,
     /// Data.
     pub series: Vec<Series>,
     /// Reference slopes of a log-log plot.
@@ -42,6 +44,7 @@ impl Figure {
             equal_aspect: false,
             shades: Vec::new(),
             cells: None,
+            outlines: Vec::new(),
             series: Vec::new(),
             slopes: Vec::new(),
         }
@@ -94,6 +97,9 @@ impl Figure {
                 line(&value.to_string(), "cell", x, y);
             }
         }
+        for outline in &self.outlines {
+            (outline.points.iter()).for_each(|p| line("", "outline", p[0], p[1]));
+        }
         for series in &self.series {
             series
                 .points
@@ -110,6 +116,15 @@ impl Figure {
         }
         text
     }
+}
+
+/// A black line that belongs to no series.
+#[derive(Clone, Debug)]
+pub struct Outline {
+    /// Points.
+    pub points: Vec<[f64; 2]>,
+    /// Its width in points.
+    pub width: f64,
 }
 
 /// Points with one style.

@@ -19,8 +19,8 @@ mod window;
 mod tests;
 
 pub use axis::{Axis, Scale};
-pub use cells::Cells;
-pub use figure::{Figure, Mark, Region, Series, Shade, Slope};
+pub use cells::{Cells, Colors};
+pub use figure::{Figure, Mark, Outline, Region, Series, Shade, Slope};
 pub(crate) use indices::with_indices;
 pub use non_normal::{Gmres, Level};
 pub use spectrum::Spectrum;

@@ -53,6 +53,46 @@ pub(super) fn diverging(place: f64) -> RGBColor {
         true => (COLORS[0], MIDDLE, 2.0 * place),
         false => (MIDDLE, COLORS[1], 2.0 * place - 1.0),
     };
+    mixed(from, to, share)
+}
+
+/// Viridis: even in lightness from dark to light, told apart by everybody, in grey as well.
+///
+/// # Source
+/// S. van der Walt, N. Smith, matplotlib (2015), CC0; every sixteenth of its colours.
+const VIRIDIS: [RGBColor; 17] = [
+    RGBColor(68, 1, 84),
+    RGBColor(72, 24, 106),
+    RGBColor(71, 45, 123),
+    RGBColor(66, 64, 134),
+    RGBColor(59, 82, 139),
+    RGBColor(51, 99, 141),
+    RGBColor(44, 114, 142),
+    RGBColor(38, 130, 142),
+    RGBColor(33, 145, 140),
+    RGBColor(31, 160, 136),
+    RGBColor(40, 174, 128),
+    RGBColor(63, 188, 115),
+    RGBColor(94, 201, 98),
+    RGBColor(132, 212, 75),
+    RGBColor(173, 220, 48),
+    RGBColor(216, 226, 25),
+    RGBColor(253, 231, 37),
+];
+
+/// From dark to light: `place` 0 to 1.
+pub(super) fn sequential(place: f64) -> RGBColor {
+    let at = place.clamp(0.0, 1.0) * (VIRIDIS.len() - 1) as f64;
+    let k = (at as usize).min(VIRIDIS.len() - 2);
+    mixed(VIRIDIS[k], VIRIDIS[k + 1], at - k as f64)
+}
+
+/// Colour of the k-th class: the palette, lightened.
+pub(super) fn class(k: usize) -> RGBColor {
+    mixed(color(k), RGBColor(255, 255, 255), 0.45)
+}
+
+fn mixed(from: RGBColor, to: RGBColor, share: f64) -> RGBColor {
     let mix = |a: u8, b: u8| (f64::from(a) + share * (f64::from(b) - f64::from(a))).round() as u8;
     RGBColor(mix(from.0, to.0), mix(from.1, to.1), mix(from.2, to.2))
 }

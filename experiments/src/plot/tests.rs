@@ -154,6 +154,7 @@ fn cells_are_drawn_with_their_colours_and_a_bar() {
     let mut figure = Figure::new("c", "", "", Axis::linear("x"), Axis::linear("y"));
     let square = |x: f64| [[x, 0.0], [x + 1.0, 0.0], [x + 1.0, 1.0], [x, 1.0]];
     figure.cells = Some(Cells {
+        colors: Colors::Diverging,
         label: "t_N [MPa]".into(),
         quads: vec![square(0.0), square(1.0), square(2.0)],
         values: vec![-5.0, 5.0, f64::NAN],
@@ -161,10 +162,37 @@ fn cells_are_drawn_with_their_colours_and_a_bar() {
     });
     let svg = figure.to_svg().unwrap();
     // the ends of the palette: one cell each, beside the bar of 64 steps
-    assert!(svg.contains("#0072B2") && svg.contains("#D55E00"));
-    assert_eq!(svg.matches("<polygon").count(), 2 + 64);
+    let paths = svg.split("<path").skip(1);
+    let count = |path: &str| {
+        path.split("/>")
+            .next()
+            .map_or(0, |p| p.matches('M').count())
+    };
+    let quads: Vec<usize> = paths.map(count).collect();
+    assert_eq!((quads.len(), quads.iter().sum::<usize>()), (64, 2 + 64));
+    assert_eq!(quads.iter().filter(|n| **n == 2).count(), 2);
     let csv = figure.to_csv();
     assert!(csv.contains("-5,cell,0.5,0.5\n") && csv.contains("5,cell,1.5,0.5\n"));
+}
+
+#[test]
+fn rectangles_of_one_colour_in_a_row_are_one() {
+    let mut figure = Figure::new("r", "", "", Axis::linear("x"), Axis::linear("y"));
+    let square = |x: f64| [[x, 0.0], [x + 1.0, 0.0], [x + 1.0, 1.0], [x, 1.0]];
+    let names = ["stick", "slip"].map(str::to_owned).to_vec();
+    figure.cells = Some(Cells {
+        colors: Colors::Classes(names),
+        label: "state".into(),
+        quads: (0..6).map(|k| square(f64::from(k))).collect(),
+        values: vec![0.0, 0.0, 0.0, 1.0, 1.0, 0.0],
+        range: [0.0, 1.0],
+    });
+    let svg = figure.to_svg().unwrap();
+    let paths: Vec<&str> = svg.split("<path").skip(1).collect();
+    // each with its colour of the bar
+    let quads = paths.iter().map(|path| path.matches('M').count());
+    assert_eq!(quads.collect::<Vec<_>>(), [2 + 1, 1 + 1]);
+    assert!(svg.contains("stick") && svg.contains("slip"));
 }
 
 #[test]

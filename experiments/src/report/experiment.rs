@@ -49,6 +49,17 @@ pub trait Experiment: Sync {
     fn run(&self, level: Level, observer: &mut dyn Observer) -> anyhow::Result<Findings>;
 }
 
+/// Small figures side by side, under a heading.
+#[derive(Clone, Debug, Default)]
+pub struct Panels {
+    /// Heading; one that is empty goes on with the panels before.
+    pub title: String,
+    /// What all of them show, and how.
+    pub caption: String,
+    /// From left to right; each an SVG and a CSV file.
+    pub figures: Vec<Figure>,
+}
+
 /// What an experiment found.
 #[derive(Clone, Debug, Default)]
 pub struct Findings {
@@ -58,6 +69,8 @@ pub struct Findings {
     pub tables: Vec<Table>,
     /// Figures, each an SVG and a CSV file.
     pub figures: Vec<Figure>,
+    /// Figures that are looked at side by side, behind those that stand alone.
+    pub panels: Vec<Panels>,
     /// Claims held against numbers; one that fails makes `fracas reproduce` end with status 4.
     pub checks: Vec<Check>,
     /// Remarks for the reader.

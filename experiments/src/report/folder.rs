@@ -75,7 +75,9 @@ fn write_findings(
 pub(super) fn write_results(of: &str, findings: &Findings, folder: &Path) -> anyhow::Result<()> {
     let mut ids = std::collections::BTreeSet::new();
     let named = findings.tables.iter().map(|t| &t.id);
-    for id in named.chain(findings.figures.iter().map(|f| &f.id)) {
+    let panels = || findings.panels.iter().flat_map(|p| &p.figures);
+    let drawn = findings.figures.iter().chain(panels());
+    for id in named.chain(drawn.map(|f| &f.id)) {
         anyhow::ensure!(
             ids.insert(id),
             "two results of {of} are named {id}; one file would overwrite the other"
@@ -89,6 +91,14 @@ pub(super) fn write_results(of: &str, findings: &Findings, folder: &Path) -> any
     for figure in &findings.figures {
         write(folder, &format!("{}.csv", figure.id), &figure.to_csv())?;
         write(folder, &format!("{}.svg", figure.id), &figure.to_svg()?)?;
+    }
+    for figure in panels() {
+        write(folder, &format!("{}.csv", figure.id), &figure.to_csv())?;
+        write(
+            folder,
+            &format!("{}.svg", figure.id),
+            &figure.to_panel_svg()?,
+        )?;
     }
     Ok(())
 }

@@ -1,13 +1,16 @@
 //! The report: one page, figures inline, nothing fetched, no scripts.
 
 use super::lecture;
+use super::math::prose;
 use super::sheet::{FIGURES, Sheet};
-use super::{Basis, Chapter, Check, Findings, Level, Outcome, Table};
-use crate::plot::with_indices;
+use super::{Basis, Chapter, Check, Findings, Level, Outcome, Panels, Table};
 use fracas_operators::simd;
 use std::fmt::Write as _;
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// Columns up to which a table has letters of the usual size.
+const WIDE: usize = 12;
 
 const STYLE: &str = include_str!("report.css");
 
@@ -130,6 +133,9 @@ fn answer(html: &mut String, id: &str, findings: &Findings) -> anyhow::Result<()
             file = escape(&figure.id)
         )?;
     }
+    for panels in &findings.panels {
+        side_by_side(html, id, panels)?;
+    }
     for table in &findings.tables {
         table_rows(html, id, table)?;
     }
@@ -150,10 +156,35 @@ fn answer(html: &mut String, id: &str, findings: &Findings) -> anyhow::Result<()
     Ok(())
 }
 
+fn side_by_side(html: &mut String, id: &str, panels: &Panels) -> anyhow::Result<()> {
+    if !panels.title.is_empty() {
+        writeln!(html, "<h3>{}</h3>", prose(&panels.title))?;
+    }
+    if !panels.caption.is_empty() {
+        writeln!(html, "<p class=\"panels\">{}</p>", prose(&panels.caption))?;
+    }
+    html.push_str("<div class=\"panels\">\n");
+    for figure in &panels.figures {
+        writeln!(
+            html,
+            "<figure>\n{}\n<figcaption>{} <a href=\"{id}/{file}.csv\">data</a></figcaption>\n</figure>",
+            figure.to_panel_svg()?.trim(),
+            prose(&figure.caption),
+            file = escape(&figure.id)
+        )?;
+    }
+    html.push_str("</div>\n");
+    Ok(())
+}
+
 fn table_rows(html: &mut String, id: &str, table: &Table) -> anyhow::Result<()> {
+    let class = match table.columns.len() {
+        ..=WIDE => "",
+        _ => " class=\"wide\"",
+    };
     writeln!(
         html,
-        "<table>\n<caption>{} <a href=\"{id}/{file}.csv\">data</a></caption>",
+        "<table{class}>\n<caption>{} <a href=\"{id}/{file}.csv\">data</a></caption>",
         prose(&table.caption),
         file = escape(&table.id)
     )?;
@@ -211,18 +242,6 @@ fn verdicts(html: &mut String, checks: &[Check]) -> anyhow::Result<()> {
     }
     html.push_str("</tbody>\n</table>\n");
     Ok(())
-}
-
-/// A sentence in HTML, with the indices of symbols below the line and what stands between backticks as code.
-pub(super) fn prose(text: &str) -> String {
-    let mut html = String::new();
-    for (k, part) in escape(text).split('`').enumerate() {
-        html += &match k % 2 {
-            0 => with_indices(part, |index| format!("<sub>{index}</sub>")),
-            _ => format!("<code>{part}</code>"),
-        };
-    }
-    html
 }
 
 /// Text in HTML.

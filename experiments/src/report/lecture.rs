@@ -1,7 +1,8 @@
 //! From each figure and table of the lecture to ours.
 
 use super::Chapter;
-use super::html::{escape, prose};
+use super::html::escape;
+use super::math::prose;
 use crate::list::EXPERIMENTS;
 use std::fmt::Write as _;
 

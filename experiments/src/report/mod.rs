@@ -6,6 +6,7 @@ mod folder;
 mod html;
 mod lecture;
 mod manifest;
+mod math;
 mod sheet;
 mod table;
 
@@ -13,7 +14,7 @@ mod table;
 mod tests;
 
 pub use check::{Basis, Check};
-pub use experiment::{Experiment, Findings, Level};
+pub use experiment::{Experiment, Findings, Level, Panels};
 pub(crate) use folder::write_whole;
 pub use folder::{Chapter, Outcome, run_chapter, write_report};
 pub(crate) use sheet::FIGURES;

@@ -78,7 +78,7 @@ fn a_chapter_is_written_as_csv_svg_manifest_and_page() {
         "fails",
         "≤ 1<br><span class=\"unit\">a lecture</span>",
         "<th>published</th><th>closed form</th><th>own threshold</th>",
-        "cost of S<sub>u</sub> in <code>a</code>",
+        "cost of <math><msub><mi>S</mi><mrow><mi>u</mi></mrow></msub></math> in <code>a</code>",
         "instruction set",
         "<title>y over x</title><desc>A line.</desc>",
         "From the lecture to this page",

@@ -3,7 +3,7 @@
 use super::curves::{axis_label, label};
 use super::figure_section::FigureSection;
 use super::findings::{Fields, Findings};
-use crate::plot::{Axis, Cells, Figure, Mark, Series};
+use crate::plot::{Axis, Cells, Colors, Figure, Mark, Series};
 
 /// Part of the place of a value that its cells take where others stand within it.
 const FILLED: f64 = 0.94;
@@ -101,6 +101,7 @@ pub(super) fn map(
     let mut figure = Figure::new(id, "", caption.trim(), across.axis(), up.axis());
     let own = [low, if high > low { high } else { low + 1.0 }];
     figure.cells = Some(Cells {
+        colors: Colors::Diverging,
         label: axis_label(&section.color),
         quads,
         values,

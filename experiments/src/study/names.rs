@@ -175,6 +175,10 @@ impl Study {
                 .rows
                 .iter()
                 .try_for_each(|name| judge.name("rows", name))?;
+            table
+                .least
+                .iter()
+                .try_for_each(|of| judge.formula("least", of))?;
             for column in table.columns.iter().map(Column::full) {
                 judge.formula("columns", &column.of)?;
                 judge.rows(&column.of_rows)?;

@@ -16,6 +16,7 @@ pub(super) fn answer(study: &Study, rows: &Rows) -> Findings {
     };
     Findings {
         figures: figures(study, rows),
+        panels: Vec::new(),
         tables: study.table.iter().map(|t| tables::table(t, rows)).collect(),
         checks: checks.flat_map(|check| check.checks(rows)).collect(),
         notes: study.note.clone(),

@@ -24,6 +24,9 @@ pub struct TableSection {
     /// Columns whose values make a row of it; every row of the study by default.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub rows: Vec<String>,
+    /// A formula: of the rows that agree in these the one with the least value is shown.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub least: Option<String>,
     /// Its columns.
     pub columns: Vec<Column>,
 }
@@ -88,6 +91,17 @@ pub(super) fn table(section: &TableSection, findings: &Findings) -> Printed {
         match groups.iter_mut().find(|(known, _)| *known == key) {
             Some((_, rows)) => rows.push(row),
             None => groups.push((key, vec![row])),
+        }
+    }
+    if let Some(least) = &section.least {
+        // rows that failed last, of equal ones the first
+        let value = |row: &Fields| match findings.value(row, least, true) {
+            value if value.is_nan() => f64::INFINITY,
+            value => value,
+        };
+        for (_, rows) in &mut groups {
+            let best = (rows.iter().copied()).min_by(|a, b| value(a).total_cmp(&value(b)));
+            *rows = best.into_iter().collect();
         }
     }
     let cells = |(_, rows): &(_, Vec<&Fields>)| -> Vec<Cell> {

@@ -6,10 +6,11 @@
 )]
 
 use crate::block::{ROWS, done, names, read, run, scene};
-use crate::run::fracas;
+use crate::run::{fracas, scratch};
 use fracas::scene::Scene;
 use serde_json::Value;
 use std::fs;
+use std::path::Path;
 
 /// The time of a row [s].
 fn time(row: usize) -> f64 {
@@ -121,6 +122,8 @@ fn a_run_leaves_its_tree() {
         "pressure",
         "stateFlips",
         "normal",
+        "t1",
+        "t2",
         "fracture",
     ] {
         assert!(fields.contains(&format!("Name=\"{name}\"")), "{name}");
@@ -134,11 +137,13 @@ fn a_run_leaves_its_tree() {
         assert!(read(out.join(format!("figures/{figure}.svg"))).starts_with("<svg"));
         assert!(read(out.join(format!("figures/{figure}.csv"))).starts_with("layer,kind,"));
     }
-    let maps = names(&out.join("figures"), "fracture_0_", ".svg").len();
-    assert!(maps > 0, "no map of the fracture");
+    // the body, the fracture, and nothing else
+    let [sections, maps] =
+        ["section_1_", "fracture_0_"].map(|part| names(&out.join("figures"), part, ".svg").len());
+    assert!(sections > 0 && maps > 0, "{sections} sections, {maps} maps");
     assert_eq!(
         read(out.join("report.html")).matches("<svg").count(),
-        4 + maps
+        4 + sections + maps
     );
     assert_eq!(names(&out.join("checkpoint"), "", "").len(), 2);
     assert!(names(&out, ".", ".tmp").is_empty());
@@ -201,4 +206,117 @@ fn the_clock_fills_its_column_and_no_other() {
         assert_eq!(a, b.replacen(&format!(",{wall},"), ",,", 1));
         assert!(wall.parse::<f64>().unwrap() >= 0.0);
     }
+}
+
+/// Steps whose section is drawn.
+fn steps_drawn(out: &Path) -> Vec<usize> {
+    let part = "section_1_u_";
+    let files = names(&out.join("figures"), part, ".svg");
+    let step = |name: &String| name.strip_prefix(part)?.strip_suffix(".svg")?.parse().ok();
+    let mut steps: Vec<usize> = files.iter().filter_map(step).collect();
+    steps.sort_unstable();
+    steps
+}
+
+#[test]
+fn a_page_shows_the_body_at_steps_that_tell_and_at_those_asked_for() {
+    let whole = scratch("output-page").join("out");
+    let folder = whole.display().to_string();
+    done(&fracas(&["run", "cycle:small", "--out", &folder]));
+    let page = read(whole.join("report.html"));
+    for text in [
+        "The body in the section",
+        "slip begins",
+        "largest slip",
+        "Contact state on fracture",
+        "von Mises",
+        "<math>",
+        "instruction set",
+    ] {
+        assert!(page.contains(text), "{text}");
+    }
+    let history = read(whole.join("history.csv"));
+    let last = history.lines().count() - 2;
+    let telling = steps_drawn(&whole);
+    assert!(
+        telling.len() <= 4 && telling.first() == Some(&0),
+        "{telling:?}"
+    );
+    assert_eq!(telling.last(), Some(&last));
+    // another page of a run that has ended
+    let again = |steps: &str| {
+        done(&fracas(&[
+            "run",
+            "cycle:small",
+            "--restart",
+            &folder,
+            "--page-steps",
+            steps,
+        ]));
+    };
+    again("2,5,7");
+    assert_eq!(steps_drawn(&whole), [2, 5, 7]);
+    assert_eq!(history, read(whole.join("history.csv")));
+    again("none");
+    assert!(!read(whole.join("report.html")).contains("The body in the section"));
+    let bad = fracas(&[
+        "run",
+        "cycle:small",
+        "--restart",
+        &folder,
+        "--page-steps",
+        "2-5",
+    ]);
+    assert_eq!(bad.status, 2);
+    assert!(
+        bad.stderr.contains("write steps, as in 0,4,12"),
+        "{}",
+        bad.stderr
+    );
+}
+
+#[test]
+fn a_step_without_fields_is_stood_for_and_a_body_that_sticks_is_said_to() {
+    let out = scratch("output-sparse").join("out");
+    let folder = out.display().to_string();
+    let sticks = [
+        "--set",
+        "fracture.0.friction_angle=60 deg",
+        "--set",
+        "fracture.0.cohesion=1 GPa",
+    ];
+    let sparse = ["--fields-every", "100", "--steps", "3", "--page-steps", "1"];
+    let run = [
+        &["run", "cycle:small", "--out", &folder][..],
+        &sparse,
+        &sticks,
+    ]
+    .concat();
+    done(&fracas(&run));
+    let page = read(out.join("report.html"));
+    assert_eq!(steps_drawn(&out), [2]);
+    assert!(
+        page.contains("No fields of step 1 are in this folder: step 2 stands for it"),
+        "{page}"
+    );
+    assert!(page.contains("sticks at these steps"));
+}
+
+/// A page of a mesh of any size and of any number of steps has some megabytes.
+#[test]
+fn a_page_of_many_cells_is_bounded() {
+    let out = scratch("output-many").join("out");
+    let folder = out.display().to_string();
+    // a sheet, all of whose cells lie in its section
+    let cells = ["mesh.x.cells=160", "mesh.y.cells=1", "mesh.z.cells=160"];
+    let cells = cells
+        .iter()
+        .flat_map(|set| ["--set", *set])
+        .collect::<Vec<_>>();
+    let run = [&["run", "crossing", "--out", &folder][..], &cells].concat();
+    let ran = fracas(&run);
+    assert!(matches!(ran.status, 0 | 3), "{}", ran.stderr);
+    let page = read(out.join("report.html"));
+    assert!(page.contains("Squares stand for what lies at their centres"));
+    assert!(page.len() < 10 << 20, "{} bytes", page.len());
 }

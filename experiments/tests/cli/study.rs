@@ -570,3 +570,173 @@ fn runs_are_rows_that_go_on_from_their_checkpoints() {
         "one without `=` that changes nothing",
     );
 }
+
+/// Every axis alone, each in a product of its own.
+const AXES: &str = r#"
+title = "Every axis"
+clock = false
+measures = ["n_it", "slip"]
+"#;
+
+#[test]
+fn every_axis_that_the_page_lists_changes_what_it_should() {
+    let system = system_folder("study-axes-system");
+    let system = system.to_str().unwrap();
+    let small = "set = { \"mesh.x.cells\" = [6], \"mesh.y.cells\" = [3], \"mesh.z.cells\" = [3] }";
+    let clamped = format!("scene = [\"clamped\"]\n{small}");
+    // axis, its section, and the column that differs between its rows
+    let axes = [
+        (
+            "scene",
+            format!("scene = [\"clamped\", \"floating\"]\n{small}"),
+            "digest",
+        ),
+        (
+            "system",
+            format!(
+                "system = [\"{system}\", \"{system}/../{}\"]\nrhs = [\"ones\"]",
+                Path::new(system).file_name().unwrap().to_str().unwrap()
+            ),
+            "system",
+        ),
+        (
+            "set",
+            format!("{clamped}\nset.\"material.0.poisson\" = [0.2, 0.4]"),
+            "digest",
+        ),
+        ("refine", format!("{clamped}\nrefine = [1, 2]"), "n_u"),
+        (
+            "axes.together",
+            format!(
+                "{clamped}\ntogether = [{{ name = \"variant\", values = [{{ name = \"a\", method = \"racp\", inner = \"exact\" }}, {{ name = \"b\", method = \"mcp\", inner = \"exact\" }}] }}]"
+            ),
+            "ran",
+        ),
+        (
+            "state",
+            "scene = [\"analogue_b:small\"]\nstate = [\"stick\", \"slip:0.25\"]".to_owned(),
+            "slip",
+        ),
+        (
+            "stabilization",
+            format!("{clamped}\nstabilization = [0.0, 1.0]"),
+            "digest",
+        ),
+        (
+            "rhs",
+            format!("{clamped}\nrhs = [\"sin\", \"random:3\"]"),
+            "digest",
+        ),
+        (
+            "method",
+            format!("{clamped}\nmethod = [\"racp\", \"mcp\"]"),
+            "ran",
+        ),
+        (
+            "augmentation",
+            format!("{clamped}\naugmentation = [\"local\", \"local_h\"]"),
+            "C",
+        ),
+        (
+            "inner",
+            format!("{clamped}\ninner = [\"exact\", \"ssor\"]"),
+            "n_it",
+        ),
+        (
+            "krylov",
+            format!("{clamped}\nkrylov = [\"gmres\", \"sqmr\"]\ninner = [\"exact\"]"),
+            "iteration",
+        ),
+        (
+            "tolerance",
+            format!("{clamped}\ntolerance = [1e-3, 1e-10]"),
+            "n_it",
+        ),
+        ("threads", format!("{clamped}\nthreads = [1, 2]"), "threads"),
+    ];
+    for (axis, section, differs) in &axes {
+        let section = section.replace("\nset.\"", "\n# set\nset.\"");
+        let section = match *axis {
+            // one table of keys
+            "set" => section.replace(
+                " }\n# set\nset.\"material.0.poisson\" = [0.2, 0.4]",
+                ", \"material.0.poisson\" = [0.2, 0.4] }",
+            ),
+            _ => section,
+        };
+        let (file, out) = study("study-axes", &format!("{AXES}\n[axes]\n{section}\n"));
+        let ran = fracas(&["study", &file, "--out", out.to_str().unwrap()]);
+        assert_eq!(ran.status, 0, "{axis}: {}", ran.stderr);
+        let found = rows(&out);
+        let fields = column(&found, differs);
+        assert_eq!(fields.len(), 2, "{axis}");
+        assert!(fields[0] != fields[1], "{axis}: {differs} is {fields:?}");
+        let outcomes = column(&found, "outcome");
+        assert!(
+            outcomes.iter().all(|o| o == "converged"),
+            "{axis}: {outcomes:?}"
+        );
+    }
+    // those that the page lists, but for what only variants know
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/studies.md");
+    let page = std::fs::read_to_string(page).unwrap();
+    let listed = page
+        .split("### Axes")
+        .nth(1)
+        .unwrap()
+        .split("### ")
+        .next()
+        .unwrap();
+    let cells = listed.lines().filter(|line| line.starts_with("| `"));
+    let names = cells.flat_map(|line| {
+        line.split('|')
+            .nth(1)
+            .unwrap()
+            .split('`')
+            .skip(1)
+            .step_by(2)
+    });
+    for name in names.filter(|name| !["matrix_free", "single", "repetitions"].contains(name)) {
+        let name = name.trim_matches(['[', ']']);
+        assert!(
+            axes.iter().any(|(axis, ..)| *axis == name),
+            "{name} is not tried"
+        );
+    }
+}
+
+#[test]
+fn a_table_shows_the_least_of_rows_that_agree() {
+    let table = "\n[[table]]\nid = \"best\"\nrows = [\"scene\"]\nleast = \"C_s\"\ncolumns = [\"scene\", \"method\", \"C_s\"]\n";
+    let (file, out) = study(
+        "study-least",
+        &format!(
+            "{}{table}",
+            STUDY.replace("refine = [1, 2]", "refine = [1]")
+        ),
+    );
+    let ran = fracas(&["study", &file, "--out", out.to_str().unwrap()]);
+    assert_eq!(ran.status, 0, "{}", ran.stderr);
+    let found = rows(&out);
+    let best = std::fs::read_to_string(out.join("figures/best.csv")).unwrap();
+    let [scenes, costs] = ["scene", "C_s"].map(|name| column(&found, name));
+    assert_eq!(best.lines().count(), 3);
+    for line in best.lines().skip(1) {
+        let fields: Vec<&str> = line.split(',').collect();
+        let of_scene = scenes
+            .iter()
+            .zip(&costs)
+            .filter(|(scene, _)| *scene == fields[0]);
+        let least = of_scene
+            .filter_map(|(_, c)| c.parse().ok())
+            .fold(f64::INFINITY, f64::min);
+        assert_eq!(fields[2].parse::<f64>().unwrap(), least, "{line}");
+    }
+    refused(
+        &format!(
+            "{STUDY}{}",
+            table.replace("least = \"C_s\"", "least = \"C_z\"")
+        ),
+        "C_z",
+    );
+}

@@ -5,6 +5,7 @@
     reason = "a test that cannot run its program fails"
 )]
 
+mod agreement;
 mod checkpoints;
 mod command_lines;
 mod faults;
