@@ -107,11 +107,6 @@ fn maps(run: &Running<'_>, steps: &PageSteps) -> anyhow::Result<(Vec<Panels>, Ve
     Ok((panels, notes))
 }
 
-fn curve(rows: &History, x: &str, y: &str, name: &str) -> Series {
-    let points = rows.column(x).zip(rows.column(y));
-    series(name, points.map(|(x, y)| [x, y]).collect())
-}
-
 /// A curve through as many points as can be told apart: of more, the least and the largest of each piece.
 fn series(name: &str, points: Vec<[f64; 2]>) -> Series {
     let mark = match points.len() {
@@ -138,13 +133,29 @@ fn series(name: &str, points: Vec<[f64; 2]>) -> Series {
     Series::new(name, mark, thin)
 }
 
+/// Of these times [s], in a unit that fits the last of them, and how many seconds that has.
+fn time_axis(times: impl Iterator<Item = f64>) -> (Axis, f64) {
+    let (unit, length) = unit::of_times(times.fold(0.0, f64::max));
+    (Axis::linear(&format!("time [{unit}]")), length)
+}
+
+/// A column over time, both in units that fit.
+fn over_time(rows: &History, y: &str, (length, factor): (f64, f64), name: &str) -> Series {
+    let points = rows.column("time_s").zip(rows.column(y));
+    series(
+        name,
+        points.map(|(t, y)| [t / length, factor * y]).collect(),
+    )
+}
+
 fn states(rows: &History) -> Figure {
-    let of = |y, name| curve(rows, "time_s", y, name);
+    let (times, length) = time_axis(rows.column("time_s"));
+    let of = |y, name| over_time(rows, y, (length, 1.0), name);
     Figure::new(
         "states",
         "",
         "Fracture faces in each contact state at the end of a step.",
-        Axis::linear("time [s]"),
+        times,
         Axis::linear("faces"),
     )
     .with(of("stick", "stick"))
@@ -154,7 +165,10 @@ fn states(rows: &History) -> Figure {
 }
 
 fn iterations(rows: &History) -> Figure {
-    let of = |y, name| curve(rows, "step", y, name);
+    let of = |y, name| {
+        let points = rows.column("step").zip(rows.column(y));
+        series(name, points.map(|(x, y)| [x, y]).collect())
+    };
     Figure::new(
         "iterations",
         "",
@@ -168,14 +182,17 @@ fn iterations(rows: &History) -> Figure {
 }
 
 fn slip(rows: &History) -> Figure {
+    let (times, length) = time_axis(rows.column("time_s"));
+    let largest = rows.column("slip_max_m").fold(0.0, f64::max);
+    let (unit, factor) = unit::Kind::Length.unit(largest);
     Figure::new(
         "slip",
         "",
         "Largest slip of a face at the end of a step.",
-        Axis::linear("time [s]"),
-        Axis::linear("largest slip [m]"),
+        times,
+        Axis::linear(&format!("largest slip [{unit}]")),
     )
-    .with(curve(rows, "time_s", "slip_max_m", ""))
+    .with(over_time(rows, "slip_max_m", (length, factor), ""))
 }
 
 /// What loads have done, and where it went, from `energy.csv`, a row per step; none for a file of another form.
@@ -187,26 +204,33 @@ fn energy(csv: &str) -> Option<Figure> {
         .collect::<Option<_>>()?;
     let column = |name: &str| heading.iter().position(|h| *h == name);
     let time = column("time_s")?;
+    let (times, length) = time_axis(rows.iter().map(|row| row[time]));
     let summed = |names: &[&str], name: &str| {
         let columns = names.iter().filter_map(|n| column(n));
         let columns: Vec<usize> = columns.collect();
         let points = rows.iter().scan(0.0, |sum, row| {
             *sum += columns.iter().map(|k| row[*k]).sum::<f64>();
-            Some([row[time], *sum])
+            Some([row[time] / length, *sum])
         });
         series(name, points.collect())
     };
-    let figure = Figure::new(
-        "energy",
-        "",
-        "Energy since the beginning: work of the loads and of fluid pressures, what is stored in the rock, what friction dissipates.",
-        Axis::linear("time [s]"),
-        Axis::linear("energy [J]"),
-    )
-    .with(summed(&["external_work_J", "pressure_work_J"], "work"))
-    .with(summed(&["elastic_change_J"], "stored"))
-    .with(summed(&["dissipation_J"], "dissipated"));
-    Some(figure)
+    let creeps = column("creep_dissipation_J").is_some();
+    let caption = match creeps {
+        true => {
+            "Energy since the beginning: work of the loads and of fluid pressures, what is stored in the rock, what friction and creep dissipate."
+        }
+        false => {
+            "Energy since the beginning: work of the loads and of fluid pressures, what is stored in the rock, what friction dissipates."
+        }
+    };
+    let figure = Figure::new("energy", "", caption, times, Axis::linear("energy [J]"))
+        .with(summed(&["external_work_J", "pressure_work_J"], "work"))
+        .with(summed(&["elastic_change_J"], "stored"))
+        .with(summed(&["dissipation_J"], "dissipated by friction"));
+    Some(match creeps {
+        true => figure.with(summed(&["creep_dissipation_J"], "dissipated by creep")),
+        false => figure,
+    })
 }
 
 /// Sums and extremes over all steps.

@@ -32,13 +32,19 @@ impl Kind {
 const DAY: f64 = 86_400.0;
 const YEAR: f64 = 365.25 * DAY;
 
+/// Unit of times up to `largest` [s], and how many seconds it has.
+pub(super) fn of_times(largest: f64) -> (&'static str, f64) {
+    match largest.abs() {
+        s if s >= 2.0 * YEAR => ("years", YEAR),
+        s if s >= 2.0 * DAY => ("days", DAY),
+        _ => ("s", 1.0),
+    }
+}
+
 /// A time as people say it.
 pub(super) fn time(seconds: f64) -> String {
-    let (value, unit) = match seconds.abs() {
-        s if s >= 2.0 * YEAR => (seconds / YEAR, "years"),
-        s if s >= 2.0 * DAY => (seconds / DAY, "days"),
-        _ => (seconds, "s"),
-    };
+    let (unit, length) = of_times(seconds);
+    let value = seconds / length;
     let digits = (3.0 - value.abs().max(1e-300).log10().floor()).clamp(0.0, 9.0) as usize;
     let text = format!("{value:.digits$}");
     let text = match text.contains('.') {
@@ -62,5 +68,7 @@ mod tests {
         assert_eq!(time(0.0), "0 s");
         assert_eq!(time(6.0 * YEAR), "6 years");
         assert_eq!(time(3.5 * DAY), "3.5 days");
+        assert_eq!(of_times(18.0 * YEAR), ("years", YEAR));
+        assert_eq!(of_times(0.0), ("s", 1.0));
     }
 }
