@@ -166,12 +166,23 @@ static int failed(fracas_petsc *h, int kind)
   return FAILED_SETUP;
 }
 
+/* Products of coarse levels add what other ranks send in the order of ranks; PETSc's own choice adds it as it comes, other bits every run. */
+static int in_order(void)
+{
+  PetscBool has = PETSC_FALSE;
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-matptap_via", &has));
+  if (!has) PetscCall(PetscOptionsSetValue(NULL, "-matptap_via", "allatonce"));
+  /* asked for, it counts as read where there is one level alone */
+  return PetscOptionsHasName(NULL, NULL, "-matptap_via", &has);
+}
+
 int fracas_set_up(fracas_petsc *h, MPI_Comm comm, int kind, const char *options)
 {
   PetscCall(PCCreate(comm, &h->pc));
   PetscCall(PCSetOperators(h->pc, h->a, h->a));
   PetscCall(PetscOptionsClear(NULL));
   PetscCall(PetscOptionsInsertString(NULL, options));
+  if (comm != MPI_COMM_SELF) PetscCall(in_order());
   int code = one_is_fixed();
   if (code) return code;
   PetscCall(kind >= MUMPS_SPD ? direct(h, kind) : multigrid(h, kind));

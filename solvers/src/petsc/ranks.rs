@@ -34,7 +34,7 @@ pub struct Ranks {
 pub struct OnRank {
     /// The sentence.
     pub said: String,
-    /// The first rank with it and the number of ranks, where it is not that of all.
+    /// The first rank with it and the number of ranks, where that is another one than the first.
     pub rank: Option<(usize, usize)>,
 }
 
@@ -202,10 +202,9 @@ impl Ranks {
             said.resize(length as usize, 0);
             sys::fracas_ranks_tell(first as c_int, said.as_mut_ptr(), length as c_int);
         }
-        let is_that_of_all = all.iter().all(|failed| *failed != 0);
         Err(OnRank {
             said: String::from_utf8_lossy(&said).into_owned(),
-            rank: (!is_that_of_all).then_some((first, self.size)),
+            rank: (first > 0).then_some((first, self.size)),
         })
     }
 

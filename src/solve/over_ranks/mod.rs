@@ -192,6 +192,12 @@ impl Solve {
                 "take method = \"racp\", or leave the engine out",
             );
         };
+        if matches!(problem, Problem::Body(_)) && !racp.augmentation.is_local() {
+            return not(
+                "a C that needs all of A",
+                "take augmentation = \"fitted_h\" (or local, local_h, half_h, face_block)",
+            );
+        }
         let racp = match self.inner {
             InnerRule::Auto => Racp {
                 inner: InnerChoice::Gamg(Gamg::default()),
@@ -203,7 +209,7 @@ impl Solve {
             true => Ok(racp),
             false => not(
                 "this inner solver, which works in one memory",
-                "take inner = \"gamg\", \"boomeramg\" or \"mumps\"",
+                "take inner = \"gamg\" (or boomeramg, or mumps)",
             ),
         }
     }
