@@ -45,7 +45,7 @@ struct Replicated {
 /// Where rows of A come from.
 enum Source {
     Body(BodyRows),
-    Blocks(BlockRows),
+    Blocks(Box<BlockRows>),
 }
 
 impl Source {
@@ -92,7 +92,7 @@ impl Solve {
             Problem::Body(stuck) => BodyRows::new(self, &racp, stuck, ranks, observer)
                 .map(|(body, replicated)| (Source::Body(body), replicated)),
             _ => BlockRows::new(self, &racp, problem, observer)
-                .map(|(blocks, replicated)| (Source::Blocks(blocks), replicated)),
+                .map(|(blocks, replicated)| (Source::Blocks(blocks.into()), replicated)),
         };
         let (source, replicated) = ranks.agree(loaded.map_err(|e| e.in_full()))?;
         let Replicated {
