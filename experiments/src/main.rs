@@ -9,5 +9,16 @@ use std::process::ExitCode;
 static ALLOCATOR: Noted = Noted;
 
 fn main() -> ExitCode {
-    fracas_experiments::command::main(&Arguments::parse())
+    match Arguments::try_parse() {
+        Ok(arguments) => fracas_experiments::command::main(&arguments),
+        // the first of the ranks of mpirun says it
+        Err(error) if is_another_rank() => ExitCode::from(error.exit_code() as u8),
+        Err(error) => error.exit(),
+    }
+}
+
+/// True for a rank of `mpirun` that is not the first, before MPI has begun.
+fn is_another_rank() -> bool {
+    let rank = ["OMPI_COMM_WORLD_RANK", "PMI_RANK"].map(std::env::var);
+    cfg!(feature = "petsc") && rank.into_iter().flatten().any(|rank| rank != "0")
 }

@@ -18,7 +18,14 @@ pub fn in_full(error: &anyhow::Error) -> String {
 }
 
 /// Settings that are flags of the command line, too.
-const FLAGS: [&str; 5] = ["augmentation", "inner", "krylov", "method", "restart"];
+const FLAGS: [&str; 6] = [
+    "augmentation",
+    "engine",
+    "inner",
+    "krylov",
+    "method",
+    "restart",
+];
 
 /// A sentence of the library with its settings as flags: `inner = "amg"` becomes `--inner amg`. Quoted lines of a file stay as they are.
 pub(crate) fn with_flags(text: &str) -> String {

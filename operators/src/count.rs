@@ -51,6 +51,9 @@ impl<R: Real, A: LinearOperator<R>> LinearOperator<R> for Counted<A> {
     fn flops(&self) -> u64 {
         self.inner.flops()
     }
+    fn sum_over_parts(&self, sums: &mut [R]) {
+        self.inner.sum_over_parts(sums);
+    }
 }
 
 impl<R: Real, A: AdjointOperator<R>> AdjointOperator<R> for Counted<A> {

@@ -28,6 +28,10 @@ pub trait LinearOperator<R: Real>: Send + Sync {
 
     /// Floating-point operations of one product (a multiply-add counts two).
     fn flops(&self) -> u64;
+
+    /// Adds up sums that every part of a vector has for itself, where x and y are parts of vectors that several memories share
+    /// (ranks of MPI); inner products of those are sums of this kind. In one memory there is nothing to add.
+    fn sum_over_parts(&self, _sums: &mut [R]) {}
 }
 
 /// An operator that also knows its adjoint.
@@ -68,6 +72,9 @@ macro_rules! forward_operator {
             }
             fn flops(&self) -> u64 {
                 (**self).flops()
+            }
+            fn sum_over_parts(&self, sums: &mut [R]) {
+                (**self).sum_over_parts(sums);
             }
         }
 

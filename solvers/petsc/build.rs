@@ -7,12 +7,15 @@ const INSTALL: &str = "the feature petsc needs PETSc 3.18 or later with real sca
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo:rerun-if-changed=build.rs");
-    println!("cargo:rerun-if-changed=src/wrapper.c");
+    for file in ["wrapper.c", "ranks.c", "shared.h"] {
+        println!("cargo:rerun-if-changed=src/{file}");
+    }
     if std::env::var_os("CARGO_FEATURE_SYSTEM").is_none() {
         return Ok(());
     }
     let mut build = cc::Build::new();
-    build.file("src/wrapper.c").opt_level(2).warnings(true);
+    build.files(["src/wrapper.c", "src/ranks.c"]);
+    build.opt_level(2).warnings(true);
     for (names, version) in [(["PETSc", "petsc"], "3.18"), (["mpi-c", "ompi-c"], "0")] {
         let found = names.iter().find_map(|name| {
             pkg_config::Config::new()

@@ -4,6 +4,8 @@
 pub mod amg;
 mod coordinates;
 pub mod direct;
+#[cfg(feature = "petsc")]
+pub mod distributed;
 pub mod eigen;
 #[cfg(test)]
 mod elastic_sample;

@@ -34,18 +34,32 @@ impl MatrixFreeSaddle<f64> {
         system: &StickSystem<'_>,
         choice: AugmentationChoice,
     ) -> Result<Augmentation, PiecesError> {
+        let h = self.stabilization().map(|h| h.matrix());
+        system.augmentation(choice, self.unit(), h)
+    }
+}
+
+impl StickSystem<'_> {
+    /// C for tractions counted in this unit and H in it, from A on the elements around the fractures alone.
+    ///
+    /// # Errors
+    /// As [`MatrixFreeSaddle::augmentation`].
+    pub fn augmentation(
+        &self,
+        choice: AugmentationChoice,
+        unit: f64,
+        h: Option<&SparseMatrix<f64>>,
+    ) -> Result<Augmentation, PiecesError> {
         choice.require_local()?;
-        let around = Around::new(system.mesh, system.fractures);
-        let faces = &system.fractures.faces;
+        let around = Around::new(self.mesh, self.fractures);
+        let faces = &self.fractures.faces;
         let pieces = faces.par_chunks(FACES).enumerate().map(|(i, chunk)| {
-            let piece = around.piece(system, chunk)?;
-            let mut piece = piece.into_traction_unit(self.unit());
-            piece.h = self
-                .stabilization()
-                .map(|h| diagonal_blocks(h.matrix(), FACES * i, chunk.len()));
+            let piece = around.piece(self, chunk)?;
+            let mut piece = piece.into_traction_unit(unit);
+            piece.h = h.map(|h| diagonal_blocks(h, FACES * i, chunk.len()));
             Ok(piece)
         });
-        choice.compute_in_parts(pieces, self.stabilization().map(|h| h.matrix()))
+        choice.compute_in_parts(pieces, h)
     }
 }
 

@@ -77,6 +77,26 @@ pub const BLOCKS: Work = Work {
     remedy: "use fewer cells, e.g. mesh.x.cells=8, or solve with inner = \"geometric\", which assembles no A",
 };
 
+/// Mesh on each rank of this machine, `beside` of `ranks`, and what these have of blocks, hierarchy and vectors.
+#[cfg(feature = "petsc")]
+pub fn over_ranks(ranks: usize, beside: usize) -> Work {
+    let spread = |k: usize| beside as f64 * (REPLICATED[k] + SPREAD[k] / ranks as f64);
+    let parts = parts([spread(0), spread(1), spread(2)]);
+    Work {
+        bricks: parts,
+        mapped: parts,
+        remedy: "use fewer cells, or more machines",
+    }
+}
+
+/// Mesh, numbering and what every rank holds of the fractures.
+#[cfg(feature = "petsc")]
+const REPLICATED: [f64; 3] = [500.0, 500.0, 3000.0];
+
+/// Rows of A, those of S_u in PETSc, its hierarchy, a basis of GMRES.
+#[cfg(feature = "petsc")]
+const SPREAD: [f64; 3] = [13_000.0, 13_000.0, 0.0];
+
 /// Mesh, operator, hierarchy and the vectors of one solve, without an assembled A.
 pub const MATRIX_FREE: Work = Work {
     bricks: with_hierarchy(ON_BRICKS),
@@ -246,11 +266,31 @@ pub fn krylov_that_fits(
     preconditioner: &dyn Preconditioner<f64>,
     symmetric: bool,
 ) -> Result<Fitted, NoRoom> {
+    let vectors = vectors_beside(operator, preconditioner);
+    krylov_of(vectors, preconditioner, symmetric)
+}
+
+/// Vectors that fit beside the scratch memory of both and the solution.
+pub fn vectors_beside(
+    operator: &dyn LinearOperator<f64>,
+    preconditioner: &dyn Preconditioner<f64>,
+) -> usize {
     let n = preconditioner.size();
     let scratch = operator.work_len().max(preconditioner.work_len());
-    // and the solution
     let taken = 1 + scratch.div_ceil(n.max(1));
-    let vectors = vectors_that_fit(n).saturating_sub(taken);
+    vectors_that_fit(n).saturating_sub(taken)
+}
+
+/// The iteration for which so many vectors suffice.
+///
+/// # Errors
+/// [`NoRoom`] where none does.
+pub fn krylov_of(
+    vectors: usize,
+    preconditioner: &dyn Preconditioner<f64>,
+    symmetric: bool,
+) -> Result<Fitted, NoRoom> {
+    let n = preconditioner.size();
     let fitted = KrylovChoice::fitted(vectors, symmetric, preconditioner);
     fitted.ok_or(NoRoom { vectors, n })
 }

@@ -40,6 +40,8 @@ pub use gmsh::{
     GmshDefect, GmshError, GmshFile, GmshMesh, GroupName, Spot, Surface, SurfaceFracture,
     SurfaceUse,
 };
+#[cfg(feature = "petsc")]
+pub(crate) use hex_mesh::EDGES;
 pub use hex_mesh::{Grid, HexMesh};
 pub(crate) use incidence::{Incidence, Places};
 pub use jacobian::{brick_size, check_jacobians, min_jacobian};

@@ -76,6 +76,18 @@ pub enum SolveError {
     /// No second hierarchy does.
     #[error(transparent)]
     NoRoomInDouble(#[from] NoRoomInDouble),
+    /// What an engine of ranks does not do.
+    #[error("engine = \"petsc\" does not take {what}; {instead}")]
+    NotOverRanks {
+        /// What was asked.
+        what: &'static str,
+        /// What to do.
+        instead: &'static str,
+    },
+    /// What went wrong on some rank.
+    #[cfg(feature = "petsc")]
+    #[error(transparent)]
+    OnRank(#[from] fracas_solvers::distributed::OnRank),
     /// An iteration that needs a linear preconditioner.
     #[error(
         "krylov = \"{krylov}\" needs a linear preconditioner, and inner = \"{inner}\" is none; take gmres or fgmres"

@@ -204,6 +204,7 @@ impl Solver {
                 Some(double) => double.ready.hierarchy.clone(),
                 None => self.ready.hierarchy.clone(),
             },
+            engine: None,
             reason: None,
             findings,
             precision_fallbacks: self.fallbacks + usize::from(double.is_some()),

@@ -7,6 +7,7 @@
 //! | `set_up` | everything before a right-hand side |
 //! | `iteration` | the iteration that fits into memory, in stages |
 //! | `precision` | f64 where f32 fails |
+//! | `over_ranks` | the same by rows over the ranks of `mpirun`, with the feature `petsc` |
 //! | `spectrum` | the same problem's eigenvalues |
 //! | `solved` | outcome, residuals, errors, counts, times |
 //!
@@ -33,6 +34,8 @@ mod error;
 mod finding;
 mod iteration;
 mod matrix_free;
+#[cfg(feature = "petsc")]
+mod over_ranks;
 mod precision;
 mod problem;
 mod route;
@@ -48,6 +51,6 @@ pub use finding::{Finding, Rounding};
 pub use problem::{Loaded, Problem, Sizes, StuckBody};
 pub use route::{NotGeometric, Route, SystemKind};
 pub use settings::{InnerRule, RightHandSide, Solve};
-pub use solved::{End, Solved};
+pub use solved::{End, OverRanks, Solved, Times};
 pub use solver::Solver;
 pub use spectrum::{spectrum, spectrum_method};

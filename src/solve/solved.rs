@@ -21,6 +21,43 @@ pub enum End {
     Breakdown,
 }
 
+/// Ranks that solved a system together; lists have an entry for each.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OverRanks {
+    /// `petsc`.
+    pub name: &'static str,
+    /// How many.
+    pub ranks: usize,
+    /// Displacements of each.
+    pub n_u: Vec<usize>,
+    /// Entries of u of other ranks that each reads.
+    pub ghosts: Vec<usize>,
+    /// High-water mark of each [bytes]; 0 where the system does not tell.
+    pub peak_memory_bytes: Vec<u64>,
+    /// Wall time of mesh, fractures and partition, the same work on every rank [s].
+    pub partition_s: f64,
+    /// Wall time of assembling the rows of A [s].
+    pub assembly_s: f64,
+    /// What the parts of an iteration take, where an explanation was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub times: Option<Times>,
+}
+
+/// Parts of an iteration over ranks, the quickest of some rounds of the slowest rank.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Times {
+    /// A product with 𝒜 [s].
+    pub product_s: f64,
+    /// An M⁻¹ [s].
+    pub application_s: f64,
+    /// A sum over all ranks [s].
+    pub sum_s: f64,
+    /// A message of one number between the first two ranks [s]; 0 for one rank.
+    pub message_s: f64,
+    /// What a byte of a message of 1 MiB adds [s].
+    pub per_byte_s: f64,
+}
+
 /// A system that was solved, or not; as JSON infinite or undefined numbers are null.
 #[derive(Clone, Debug, Serialize)]
 #[non_exhaustive]
@@ -88,6 +125,9 @@ pub struct Solved {
     pub peak_memory_bytes: Option<u64>,
     /// Levels of multigrid.
     pub amg: Option<Summary>,
+    /// The ranks that solved it together, where there were any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub engine: Option<OverRanks>,
     /// Why it did not converge, or what to mind where it did.
     pub reason: Option<String>,
     /// What is worth telling.

@@ -64,6 +64,9 @@ pub(super) enum Equations {
         /// Read again where all of A is needed.
         problem: Problem,
     },
+    /// The rows of this rank.
+    #[cfg(feature = "petsc")]
+    Spread(Box<fracas_solvers::distributed::SpreadSaddle>),
     MatrixFree {
         system: Box<MatrixFreeSystem>,
         /// Meshed again where f32 fails.
@@ -78,6 +81,8 @@ impl Equations {
         match self {
             Self::MatrixFree { system, .. } => work(&**system),
             Self::Halved { blocks, .. } => work(&blocks.system()),
+            #[cfg(feature = "petsc")]
+            Self::Spread(system) => work(&**system),
             Self::Assembled { blocks, stiffness } => {
                 let strain = (stiffness.as_ref())
                     .map(|a| -> StrainNorm<'_> { Box::new(move |u| a.strain_norm(u)) });
@@ -89,7 +94,7 @@ impl Equations {
     pub(super) fn blocks(&self) -> Option<&Arc<SaddleBlocks>> {
         match self {
             Self::Assembled { blocks, .. } => Some(blocks),
-            Self::Halved { .. } | Self::MatrixFree { .. } => None,
+            _ => None,
         }
     }
 
@@ -98,7 +103,7 @@ impl Equations {
         match self {
             Self::Assembled { blocks, .. } => method.ready(blocks),
             Self::Halved { blocks, .. } => blocks.ready(method),
-            Self::MatrixFree { .. } => unreachable!("{} without matrices", method.name()),
+            _ => unreachable!("{} without matrices", method.name()),
         }
     }
 }
@@ -180,6 +185,8 @@ impl Solver {
                     inner: racp.inner.to_string(),
                 })
             }
+            #[cfg(feature = "petsc")]
+            Equations::Spread(_) => unreachable!("PETSc works in f64"),
         }
     }
 
@@ -190,6 +197,9 @@ impl Solver {
     ) -> Option<Result<SaddleBlocks, SolveError>> {
         let blocks = match &self.equations {
             Equations::Assembled { .. } => return None,
+            // no rank has all entries
+            #[cfg(feature = "petsc")]
+            Equations::Spread(_) => return None,
             Equations::Halved { problem, .. } => {
                 let loaded = problem.load(&mut Silent);
                 loaded.map(|loaded| Arc::unwrap_or_clone(loaded.blocks))

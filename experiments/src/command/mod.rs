@@ -7,6 +7,7 @@
 mod beyond;
 mod check;
 mod compare;
+mod engine;
 mod explain;
 mod export;
 mod fault;
@@ -45,7 +46,7 @@ use std::process::ExitCode;
 #[derive(Debug, Parser)]
 #[command(name = "fracas", version, long_version = origin::long_version(), max_term_width = 110)]
 pub struct Arguments {
-    /// Threads; results do not depend on it [default: all cores].
+    /// Threads; results do not depend on it [default: all cores; one on each rank of --engine petsc].
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MAX_THREADS))]
     threads: Option<u16>,
     #[command(subcommand)]
@@ -107,7 +108,8 @@ const BAD_INPUT: u8 = 2;
 pub fn main(arguments: &Arguments) -> ExitCode {
     share_arena_below_limit();
     interrupt::warn(exit_on_refusal(BAD_INPUT.into()));
-    let threads = arguments.threads.map_or(0, usize::from);
+    let threads = arguments.threads.map(usize::from);
+    let threads = threads.unwrap_or_else(|| arguments.command.threads());
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let (status, sentence) = match pool {
         Ok(pool) => pool.install(|| outcome(arguments, &mut io::stdout())),
@@ -128,6 +130,7 @@ pub fn outcome(arguments: &Arguments, out: &mut dyn Write) -> (u8, Option<String
         Ok(Status::Interrupted(signal)) => (signal.status(), None),
         // The reader of our output left: nothing is wrong and nobody listens.
         Err(error) if is_broken_pipe(&error) => (0, None),
+        Err(error) if error.is::<engine::SaidByFirst>() => (BAD_INPUT, None),
         Err(error) => (BAD_INPUT, Some(sentence::of(&error))),
     }
 }
@@ -139,6 +142,14 @@ fn is_broken_pipe(error: &anyhow::Error) -> bool {
 }
 
 impl Command {
+    /// Threads where none are asked for: one on each rank, else 0 for all cores.
+    fn threads(&self) -> usize {
+        match self {
+            Self::Solve(command) if command.is_over_ranks() => 1,
+            _ => 0,
+        }
+    }
+
     fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
         match self {
             Self::Reproduce(command) => command.run(out),

@@ -3,7 +3,7 @@
 use super::{explain, output};
 use crate::report::format_real;
 use crate::sentence::with_flags;
-use fracas::solve::{End, Solved};
+use fracas::solve::{End, OverRanks, Solved, Times};
 use std::io::Write;
 
 fn outcome(end: End) -> &'static str {
@@ -31,6 +31,34 @@ fn parts(solved: &Solved) -> String {
         parts += &format!(", inner {inner}");
     }
     parts
+}
+
+/// Ranks, and the displacements of the fullest and the emptiest one.
+fn over_ranks(engine: &OverRanks) -> String {
+    let [least, most] = [engine.n_u.iter().min(), engine.n_u.iter().max()];
+    let [least, most] = [least, most].map(|n| n.copied().unwrap_or(0));
+    let ghosts = engine.ghosts.iter().max().copied().unwrap_or(0);
+    format!(
+        "{}, {} ranks with {least} to {most} displacements each and up to {ghosts} of others; mesh and partition {:.2} s, assembly {:.2} s",
+        engine.name, engine.ranks, engine.partition_s, engine.assembly_s
+    )
+}
+
+/// Of a product, M⁻¹, a sum and a message.
+fn times_of(times: &Times) -> String {
+    let [product, application] = [times.product_s, times.application_s].map(|s| 1e3 * s);
+    let [sum, message] = [times.sum_s, times.message_s].map(|s| 1e6 * s);
+    format!(
+        "product {product:.2} ms, M⁻¹ {application:.2} ms, sum over ranks {sum:.1} µs, message {message:.1} µs and {:.3} ns a byte",
+        1e9 * times.per_byte_s
+    )
+}
+
+/// MiB of every rank.
+fn memory_of(ranks: &[u64]) -> String {
+    let mib = |bytes: &u64| format!("{:.0}", *bytes as f64 / f64::from(1 << 20));
+    let all: Vec<String> = ranks.iter().map(mib).collect();
+    format!("{} MiB by rank", all.join(", "))
 }
 
 /// Two columns, aligned.
@@ -64,7 +92,13 @@ pub(super) fn print(solved: &Solved, out: &mut dyn Write) -> anyhow::Result<()> 
     if let Some(amg) = &solved.amg {
         rows.push(("multigrid", amg.smoothing.to_string()));
     }
-    if let Some(bytes) = solved.peak_memory_bytes {
+    if let Some(engine) = &solved.engine {
+        rows.push(("engine", over_ranks(engine)));
+        rows.push(("peak memory", memory_of(&engine.peak_memory_bytes)));
+        if let Some(times) = &engine.times {
+            rows.push(("times", times_of(times)));
+        }
+    } else if let Some(bytes) = solved.peak_memory_bytes {
         rows.push((
             "peak memory",
             format!("{:.0} MiB", bytes as f64 / f64::from(1 << 20)),

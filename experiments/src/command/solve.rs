@@ -1,12 +1,13 @@
 //! `fracas solve`: one linear system, its cost, its true residual.
 
+use super::engine::{self, Engine};
 use super::method::Method;
 use super::progress::Progress;
 use super::residuals::Residuals;
 use super::source::Source;
 use super::{Status, output, report};
 use clap::{Args, ValueEnum};
-use fracas::solve::{RightHandSide, Solve as Settings};
+use fracas::solve::{RightHandSide, Solve as Settings, Solved};
 use fracas_operators::matrix_market::write_vector;
 use fracas_solvers::krylov::KrylovChoice;
 use fracas_solvers::saddle::{Measure, SaddleMethod};
@@ -40,6 +41,9 @@ pub(super) struct Solve {
     /// Right-hand side [default: that of the system, or b_i = sin(i), i = 1…n, when it has none].
     #[arg(long, value_enum)]
     rhs: Option<RhsName>,
+    /// Who solves: this process, or all ranks of `mpirun -n N fracas solve … --engine petsc`, each with its rows of the system.
+    #[arg(long, value_enum, default_value = "own")]
+    engine: Engine,
     /// Says why it took what it took: eigenvalues seen, where the outliers live, C against H, time, one sentence of advice.
     #[arg(long)]
     explain: bool,
@@ -122,32 +126,91 @@ impl Solve {
         })
     }
 
+    /// True where ranks share the work.
+    pub(super) fn is_over_ranks(&self) -> bool {
+        self.engine == Engine::Petsc
+    }
+
     pub(super) fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
+        if self.is_over_ranks() {
+            return engine::solve(self, out);
+        }
         let problem = self.source.problem()?;
         let settings = self.settings()?;
         // what is wrong with them is said before any file is tried
         settings.route(&problem)?;
-        let files = self.json.iter().chain(&self.solution);
-        output::try_files(files.chain(&self.history))?;
+        self.try_files()?;
         let mut progress = Progress::new();
         let mut residuals = Residuals::around(&mut progress);
         let solved = settings.solve(&problem, &mut residuals)?;
-        if let Some(path) = &self.history {
-            output::text(path, &residuals.to_csv())?;
-        }
+        let history = residuals.to_csv();
         drop(progress);
+        self.write(&solved, &history, out)?;
+        Ok(Self::status(&solved))
+    }
+
+    /// By all ranks together; the first one writes.
+    #[cfg(feature = "petsc")]
+    pub(super) fn over_ranks(
+        &self,
+        ranks: fracas_solvers::petsc::Ranks,
+        out: &mut dyn Write,
+    ) -> anyhow::Result<Status> {
+        use crate::sentence;
+        let is_first = ranks.is_first();
+        let said = |error: anyhow::Error| sentence::of(&error);
+        let asked = || {
+            let asked = (self.source.problem()?, self.settings()?);
+            if is_first {
+                self.try_files()?;
+            }
+            anyhow::Ok(asked)
+        };
+        let (problem, settings) = ranks.agree(asked().map_err(said))?;
+        let (mut progress, mut silent) = (is_first.then(Progress::new), fracas_solvers::Silent);
+        let watching: &mut dyn fracas_solvers::Observer = match &mut progress {
+            Some(progress) => progress,
+            None => &mut silent,
+        };
+        let mut residuals = Residuals::around(watching);
+        let solved = settings.solve_over(ranks, &problem, &mut residuals)?;
+        let history = residuals.to_csv();
+        drop(progress);
+        let written = match is_first {
+            true => self.write(&solved, &history, out),
+            false => Ok(()),
+        };
+        ranks.agree(written.map_err(said))?;
+        Ok(Self::status(&solved))
+    }
+
+    /// Tries the files that will be written.
+    fn try_files(&self) -> anyhow::Result<()> {
+        let files = self.json.iter().chain(&self.solution);
+        output::try_files(files.chain(&self.history))
+    }
+
+    /// Writes what was asked for.
+    fn write(&self, solved: &Solved, history: &str, out: &mut dyn Write) -> anyhow::Result<()> {
+        if let Some(path) = &self.history {
+            output::text(path, history)?;
+        }
         if let Some(path) = &self.solution {
             write_vector(path, &solved.x)?;
         }
         if let Some(path) = &self.json {
-            output::json(path, &self.source.origin().of(&solved), out)?;
+            output::json(path, &self.source.origin().of(solved), out)?;
         }
         if !output::is_standard(&self.json) {
-            report::print(&solved, out)?;
+            report::print(solved, out)?;
         }
-        Ok(match solved.has_converged() {
+        Ok(())
+    }
+
+    fn status(solved: &Solved) -> Status {
+        match solved.has_converged() {
             true => Status::Done,
             false => Status::NotConverged,
-        })
+        }
     }
 }

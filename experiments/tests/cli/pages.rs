@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 const BEGIN: &str = "<!-- keys: begin -->\n";
 const END: &str = "<!-- keys: end -->";
-const PAGES: [&str; 12] = [
+const PAGES: [&str; 13] = [
     "README.md",
     "docs/index.md",
     "docs/install.md",
@@ -19,6 +19,7 @@ const PAGES: [&str; 12] = [
     "docs/performance.md",
     "docs/library.md",
     "docs/python.md",
+    "docs/clusters.md",
 ];
 const README_LINES: usize = 120;
 const PARAGRAPH_WORDS: usize = 75;

@@ -1,6 +1,6 @@
-//! PETSc's preconditioners on one rank behind a flat C interface: GAMG, hypre's BoomerAMG, MUMPS.
+//! PETSc's preconditioners behind a flat C interface: GAMG, hypre's BoomerAMG, MUMPS, on one rank or over the ranks of `mpirun`.
 //!
-//! With the feature `system` the build script asks pkg-config for the PETSc and MPI of the system and compiles one C file
+//! With the feature `system` the build script asks pkg-config for the PETSc and MPI of the system and compiles two C files
 //! against them; without it this crate is empty. PETSc serves one thread at a time: whoever calls holds a lock.
 //!
 //! # Licence
@@ -42,8 +42,9 @@ pub struct Petsc {
 }
 
 unsafe extern "C" {
-    /// Starts MPI and PETSc, without signal handlers, once; a code that is not 0 comes with a text of `length` bytes at most.
-    pub fn fracas_petsc_start(text: *mut c_char, length: c_int) -> c_int;
+    /// Starts MPI and PETSc, without signal handlers, once; a code that is not 0 comes with a text of `length` bytes at most. With
+    /// `together` ranks are one program, and one that exits before [`fracas_ranks_leave`] ends the others.
+    pub fn fracas_petsc_start(together: c_int, text: *mut c_char, length: c_int) -> c_int;
 
     /// A preconditioner of `kind` for compressed rows of n unknowns in blocks, with `positions` of n entries (x, y, z of every
     /// block of three) or null, and PETSc's options as on its command line.
@@ -79,4 +80,85 @@ unsafe extern "C" {
 
     /// Releases a handle; null is allowed.
     pub fn fracas_petsc_free(h: *mut Petsc);
+}
+
+/// Who fills the ghosts of a part of a vector.
+#[repr(C)]
+#[derive(Debug)]
+pub struct Ghosts {
+    _opaque: [u8; 0],
+}
+
+// all ranks call each of these together; they began with `together`
+unsafe extern "C" {
+    /// Number of this rank, how many there are, and how many on this machine.
+    pub fn fracas_ranks_begin(rank: *mut c_int, size: *mut c_int, beside: *mut c_int) -> c_int;
+
+    /// From here on every rank may exit.
+    pub fn fracas_ranks_leave();
+
+    /// Ends all ranks with this status; called by one.
+    pub fn fracas_ranks_abort(status: c_int);
+
+    /// n sums of every rank become those of all, with the same bits everywhere; `other` has n entries, too.
+    pub fn fracas_ranks_sum(sums: *mut f64, other: *mut f64, n: c_int);
+
+    /// n numbers of every rank, rank after rank, on all of them.
+    pub fn fracas_ranks_gather(own: *const f64, n: c_int, all: *mut f64);
+
+    /// Numbers of every rank on rank 0, which says how many and where; the others' last three are not read.
+    pub fn fracas_ranks_collect(
+        own: *const f64,
+        n: c_int,
+        all: *mut f64,
+        lengths: *const c_int,
+        firsts: *const c_int,
+    );
+
+    /// n bytes of one rank on all of them.
+    pub fn fracas_ranks_tell(from: c_int, bytes: *mut u8, n: c_int);
+
+    /// Which ranks failed, one entry each; not 0 where this one did and some others do not ask within `patience` seconds.
+    pub fn fracas_ranks_failed(failed: c_int, patience: f64, all: *mut c_int) -> c_int;
+
+    /// Half of a message and its answer between ranks 0 and 1 [s].
+    pub fn fracas_ranks_ping(numbers: *mut f64, n: c_int, times: c_int) -> f64;
+
+    /// Ghosts that live on `owners` at `places` among the `own` entries of those.
+    pub fn fracas_ghosts_new(
+        own: c_int,
+        ghosts: c_int,
+        owners: *const c_int,
+        places: *const c_int,
+        out: *mut *mut Ghosts,
+        text: *mut c_char,
+        length: c_int,
+    ) -> c_int;
+
+    /// Fills them.
+    pub fn fracas_ghosts_fill(ghosts: *mut Ghosts, own: *const f64, filled: *mut f64) -> c_int;
+
+    /// Releases them; called by one.
+    pub fn fracas_ghosts_free(ghosts: *mut Ghosts);
+
+    /// n rows, three a node, of a matrix whose rows go from rank to rank; columns count through all of them.
+    pub fn fracas_ranks_matrix(
+        n: c_int,
+        offsets: *const c_int,
+        columns: *const c_int,
+        values: *const f64,
+        positions: *const f64,
+        out: *mut *mut Petsc,
+        text: *mut c_char,
+        length: c_int,
+    ) -> c_int;
+
+    /// Its preconditioner of `kind`, for [`fracas_petsc_apply`] and the others.
+    pub fn fracas_ranks_set_up(
+        h: *mut Petsc,
+        kind: c_int,
+        options: *const c_char,
+        text: *mut c_char,
+        length: c_int,
+    ) -> c_int;
 }

@@ -1,23 +1,19 @@
-/* PETSc's preconditioners on one rank behind a flat interface. Whoever calls holds a lock: PETSc serves one thread at a time. */
-#include <petscksp.h>
+/* PETSc's preconditioners behind a flat interface. Whoever calls holds a lock: PETSc serves one thread at a time. */
+#include "shared.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* What a handle is made of. */
-typedef struct {
-  Mat a;
-  PC pc;
-  Vec r, z;
-  double flops;
-} fracas_petsc;
 
 enum { GAMG = 0, BOOMERAMG = 1, MUMPS_SPD = 2, MUMPS_SYMMETRIC = 3, MUMPS_LU = 4 };
 
 /* Beyond PETSc's own codes. */
 enum { REFUSED_OPTION = -1, FAILED_SETUP = -2 };
 
-static char said[1024];
+char fracas_said[1024];
+int fracas_together = 0;
+
+/* Exit status of ranks that one of them leaves behind. */
+enum { LEFT = 2 };
 
 /* Keeps the first sentence of an error and returns its code to the caller. */
 static PetscErrorCode keep(MPI_Comm comm, int line, const char *function, const char *file, PetscErrorCode n, PetscErrorType type,
@@ -36,39 +32,42 @@ static PetscErrorCode keep(MPI_Comm comm, int line, const char *function, const 
   return n;
 }
 
-static int told(int code, char *text, int length)
+int fracas_told(int code, char *text, int length)
 {
   if (text && length > 0) snprintf(text, (size_t)length, "%s", said);
   said[0] = 0;
   return code;
 }
 
-/* MPI keeps a folder until it ends. */
+/* MPI keeps a folder until it ends. A rank that goes before all take leave ends the others, which would wait for it. */
 static void end(void)
 {
   int ended = 0;
   MPI_Finalized(&ended);
-  if (!ended) MPI_Finalize();
+  if (ended) return;
+  if (fracas_together) MPI_Abort(MPI_COMM_WORLD, LEFT);
+  MPI_Finalize();
 }
 
-int fracas_petsc_start(char *text, int length)
+int fracas_petsc_start(int together, char *text, int length)
 {
   int begun = 0, provided = 0;
   said[0] = 0;
   MPI_Initialized(&begun);
   if (!begun && MPI_Init_thread(NULL, NULL, MPI_THREAD_SERIALIZED, &provided) != MPI_SUCCESS) {
     snprintf(said, sizeof said, "MPI does not start");
-    return told(1, text, length);
+    return fracas_told(1, text, length);
   }
   if (!begun) atexit(end);
-  PETSC_COMM_WORLD = MPI_COMM_SELF;
+  fracas_together = together;
+  PETSC_COMM_WORLD = together ? MPI_COMM_WORLD : MPI_COMM_SELF;
   int code = PetscOptionsSetValue(NULL, "-no_signal_handler", "true");
   if (!code) code = PetscOptionsSetValue(NULL, "-skip_petscrc", "true");
   if (!code) code = PetscInitializeNoArguments();
   if (!code) code = PetscPushErrorHandler(keep, NULL);
   /* what PETSC_OPTIONS says is no part of a scene */
   if (!code) code = PetscOptionsClear(NULL);
-  return told(code, text, length);
+  return fracas_told(code, text, length);
 }
 
 static int option_left(void)
@@ -100,11 +99,17 @@ static int one_is_fixed(void)
   return 0;
 }
 
-static int rigid_modes(fracas_petsc *h, int n, const double *positions)
+int fracas_vector(MPI_Comm comm, int block, int n, const double *entries, Vec *out)
+{
+  if (comm == MPI_COMM_SELF) return VecCreateSeqWithArray(comm, block, n, entries, out);
+  return VecCreateMPIWithArray(comm, block, n, PETSC_DETERMINE, entries, out);
+}
+
+int fracas_rigid_modes(fracas_petsc *h, MPI_Comm comm, int n, const double *positions)
 {
   Vec coordinates;
   MatNullSpace modes;
-  PetscCall(VecCreateSeqWithArray(PETSC_COMM_SELF, 3, n, positions, &coordinates));
+  PetscCall(fracas_vector(comm, 3, n, positions, &coordinates));
   PetscCall(MatNullSpaceCreateRigidBody(coordinates, &modes));
   PetscCall(MatSetNearNullSpace(h->a, modes));
   PetscCall(MatNullSpaceDestroy(&modes));
@@ -161,6 +166,32 @@ static int failed(fracas_petsc *h, int kind)
   return FAILED_SETUP;
 }
 
+/* Products of coarse levels add what other ranks send in the order of ranks; PETSc's own choice adds it as it comes, other bits every run. */
+static int in_order(void)
+{
+  PetscBool has = PETSC_FALSE;
+  PetscCall(PetscOptionsHasName(NULL, NULL, "-matptap_via", &has));
+  if (!has) PetscCall(PetscOptionsSetValue(NULL, "-matptap_via", "allatonce"));
+  /* asked for, it counts as read where there is one level alone */
+  return PetscOptionsHasName(NULL, NULL, "-matptap_via", &has);
+}
+
+int fracas_set_up(fracas_petsc *h, MPI_Comm comm, int kind, const char *options)
+{
+  PetscCall(PCCreate(comm, &h->pc));
+  PetscCall(PCSetOperators(h->pc, h->a, h->a));
+  PetscCall(PetscOptionsClear(NULL));
+  PetscCall(PetscOptionsInsertString(NULL, options));
+  if (comm != MPI_COMM_SELF) PetscCall(in_order());
+  int code = one_is_fixed();
+  if (code) return code;
+  PetscCall(kind >= MUMPS_SPD ? direct(h, kind) : multigrid(h, kind));
+  PetscCall(PCSetFromOptions(h->pc));
+  PetscCall(PCSetUp(h->pc));
+  code = option_left();
+  return code ? code : failed(h, kind);
+}
+
 static int make(fracas_petsc *h, int kind, int n, int block, const int *offsets, const int *columns, const double *values,
                 const double *positions, const char *options)
 {
@@ -169,20 +200,10 @@ static int make(fracas_petsc *h, int kind, int n, int block, const int *offsets,
   PetscCall(MatSetType(h->a, MATSEQAIJ));
   PetscCall(MatSetBlockSize(h->a, block));
   PetscCall(MatSeqAIJSetPreallocationCSR(h->a, offsets, columns, values));
-  if (positions) PetscCall(rigid_modes(h, n, positions));
-  PetscCall(VecCreateSeqWithArray(PETSC_COMM_SELF, block, n, NULL, &h->r));
-  PetscCall(VecCreateSeqWithArray(PETSC_COMM_SELF, block, n, NULL, &h->z));
-  PetscCall(PCCreate(PETSC_COMM_SELF, &h->pc));
-  PetscCall(PCSetOperators(h->pc, h->a, h->a));
-  PetscCall(PetscOptionsClear(NULL));
-  PetscCall(PetscOptionsInsertString(NULL, options));
-  int code = one_is_fixed();
-  if (code) return code;
-  PetscCall(kind >= MUMPS_SPD ? direct(h, kind) : multigrid(h, kind));
-  PetscCall(PCSetFromOptions(h->pc));
-  PetscCall(PCSetUp(h->pc));
-  code = option_left();
-  return code ? code : failed(h, kind);
+  if (positions) PetscCall(fracas_rigid_modes(h, PETSC_COMM_SELF, n, positions));
+  PetscCall(fracas_vector(PETSC_COMM_SELF, block, n, NULL, &h->r));
+  PetscCall(fracas_vector(PETSC_COMM_SELF, block, n, NULL, &h->z));
+  return fracas_set_up(h, PETSC_COMM_SELF, kind, options);
 }
 
 void fracas_petsc_free(fracas_petsc *h)
@@ -205,7 +226,7 @@ int fracas_petsc_new(int kind, int n, int block, const int *offsets, const int *
   if (!h) return PETSC_ERR_MEM;
   int code = make(h, kind, n, block, offsets, columns, values, positions, options);
   if (code) {
-    told(code, text, length);
+    fracas_told(code, text, length);
     PetscOptionsClear(NULL);
     fracas_petsc_free(h);
     return code;
@@ -228,7 +249,7 @@ static int apply(fracas_petsc *h, int transposed, const double *r, double *z)
 int fracas_petsc_apply(fracas_petsc *h, int transposed, const double *r, double *z, char *text, int length)
 {
   said[0] = 0;
-  return told(apply(h, transposed, r, z), text, length);
+  return fracas_told(apply(h, transposed, r, z), text, length);
 }
 
 int fracas_petsc_count(fracas_petsc *h, double *r, double *z, double *flops)

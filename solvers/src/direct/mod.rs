@@ -17,6 +17,8 @@ mod graph;
 #[cfg(feature = "petsc")]
 mod mumps;
 pub mod nested_dissection;
+#[cfg(feature = "petsc")]
+mod partition;
 mod pattern;
 mod pivots;
 mod refinement;
@@ -29,7 +31,11 @@ pub use cholmod::Cholmod;
 pub use condition::reciprocal_condition;
 pub use faer_backend::Faer;
 #[cfg(feature = "petsc")]
+pub(crate) use mumps::ENTRIES;
+#[cfg(feature = "petsc")]
 pub use mumps::Mumps;
+#[cfg(feature = "petsc")]
+pub use partition::partition;
 #[cfg(feature = "suitesparse")]
 pub use umfpack::Umfpack;
 

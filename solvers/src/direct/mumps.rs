@@ -24,7 +24,7 @@ const MEMORY: [i32; 4] = [-8, -9, -13, -19];
 const NEGATIVE_PIVOTS: i32 = 12;
 
 /// Where MUMPS counts the entries of its factors.
-const ENTRIES: i32 = 29;
+pub(crate) const ENTRIES: i32 = 29;
 
 /// MUMPS with an ordering of its own, for every [`Kind`]; one call at a time, because PETSc serves one thread.
 ///

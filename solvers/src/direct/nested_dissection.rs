@@ -12,15 +12,15 @@ use std::sync::Mutex;
 
 unsafe extern "C" {
     /// Does nothing, but brings `metis_errors.c` into the program: METIS then gives up without signals.
-    fn fracas_metis_errors();
+    pub(super) fn fracas_metis_errors();
 }
 
 /// METIS draws from the generator of the C library, which is one per process: calls take turns, so that the same
 /// pattern always gets the same order.
-static GENERATOR: Mutex<()> = Mutex::new(());
+pub(super) static GENERATOR: Mutex<()> = Mutex::new(());
 
 /// Seed of that generator: any fixed number.
-const SEED: m::idx_t = 1;
+pub(super) const SEED: m::idx_t = 1;
 
 /// Order of elimination of the unknowns of a square matrix: entry k is the unknown eliminated k-th.
 ///

@@ -76,8 +76,9 @@ impl<'w, R: Real> Arnoldi<'w, R> {
         (&old[self.k * self.n..], &mut new[..self.n])
     }
 
-    /// Orthogonalises the vector in [`next`](Self::next)'s place and updates the least-squares problem.
-    pub(super) fn grow(&mut self) -> Grown<R> {
+    /// Orthogonalises the vector in [`next`](Self::next)'s place and updates the least-squares problem; `sum` makes sums of every part
+    /// those of all.
+    pub(super) fn grow(&mut self, sum: &dyn Fn(&mut [R])) -> Grown<R> {
         let (n, k) = (self.n, self.k);
         let height = self.rhs.len();
         let (old, new) = self.basis.split_at_mut((k + 1) * n);
@@ -87,8 +88,12 @@ impl<'w, R: Real> Arnoldi<'w, R> {
 
         // h = Vᵀw,  w ← w − V h,  d = Vᵀw,  w ← w − V d,  h ← h + d
         sweep(old, w, None, Some(&mut h[..=k]), self.partial);
+        sum(&mut h[..=k]);
         sweep(old, w, Some(&h[..=k]), Some(d), self.partial);
-        let norm = sweep(old, w, Some(d), None, self.partial).sqrt();
+        sum(d);
+        let mut square = [sweep(old, w, Some(d), None, self.partial)];
+        sum(&mut square);
+        let norm = square[0].sqrt();
         h.iter_mut().zip(d).for_each(|(h, d)| *h += *d);
 
         // below rounding of ‖A M⁻¹ v‖ nothing is left of w
@@ -247,7 +252,7 @@ mod tests {
             for (i, (w, v)) in w.iter_mut().zip(v).enumerate() {
                 *w = v * (1.0 + 1e-9 * ((i * i) as f64).sin());
             }
-            arnoldi.grow();
+            arnoldi.grow(&|_| ());
             assert_eq!(arnoldi.size(), step + 1);
         }
         for i in 0..=m {

@@ -4,7 +4,7 @@ use super::run::{End, Run, carve, drive, require_linear, work_len};
 use super::{Breakdown, Criteria, KrylovMethod, Report, System};
 use crate::Observer;
 use fracas_operators::Real;
-use fracas_operators::vector::{axpy, copy, dot, norm2, xpby};
+use fracas_operators::vector::{axpy, copy, xpby};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -64,21 +64,21 @@ fn cycle<R: Real>(
         // α = ρ / r̂ᵀA M⁻¹p,  s = r − α v
         run.solve(p, p_hat);
         run.product(p_hat, v);
-        let sigma = run.finite(dot(shadow, v))?;
-        if sigma.abs() <= epsilon * norm_shadow * norm2(v) {
+        let sigma = run.finite(run.dot(shadow, v))?;
+        if sigma.abs() <= epsilon * norm_shadow * run.norm2(v) {
             return run.lanczos("r̂ᵀA M⁻¹p");
         }
         let alpha = rho / sigma;
         axpy(alpha, p_hat, x);
         axpy(-alpha, v, r);
-        let norm_s = run.finite(norm2(r))?;
+        let norm_s = run.finite(run.norm2(r))?;
         if run.is_small(norm_s) {
             return Ok(run.step(norm_s)?.unwrap_or(End::Believed));
         }
         // ω = tᵀs / tᵀt with t = A M⁻¹s,  r = s − ω t
         run.solve(r, s_hat);
         run.product(s_hat, t);
-        let (ts, tt) = (run.finite(dot(t, r))?, run.finite(dot(t, t))?);
+        let (ts, tt) = (run.finite(run.dot(t, r))?, run.finite(run.dot(t, t))?);
         if ts.abs() <= epsilon * norm_s * tt.sqrt() {
             return match run.step(norm_s)? {
                 Some(end) => Ok(end),
@@ -88,12 +88,12 @@ fn cycle<R: Real>(
         let omega = ts / tt;
         axpy(omega, s_hat, x);
         axpy(-omega, t, r);
-        let norm_r = norm2(r);
+        let norm_r = run.norm2(r);
         if let Some(end) = run.step(norm_r)? {
             return Ok(end);
         }
         // β = (ρ/ρ_before)(α/ω),  p ← r + β (p − ω v)
-        let next = run.finite(dot(shadow, r))?;
+        let next = run.finite(run.dot(shadow, r))?;
         if next.abs() <= epsilon * norm_shadow * norm_r {
             return run.lanczos("r̂ᵀr");
         }

@@ -5,7 +5,7 @@ use super::run::{End, Run, carve, drive, require_linear, work_len};
 use super::{Breakdown, Criteria, Factor, KrylovMethod, Report, System};
 use crate::Observer;
 use fracas_operators::Real;
-use fracas_operators::vector::{axpy, copy, dot, norm2, xpby};
+use fracas_operators::vector::{axpy, copy, xpby};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -62,14 +62,14 @@ fn cycle<R: Real>(
     };
     run.solve(r, z);
     copy(z, p);
-    let mut rho = run.finite(dot(r, z))?;
+    let mut rho = run.finite(run.dot(r, z))?;
     loop {
         if rho <= R::zero() {
             return Err(indefinite(run, Factor::Preconditioner));
         }
         // α = rᵀz / pᵀA p
         run.product(p, q);
-        let curvature = run.finite(dot(p, q))?;
+        let curvature = run.finite(run.dot(p, q))?;
         if curvature <= R::zero() {
             return Err(indefinite(run, Factor::Operator));
         }
@@ -77,14 +77,14 @@ fn cycle<R: Real>(
         coefficients.advance(alpha, norm_r);
         axpy(alpha, p, x);
         axpy(-alpha, q, r);
-        norm_r = norm2(r);
+        norm_r = run.norm2(r);
         if let Some(end) = run.step(norm_r)? {
             run.ritz(coefficients.ritz_nearest_to_zero());
             return Ok(end);
         }
         // z = M⁻¹r,  β = rᵀz / (rᵀz before),  p ← z + β p
         run.solve(r, z);
-        let next = run.finite(dot(r, z))?;
+        let next = run.finite(run.dot(r, z))?;
         coefficients.turn(next / rho);
         xpby(z, next / rho, p);
         rho = next;

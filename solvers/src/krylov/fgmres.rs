@@ -73,7 +73,7 @@ fn cycle<R: Real>(
         let (v, w) = arnoldi.next();
         run.solve(v, z_k);
         run.product(z_k, w);
-        let grown = arnoldi.grow();
+        let grown = arnoldi.grow(&|sums| run.sum_over_parts(sums));
         match run.step(grown.residual)? {
             Some(end) => break end,
             None if grown.exhausted => break End::Believed,

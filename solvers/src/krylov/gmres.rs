@@ -56,7 +56,7 @@ pub(super) fn steps<R: Real>(
     restart
         .get()
         .min(criteria.max_iterations)
-        .min(system.size())
+        .min(system.whole_size())
 }
 
 impl<R: Real> KrylovMethod<R> for Gmres {
@@ -100,7 +100,7 @@ fn cycle<R: Real>(
         let (v, w) = arnoldi.next();
         run.solve(v, z);
         run.product(z, w);
-        let grown = arnoldi.grow();
+        let grown = arnoldi.grow(&|sums| run.sum_over_parts(sums));
         match run.step(grown.residual)? {
             Some(end) => break end,
             None if grown.exhausted => break End::Believed,

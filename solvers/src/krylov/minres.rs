@@ -4,7 +4,7 @@ use super::run::{End, Run, carve, drive, require_linear, work_len};
 use super::{Breakdown, Criteria, Factor, KrylovMethod, Report, System};
 use crate::Observer;
 use fracas_operators::Real;
-use fracas_operators::vector::{axpby, axpy, copy, dot, norm2, scale};
+use fracas_operators::vector::{axpby, axpy, copy, scale};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::mem::swap;
@@ -50,10 +50,10 @@ impl<R: Real> KrylovMethod<R> for Minres {
 
 /// `γ = √(vᵀM⁻¹v)`, 0 where rounding is all that is left of v.
 fn length<R: Real>(run: &Run<R>, v: &[R], z: &[R], rounding: R) -> Result<R, Breakdown> {
-    let square = run.finite(dot(v, z))?;
+    let square = run.finite(run.dot(v, z))?;
     if square > R::zero() {
         Ok(square.sqrt())
-    } else if norm2(v) <= rounding {
+    } else if run.norm2(v) <= rounding {
         Ok(R::zero())
     } else {
         Err(Breakdown::NotPositiveDefinite {
@@ -85,8 +85,8 @@ fn cycle<R: Real>(
         // Lanczos: v_{k+1} = A z − (δ/γ_k) v_k − (γ_k/γ_{k−1}) v_{k−1}  with z = M⁻¹v_k/γ_k
         scale(gamma.recip(), z);
         run.product(z, t);
-        let delta = run.finite(dot(t, z))?;
-        let rounding = R::of(10.0) * R::epsilon() * norm2(t);
+        let delta = run.finite(run.dot(t, z))?;
+        let rounding = R::of(10.0) * R::epsilon() * run.norm2(t);
         axpby(R::one(), t, -gamma / gamma_old, v_old);
         axpy(-delta / gamma, v, v_old);
         swap(&mut v, &mut v_old);
@@ -98,7 +98,7 @@ fn cycle<R: Real>(
         let diagonal = below.hypot(gamma_next);
         if diagonal <= R::epsilon() * (delta.abs() + gamma) {
             // A is singular on an invariant space: nothing left to minimise
-            run.step(norm2(r))?;
+            run.step(run.norm2(r))?;
             return Ok(End::Believed);
         }
         let above = s * delta + c_old * c * gamma;
@@ -120,7 +120,7 @@ fn cycle<R: Real>(
             R::zero()
         };
         axpby(share, v, s * s, r);
-        let end = run.step(norm2(r))?;
+        let end = run.step(run.norm2(r))?;
         if end.is_some() || gamma_next == R::zero() {
             return Ok(end.unwrap_or(End::Believed));
         }

@@ -6,7 +6,7 @@
 use super::{Breakdown, Criteria, Outcome, Report, System};
 use crate::{Observer, Step};
 use fracas_operators::Real;
-use fracas_operators::vector::{copy, norm_inf, norm2};
+use fracas_operators::vector::{copy, norm_inf};
 
 /// Why a cycle of a method handed back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,7 +72,7 @@ pub fn drive<R: Real>(
         criteria,
         observer,
         scratch: carve(&mut work, system.scratch_len()),
-        norm_b: norm2(system.rhs).to_f64_exact(),
+        norm_b: system.norm2(system.rhs).to_f64_exact(),
         start: 0.0,
         estimate: 0.0,
         iterations: 0,
@@ -134,6 +134,21 @@ impl<R: Real> Run<'_, R> {
         R::of(self.start)
     }
 
+    /// `xᵀy`.
+    pub fn dot(&self, x: &[R], y: &[R]) -> R {
+        self.system.dot(x, y)
+    }
+
+    /// `‖x‖₂`.
+    pub fn norm2(&self, x: &[R]) -> R {
+        self.system.norm2(x)
+    }
+
+    /// Sums of every part become those of all.
+    pub fn sum_over_parts(&self, sums: &mut [R]) {
+        self.system.operator.sum_over_parts(sums);
+    }
+
     /// `y ← A x`.
     pub fn product(&mut self, x: &[R], y: &mut [R]) {
         self.products += 1;
@@ -149,13 +164,14 @@ impl<R: Real> Run<'_, R> {
     /// `r ← b − A x` and its norm; a zero start costs no product.
     fn residual(&mut self, x: &[R], r: &mut [R]) -> Result<f64, Breakdown> {
         copy(self.system.rhs, r);
-        if x.iter().any(|v| *v != R::zero()) {
+        let is_zero = x.iter().all(|v| *v == R::zero());
+        if self.system.is_anywhere(!is_zero) {
             self.products += 1;
             self.system
                 .operator
                 .apply_add(-R::one(), x, r, self.scratch);
         }
-        let rho = norm2(r).to_f64_exact();
+        let rho = self.norm2(r).to_f64_exact();
         if rho.is_finite() {
             Ok(rho)
         } else {
@@ -237,12 +253,13 @@ impl<R: Real> Run<'_, R> {
     /// Refuses entries of b that are no numbers, or whose squares are none.
     fn check_range(&self) -> Result<(), Breakdown> {
         let largest = norm_inf(self.system.rhs).to_f64_exact();
-        if !largest.is_finite() {
+        if self.system.is_anywhere(!largest.is_finite()) {
             return Err(self.not_finite(0));
         }
         // the squares of the residuals must stay normal numbers down to rounding
         let smallest = R::min_positive_value().sqrt().to_f64_exact();
-        if !self.norm_b.is_finite() || (largest > 0.0 && self.norm_b < smallest) {
+        let is_nonzero = self.system.is_anywhere(largest > 0.0);
+        if !self.norm_b.is_finite() || (is_nonzero && self.norm_b < smallest) {
             return Err(Breakdown::OutOfRange {
                 method: self.method,
                 largest,

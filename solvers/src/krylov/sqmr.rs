@@ -5,7 +5,7 @@ use super::run::{End, Run, carve, drive, require_linear, work_len};
 use super::{Breakdown, Criteria, KrylovMethod, Report, System};
 use crate::Observer;
 use fracas_operators::Real;
-use fracas_operators::vector::{axpby, axpy, copy, dot, norm2, xpby};
+use fracas_operators::vector::{axpby, axpy, copy, xpby};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -63,23 +63,23 @@ fn cycle<R: Real>(
     d.fill(R::zero());
     run.solve(r, u);
     copy(u, q);
-    let mut rho = run.finite(dot(r, u))?;
+    let mut rho = run.finite(run.dot(r, u))?;
     let mut norm_r = run.start();
     let (mut tau, mut theta) = (norm_r, R::zero());
     loop {
-        if rho.abs() <= epsilon * norm_r * norm2(u) {
+        if rho.abs() <= epsilon * norm_r * run.norm2(u) {
             return run.lanczos("rᵀM⁻¹r");
         }
         // α = ρ / qᵀA q,  r ← r − α A q
         run.product(q, t);
-        let sigma = run.finite(dot(q, t))?;
-        if sigma.abs() <= epsilon * norm2(q) * norm2(t) {
+        let sigma = run.finite(run.dot(q, t))?;
+        if sigma.abs() <= epsilon * run.norm2(q) * run.norm2(t) {
             return run.lanczos("qᵀA q");
         }
         let alpha = rho / sigma;
         coefficients.advance(alpha, norm_r);
         axpy(-alpha, t, r);
-        norm_r = run.finite(norm2(r))?;
+        norm_r = run.finite(run.norm2(r))?;
         // d ← c²ϑ² d + c²α q,  x ← x + d
         let theta_old = theta;
         theta = norm_r / tau;
@@ -89,13 +89,13 @@ fn cycle<R: Real>(
         axpy(R::one(), d, x);
         // s ← (1 − c²) s + c² r
         axpby(c_square, r, R::one() - c_square, smooth);
-        if let Some(end) = run.step(norm2(smooth))? {
+        if let Some(end) = run.step(run.norm2(smooth))? {
             run.ritz(coefficients.ritz_nearest_to_zero());
             return Ok(end);
         }
         // β = ρ / (ρ before),  q ← M⁻¹r + β q
         run.solve(r, u);
-        let next = run.finite(dot(r, u))?;
+        let next = run.finite(run.dot(r, u))?;
         coefficients.turn(next / rho);
         xpby(u, next / rho, q);
         rho = next;

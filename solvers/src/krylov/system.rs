@@ -1,5 +1,6 @@
 //! What is asked of a Krylov method, and what it answers.
 
+use fracas_operators::vector;
 use fracas_operators::{LinearOperator, Preconditioner, Real};
 use serde::{Deserialize, Serialize};
 
@@ -15,9 +16,35 @@ pub struct System<'a, R> {
 }
 
 impl<R: Real> System<'_, R> {
-    /// Unknowns.
+    /// Unknowns here: all of them, or the part of this rank.
     pub fn size(&self) -> usize {
         self.rhs.len()
+    }
+
+    /// Unknowns of all parts.
+    pub fn whole_size(&self) -> usize {
+        self.sum(R::of(self.size() as f64)).to_f64_exact() as usize
+    }
+
+    /// `xᵀy` over all parts of the vectors.
+    pub fn dot(&self, x: &[R], y: &[R]) -> R {
+        self.sum(vector::dot(x, y))
+    }
+
+    /// `‖x‖₂` over all parts.
+    pub fn norm2(&self, x: &[R]) -> R {
+        self.dot(x, x).sqrt()
+    }
+
+    /// True where it is `here`, or in another part.
+    pub fn is_anywhere(&self, here: bool) -> bool {
+        self.sum(if here { R::one() } else { R::zero() }) > R::zero()
+    }
+
+    fn sum(&self, here: R) -> R {
+        let mut sum = [here];
+        self.operator.sum_over_parts(&mut sum);
+        sum[0]
     }
 
     /// Scratch entries that one product or one preconditioner solve needs.

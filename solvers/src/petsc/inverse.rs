@@ -10,7 +10,7 @@ use fracas_petsc_sys as sys;
 
 /// Sweeps of the finest level in one V-cycle of BoomerAMG: down and up, each forward and backward, and a residual. Unit: products
 /// with A.
-const PRODUCTS_OF_FINEST_LEVEL: u64 = 5;
+pub(crate) const PRODUCTS_OF_FINEST_LEVEL: u64 = 5;
 
 /// A cycle of a hierarchy that PETSc keeps.
 pub(super) struct PetscInverse {

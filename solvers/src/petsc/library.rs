@@ -8,24 +8,31 @@ use std::ptr::NonNull;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Bytes of an error's sentence.
-const TEXT: usize = 1024;
+pub(super) const TEXT: usize = 1024;
 
 /// Whether MPI and PETSc have begun, and the right to call them.
 static LIBRARY: Mutex<Option<Result<(), String>>> = Mutex::new(None);
 
 /// The right to call PETSc.
-struct Turn {
+pub(super) struct Turn {
     _library: MutexGuard<'static, Option<Result<(), String>>>,
 }
 
 impl Turn {
     /// Waits, and begins where nobody has.
-    fn take(method: &'static str) -> Result<Self, SetupError> {
+    pub(super) fn take(method: &'static str) -> Result<Self, SetupError> {
+        Self::begun(method, false)
+    }
+
+    /// The same; where nobody has begun, ranks begin together.
+    pub(super) fn begun(method: &'static str, together: bool) -> Result<Self, SetupError> {
         let mut library = LIBRARY.lock().unwrap_or_else(PoisonError::into_inner);
         let begun = library.get_or_insert_with(|| {
             let mut text = [0; TEXT];
             // Safety: the lock is held and the text has its length.
-            let code = unsafe { sys::fracas_petsc_start(text.as_mut_ptr(), TEXT as c_int) };
+            let code = unsafe {
+                sys::fracas_petsc_start(c_int::from(together), text.as_mut_ptr(), TEXT as c_int)
+            };
             (code == 0).then_some(()).ok_or_else(|| sentence(&text))
         });
         match begun {
@@ -38,7 +45,7 @@ impl Turn {
     }
 }
 
-fn sentence(text: &[c_char; TEXT]) -> String {
+pub(super) fn sentence(text: &[c_char; TEXT]) -> String {
     // Safety: what C wrote ends with a zero, and what it did not write is zero.
     let text = unsafe { CStr::from_ptr(text.as_ptr()) };
     text.to_string_lossy().trim().to_owned()
@@ -56,6 +63,18 @@ pub(crate) enum Refusal {
     Said(String),
     /// It has not begun.
     NotBegun(SetupError),
+}
+
+impl Refusal {
+    /// Of a code that is not 0, with its text.
+    fn of(code: c_int, said: String) -> Self {
+        match code {
+            sys::REFUSED_OPTION => Self::Option(said),
+            sys::ERR_MEM => Self::Memory,
+            code if code <= sys::MUMPS_CODES => Self::Mumps(code + 1000, said),
+            _ => Self::Said(said),
+        }
+    }
 }
 
 /// Compressed rows as PETSc takes them.
@@ -136,14 +155,68 @@ impl Handle {
                 TEXT as c_int,
             )
         };
-        match (code, NonNull::new(raw)) {
-            (0, Some(raw)) => Ok(Self { raw, n }),
-            (sys::REFUSED_OPTION, _) => Err(Refusal::Option(sentence(&text))),
-            (sys::ERR_MEM, _) => Err(Refusal::Memory),
-            (code, _) if code <= sys::MUMPS_CODES => {
-                Err(Refusal::Mumps(code + 1000, sentence(&text)))
-            }
-            _ => Err(Refusal::Said(sentence(&text))),
+        match NonNull::new(raw).filter(|_| code == 0) {
+            Some(raw) => Ok(Self { raw, n }),
+            None => Err(Refusal::of(code, sentence(&text))),
+        }
+    }
+
+    /// The rows of this rank of a matrix over all ranks, each of which calls this with its own; columns count through the rows of all
+    /// ranks. [`set_up`](Self::set_up) comes next, when these arrays may be gone.
+    pub(crate) fn of_ranks(rows: &Rows<'_>) -> Result<Self, Refusal> {
+        let n = rows.offsets.len() - 1;
+        let entries = rows.offsets[n] as usize;
+        assert!(
+            rows.offsets.is_sorted()
+                && rows.offsets[0] == 0
+                && (rows.columns.len(), rows.values.len()) == (entries, entries)
+                && (rows.block, n % 3) == (3, 0)
+                && [0, n].contains(&rows.positions.len()),
+            "compressed rows of nodes"
+        );
+        let _turn = Turn::take("PETSc").map_err(Refusal::NotBegun)?;
+        let (mut raw, mut text) = (std::ptr::null_mut(), [0; TEXT]);
+        let positions = match rows.positions {
+            [] => std::ptr::null(),
+            some => some.as_ptr(),
+        };
+        // Safety: the arrays are those of n compressed rows, as just checked, PETSc checks columns against its rows, and the lock is held.
+        let code = unsafe {
+            sys::fracas_ranks_matrix(
+                n as c_int,
+                rows.offsets.as_ptr(),
+                rows.columns.as_ptr(),
+                rows.values.as_ptr(),
+                positions,
+                &mut raw,
+                text.as_mut_ptr(),
+                TEXT as c_int,
+            )
+        };
+        match NonNull::new(raw).filter(|_| code == 0) {
+            Some(raw) => Ok(Self { raw, n }),
+            None => Err(Refusal::of(code, sentence(&text))),
+        }
+    }
+
+    /// The preconditioner of a matrix of ranks, by all of them together.
+    pub(crate) fn set_up(&self, kind: c_int, options: &str) -> Result<(), Refusal> {
+        let options = CString::new(options).map_err(|e| Refusal::Option(e.to_string()))?;
+        let _turn = Turn::take("PETSc").map_err(Refusal::NotBegun)?;
+        let mut text = [0; TEXT];
+        // Safety: the pointer came from the library, the text ends with a zero, and the lock is held.
+        let code = unsafe {
+            sys::fracas_ranks_set_up(
+                self.raw.as_ptr(),
+                kind,
+                options.as_ptr(),
+                text.as_mut_ptr(),
+                TEXT as c_int,
+            )
+        };
+        match code {
+            0 => Ok(()),
+            code => Err(Refusal::of(code, sentence(&text))),
         }
     }
 

@@ -1,5 +1,5 @@
-//! The usual choices for S_u⁻¹ from the system's PETSc, on one rank: GAMG and hypre's BoomerAMG. MUMPS is a
-//! [direct solver](crate::direct::DirectChoice::Mumps).
+//! The usual choices for S_u⁻¹ from the system's PETSc: GAMG and hypre's BoomerAMG. MUMPS is a
+//! [direct solver](crate::direct::DirectChoice::Mumps). On one rank here; over the ranks of `mpirun` in [`distributed`](crate::distributed).
 //!
 //! The settings are there in every build; a build without the feature `petsc` refuses to set them up. PETSc serves one thread at a
 //! time, so a lock stands around it: spectra, which apply M⁻¹ on all threads, wait for each other there.
@@ -10,7 +10,11 @@
 //! | rows in 3×3 node blocks, held components as identity | `nodes` |
 //! | the lock, handles, errors | `library` |
 //! | `z ← M⁻¹ r` | `inverse` |
+//! | ranks: sums, messages, agreement | `ranks` |
+//! | entries that live on other ranks | `ghosts` |
 
+#[cfg(feature = "petsc")]
+pub(crate) mod ghosts;
 #[cfg(feature = "petsc")]
 mod inverse;
 #[cfg(feature = "petsc")]
@@ -18,12 +22,16 @@ pub(crate) mod library;
 #[cfg(feature = "petsc")]
 mod nodes;
 mod options;
+#[cfg(feature = "petsc")]
+mod ranks;
 
 #[cfg(feature = "petsc")]
-pub(crate) use inverse::refused;
+pub(crate) use inverse::{PRODUCTS_OF_FINEST_LEVEL, refused};
 #[cfg(feature = "petsc")]
 pub(crate) use nodes::index;
 pub use options::{BadOptions, Options};
+#[cfg(feature = "petsc")]
+pub use ranks::{OnRank, Ranks};
 
 use crate::steering;
 use crate::{DofCoordinate, SetupError};
@@ -109,8 +117,12 @@ impl Gamg {
     /// # Errors
     /// See [`Gamg`].
     pub fn build(self, a: &SparseMatrix<f64>, coordinates: Option<&[DofCoordinate]>) -> Built {
-        let options = format!("-pc_gamg_threshold {} {}", self.threshold, self.options);
-        build(Multigrid::Gamg, a, coordinates, &options)
+        build(Multigrid::Gamg, a, coordinates, &self.text())
+    }
+
+    /// What PETSc reads.
+    pub(crate) fn text(self) -> String {
+        format!("-pc_gamg_threshold {} {}", self.threshold, self.options)
     }
 }
 
@@ -120,9 +132,13 @@ impl Boomeramg {
     /// # Errors
     /// See [`Gamg`].
     pub fn build(self, a: &SparseMatrix<f64>, coordinates: Option<&[DofCoordinate]>) -> Built {
+        build(Multigrid::Boomeramg, a, coordinates, &self.text())
+    }
+
+    /// What PETSc reads.
+    pub(crate) fn text(self) -> String {
         let (strong, own) = (self.strong_threshold, self.options);
-        let options = format!("-pc_hypre_boomeramg_strong_threshold {strong} {own}");
-        build(Multigrid::Boomeramg, a, coordinates, &options)
+        format!("-pc_hypre_boomeramg_strong_threshold {strong} {own}")
     }
 }
 

@@ -5,7 +5,6 @@ use crate::krylov::{Breakdown, Criteria, KrylovMethod, Outcome, Report, System, 
 use crate::{Observer, Step};
 use fracas_operators::Fields;
 use fracas_operators::twofold::add_twofold;
-use fracas_operators::vector::norm2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -89,7 +88,7 @@ pub fn solve_accurately(
         };
         let result = totals.added(result);
         let before = left.relative;
-        let finite = x.iter().all(|x| x.is_finite());
+        let finite = !system.is_anywhere(!x.iter().all(|x| x.is_finite()));
         if finite && passes == 1 && measure == Measure::Error {
             totals.probe(method, system, norms, observer);
         }
@@ -237,7 +236,7 @@ impl<'a> Remainder<'a> {
             Some(blocks) => blocks.residual(rhs, &[x, &self.low], &mut self.r),
             None => operator.apply_add(-1.0, x, &mut self.r, &mut work),
         }
-        let (size, b) = (norm2(&self.r), norm2(rhs));
+        let (size, b) = (self.system.norm2(&self.r), self.system.norm2(rhs));
         self.relative = if size == 0.0 { 0.0 } else { size / b };
         self.is_rounding = !self.is_sharp && {
             let rounding = self.norms.add_rounding(x, &mut self.r);

@@ -32,7 +32,7 @@ const SINGLE: f64 = 1_048_576.0;
 pub struct EnergyNorms<'a> {
     operator: &'a dyn LinearOperator<f64>,
     layout: Layout,
-    h: Option<CsrView<'a, f64>>,
+    h: Option<Box<dyn LinearOperator<f64> + 'a>>,
     /// C_0.
     c: Vec<f64>,
     /// Diagonal of C_0 + H.
@@ -64,21 +64,36 @@ impl<'a> EnergyNorms<'a> {
         c: Vec<f64>,
         stiffness: Cow<'a, Stiffness>,
     ) -> Self {
-        let (n, rows) = (operator.shape().rows, h.map(SparseMatrix::rows));
+        let of_h = |h: &'a SparseMatrix<f64>| -> (Box<dyn LinearOperator<f64> + 'a>, Vec<f64>) {
+            let diagonal = h.diag_iter().map(|h| h.copied().unwrap_or(0.0));
+            (Box::new(CsrView::new(h)), diagonal.collect())
+        };
+        Self::of_parts(operator, h.map(of_h), c, stiffness)
+    }
+
+    /// The same for an H that is an operator, with its diagonal: of ranks, each of which has its rows of everything.
+    pub fn of_parts(
+        operator: &'a dyn LinearOperator<f64>,
+        h: Option<(Box<dyn LinearOperator<f64> + 'a>, Vec<f64>)>,
+        c: Vec<f64>,
+        stiffness: Cow<'a, Stiffness>,
+    ) -> Self {
+        let n = operator.shape().rows;
+        let rows = h.as_ref().map(|(_, diagonal)| diagonal.len());
         assert!(
             c.len() <= n && rows.is_none_or(|rows| rows == c.len()),
             "{n} unknowns, {} tractions, {rows:?} rows of H",
             c.len()
         );
         let mut diagonal = c.clone();
-        let of_h = h.iter().flat_map(|h| h.diag_iter());
-        for (c, h) in diagonal.iter_mut().zip(of_h) {
-            *c += h.copied().unwrap_or(0.0).max(0.0);
+        let (h, of_h) = h.unzip();
+        for (c, h) in diagonal.iter_mut().zip(of_h.unwrap_or_default()) {
+            *c += h.max(0.0);
         }
         Self {
             operator,
             layout: Layout::new([(U, stiffness.len()), (T, c.len())]),
-            h: h.map(CsrView::new),
+            h,
             c,
             diagonal,
             strain: None,
@@ -152,7 +167,13 @@ impl<'a> EnergyNorms<'a> {
             *r += rounding;
             square += rounding * rounding;
         }
-        square.sqrt()
+        self.sums([square])[0].sqrt()
+    }
+
+    /// These sums over all parts of the vectors.
+    fn sums<const N: usize>(&self, mut sums: [f64; N]) -> [f64; N] {
+        self.operator.sum_over_parts(&mut sums);
+        sums
     }
 
     /// The diagonal of A.
@@ -191,7 +212,7 @@ impl<'a> EnergyNorms<'a> {
         self.others.iter().fold(norms, |norms, other| {
             let [p] = self.layout.split([other.field], v);
             let squares = p.iter().zip(&other.weights).map(|(p, w)| w * p * p);
-            norms.with(other.field, squares.sum::<f64>().sqrt())
+            norms.with(other.field, self.sums([squares.sum()])[0].sqrt())
         })
     }
 
@@ -216,22 +237,24 @@ impl<'a> EnergyNorms<'a> {
         let energy = dot(u, force);
         let weights = self.diagonal.iter().filter(|_| jumps);
         let springs = jump.iter().zip(weights).map(|(g, c)| g * g / c);
-        (energy.max(0.0) + springs.sum::<f64>()).sqrt()
+        let [energy, springs] = self.sums([energy, springs.sum()]);
+        (energy.max(0.0) + springs).sqrt()
     }
 
     /// `√(tᵀ(C_0 + H)t)`.
     fn tractions(&self, t: &[f64]) -> f64 {
         let c: f64 = t.iter().zip(&self.c).map(|(t, c)| c * t * t).sum();
-        let h = self.h.as_ref().map_or(0.0, |h| energy(h, t));
-        (c + h).sqrt()
+        let h = self.h.as_ref().map_or(0.0, |h| energy(&**h, t));
+        let [c, h] = self.sums([c, h]);
+        (c + h.max(0.0)).sqrt()
     }
 }
 
-/// `vᵀMv`, 0 where that is less.
-fn energy(m: &CsrView<'_, f64>, v: &[f64]) -> f64 {
+/// `vᵀMv` of this part.
+fn energy(m: &dyn LinearOperator<f64>, v: &[f64]) -> f64 {
     let mut image = vec![0.0; v.len()];
     m.apply(v, &mut image, &mut vec![0.0; m.work_len()]);
-    dot(v, &image).max(0.0)
+    dot(v, &image)
 }
 
 /// The diagonal of A to a factor of two, in a byte per entry.

@@ -67,6 +67,12 @@ impl<'a> RacpInverse<'a> {
     pub fn relaxed(self, h: Box<dyn LinearOperator<f64> + 'a>, gamma: f64) -> Self {
         assert_eq!(h.shape().rows, self.rows.size(), "rows of H and size of C");
         let relaxation = Relaxation::new(h, gamma, &*self.rows);
+        self.relaxed_by(relaxation)
+    }
+
+    /// `W M⁻¹ Wᵀ` with this W, or M⁻¹ itself.
+    #[must_use]
+    pub fn relaxed_by(self, relaxation: Option<Relaxation<'a>>) -> Self {
         Self { relaxation, ..self }
     }
 

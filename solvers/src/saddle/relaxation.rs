@@ -95,6 +95,16 @@ impl<'a> Relaxation<'a> {
         })
     }
 
+    /// The same W with the same H by something else: the rows of a rank.
+    #[must_use]
+    pub fn over<'h>(self, h: Box<dyn LinearOperator<f64> + 'h>) -> Relaxation<'h> {
+        Relaxation {
+            h,
+            sigma: self.sigma,
+            polynomial: self.polynomial,
+        }
+    }
+
     /// What W makes of a mode of tractions with the eigenvalue h of C⁻¹H: `p(σh)`.
     pub fn at(&self, h: f64) -> f64 {
         self.polynomial.at(self.sigma * h)
