@@ -223,6 +223,12 @@ fn axis(name: &str, log: bool, points: &[Point], of: impl Fn(&Point) -> f64) -> 
 }
 
 pub(super) fn axis_label(name: &str) -> String {
+    if let Some(of) = name
+        .strip_prefix("log10(")
+        .and_then(|of| of.strip_suffix(')'))
+    {
+        return format!("log₁₀ of {}", axis_label(of));
+    }
     let measure = Name::ALL.iter().find(|measure| measure.text() == name);
     measure.map_or(name, |measure| measure.label()).to_owned()
 }

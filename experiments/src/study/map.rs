@@ -98,7 +98,14 @@ pub(super) fn map(
         let (lacking, all) = (missing.len(), rows.len());
         caption += &format!(" {lacking} of {all} rows have no value: a cross.");
     }
-    let mut figure = Figure::new(id, "", caption.trim(), across.axis(), up.axis());
+    let along = match &section.x_label {
+        Some(label) => Axis {
+            label: label.clone(),
+            ..across.axis()
+        },
+        None => across.axis(),
+    };
+    let mut figure = Figure::new(id, "", caption.trim(), along, up.axis());
     let own = [low, if high > low { high } else { low + 1.0 }];
     figure.cells = Some(Cells {
         colors: Colors::Diverging,

@@ -8,6 +8,9 @@ use crate::plot::{Axis, Figure, Mark, Series};
 /// Between a setting and its value in the name of a variant: `Biot = 0.6`.
 pub(super) const SETS: &str = " = ";
 
+/// Where the line of a value of 0 ends on a logarithmic axis, over the least value that is shown.
+const BEYOND: f64 = 0.5;
+
 /// Rows that change the same setting, in the order of the study: what they give.
 struct Setting<'a> {
     name: &'a str,
@@ -50,10 +53,18 @@ pub(super) fn tornado(
         }
     }
     let base = base?;
+    // what a logarithm cannot show lies beyond the end of the axis, and its line goes there
+    let all = settings.iter().flat_map(|s| &s.values).map(|(_, v)| *v);
+    let positive = all.clone().chain([base]).filter(|v| *v > 0.0);
+    let floor = match section.log_x {
+        true => BEYOND * positive.fold(f64::INFINITY, f64::min),
+        false => f64::NEG_INFINITY,
+    };
+    let beyond = all.filter(|v| *v < floor).count();
     let swing = |setting: &Setting<'_>| {
         let [low, high] = setting.ends(base);
         if section.log_x {
-            (high / low).ln()
+            (high / low.max(f64::MIN_POSITIVE)).ln()
         } else {
             high - low
         }
@@ -78,17 +89,24 @@ pub(super) fn tornado(
             rows.len()
         );
     }
+    if beyond > 0 {
+        caption += &format!(" {beyond} values are 0, left of the axis.");
+    }
     let mut figure = Figure::new(id, "", caption.trim(), along, names);
-    let mut first = Vec::new();
-    let (mut between, mut last) = (Vec::new(), Vec::new());
+    let (mut first, mut between, mut last) = (Vec::new(), Vec::new(), Vec::new());
     for (k, setting) in settings.iter().enumerate() {
         let place = k as f64;
-        let ends = setting.ends(base).map(|value| [value, place]);
+        let ends = setting.ends(base).map(|value| [value.max(floor), place]);
         figure = figure.with(Series::new("", Mark::Line, ends.to_vec()).tone(0));
-        let mut marks = setting.values.iter().map(|(_, value)| [*value, place]);
-        first.extend(marks.next());
-        last.extend(marks.next_back());
-        between.extend(marks);
+        let end = setting.values.len() - 1;
+        for (i, (_, value)) in setting.values.iter().enumerate() {
+            let marks = match i {
+                0 => &mut first,
+                i if i == end => &mut last,
+                _ => &mut between,
+            };
+            marks.extend((*value >= floor).then_some([*value, place]));
+        }
     }
     let top = settings.len() as f64 - 0.5;
     let unchanged = vec![[base, -0.5], [base, top]];

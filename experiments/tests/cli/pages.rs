@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 const BEGIN: &str = "<!-- keys: begin -->\n";
 const END: &str = "<!-- keys: end -->";
-const PAGES: [&str; 13] = [
+const PAGES: [&str; 14] = [
     "README.md",
     "docs/index.md",
     "docs/install.md",
@@ -20,6 +20,7 @@ const PAGES: [&str; 13] = [
     "docs/library.md",
     "docs/python.md",
     "docs/clusters.md",
+    "docs/gas_storage.md",
 ];
 const README_LINES: usize = 120;
 const PARAGRAPH_WORDS: usize = 75;
