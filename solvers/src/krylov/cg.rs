@@ -96,6 +96,7 @@ mod tests {
     use super::super::oracle::*;
     use super::*;
     use fracas_operators::laws::probe;
+    use fracas_operators::vector::dot;
     use fracas_operators::{Dense, Identity, LinearOperator, Shape};
 
     #[test]
