@@ -1,10 +1,10 @@
 //! The folder of a study: `study.toml` says what is asked, `rows.csv` what is known.
 
-use super::Study;
 use super::csv::records;
 use super::findings::{Fields, Findings, Kept};
 use super::measured::Measured;
 use super::product::Case;
+use super::{Kind, Name, Study};
 use crate::plot::Spectrum;
 use crate::report::{quote, write_whole};
 use anyhow::{Context, bail, ensure};
@@ -39,11 +39,15 @@ impl Rows {
         let place = out.join(STUDY);
         if place.exists() {
             let there = std::fs::read_to_string(&place).with_context(cannot)?;
-            if let Some(difference) = difference(&there.parse()?, &said.parse()?, "") {
-                bail!(
-                    "{} holds another study: {difference}; choose another --out",
-                    out.display()
-                );
+            if there != said {
+                let name = place.display().to_string();
+                if let Some(difference) = changed(&there, study, &said, &name)? {
+                    bail!(
+                        "{} holds another study: {difference}; choose another --out",
+                        out.display()
+                    );
+                }
+                write_whole(&place, &said)?;
             }
         } else {
             let mut entries = std::fs::read_dir(out).with_context(cannot)?;
@@ -213,6 +217,62 @@ pub(super) fn header(study: &Study) -> Vec<String> {
 fn line(fields: &[String]) -> String {
     let fields: Vec<String> = fields.iter().map(|field| quote(field)).collect();
     format!("{}\n", fields.join(","))
+}
+
+/// What is shown of rows, and changes none of them.
+const SHOWN: &[&str] = &[
+    "title",
+    "question",
+    "setup",
+    "expect",
+    "note",
+    "figure",
+    "table",
+    "check",
+    "published",
+];
+
+/// What keeps a study from the rows of the one that is there; figures, tables and checks may be others where they ask for the same
+/// measures, and for nothing that was not kept.
+fn changed(there: &str, study: &Study, said: &str, name: &str) -> anyhow::Result<Option<String>> {
+    let [mut old, mut new]: [Table; 2] = [there.parse()?, said.parse()?];
+    for key in SHOWN {
+        old.remove(*key);
+        new.remove(*key);
+    }
+    // what figures and checks name is measured, too
+    old.remove("measures");
+    new.remove("measures");
+    if let Some(difference) = difference(&old, &new, "") {
+        return Ok(Some(difference));
+    }
+    let there = Study::from_toml(there, name, Path::new(""), None)?;
+    let [old, new] = [there.measured(), study.measured()];
+    let lacks = |names: &[Name], others: &[Name]| {
+        let lacking = names.iter().find(|name| !others.contains(name));
+        lacking.map(|name| name.text())
+    };
+    if let Some(measure) = lacks(&new, &old) {
+        return Ok(Some(format!("its rows have no `{measure}`")));
+    }
+    if let Some(measure) = lacks(&old, &new) {
+        return Ok(Some(format!(
+            "its rows have `{measure}`, too, which `measures` may name"
+        )));
+    }
+    let [[spectra, residuals], asked] = [there.keeps(), study.keeps()];
+    let draws = |study: &Study, kind| study.figure.iter().any(|figure| figure.kind == kind);
+    let mut of_one = [Kind::Pseudospectra, Kind::GmresBounds].into_iter();
+    let more = of_one.any(|kind| draws(study, kind) && !draws(&there, kind));
+    Ok(match () {
+        () if (asked[0] && !spectra) || more => {
+            Some("the spectra that a figure or a check needs were not kept".into())
+        }
+        () if asked[1] && !residuals => {
+            Some("the residuals that a figure needs were not kept".into())
+        }
+        () => None,
+    })
 }
 
 /// The first key whose value is another one, in words.

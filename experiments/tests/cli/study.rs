@@ -169,6 +169,28 @@ fn a_study_that_is_killed_twice_goes_on_to_the_same_rows() {
     }
     assert!(kept_of(&torn).starts_with(before), "rows were solved again");
     assert_eq!(without_times(&rows(&torn)), without_times(&rows(&whole)));
+    // figures and words change no row
+    let shown = STUDY.replace("log_x = true", "log_x = false")
+        + "\n[[table]]\nid = \"counts\"\ncolumns = [\"n\", \"n_it\"]\n";
+    let before = kept_of(&torn);
+    write(Path::new(&file), &shown);
+    let arguments = at(&torn);
+    let ran = fracas(&arguments.each_ref().map(String::as_str));
+    assert_eq!(ran.status, 0, "{}", ran.stderr);
+    assert_eq!(kept_of(&torn), before);
+    assert!(torn.join("figures/counts.csv").exists());
+    // a measure that nobody took is another matter
+    write(
+        Path::new(&file),
+        &shown.replace("\"n\", \"n_it\"", "\"n\", \"cond_A\""),
+    );
+    let ran = fracas(&arguments.each_ref().map(String::as_str));
+    assert_eq!(ran.status, 2);
+    assert!(
+        ran.stderr.contains("its rows have no `cond_A`"),
+        "{}",
+        ran.stderr
+    );
     // another study does not go into the same folder
     write(Path::new(&file), &STUDY.replace("[1, 2]", "[1, 3]"));
     let arguments = at(&torn);
