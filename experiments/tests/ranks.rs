@@ -300,6 +300,43 @@ fn what_is_wrong_is_said_once_and_all_ranks_end() {
     assert!(said.contains("fewer ranks"), "{said}");
 }
 
+/// The matrix market text with the sign of diagonal entry `row` changed.
+fn negated(text: &str, row: &str) -> String {
+    let lines = text.lines().map(|line| match line.split_once(' ') {
+        Some((i, rest)) if i == row && rest.starts_with(&format!("{row} ")) => {
+            let value = rest.split_once(' ').unwrap().1;
+            format!("{row} {row} -{value}\n")
+        }
+        _ => format!("{line}\n"),
+    });
+    lines.collect()
+}
+
+#[test]
+fn an_indefinite_matrix_is_refused_by_mumps_over_ranks() {
+    if !has_mpirun() {
+        return;
+    }
+    let room = folder("indefinite");
+    let system = room.join("system");
+    let arguments = ["--set", "mesh.y.cells=2", "--out", system.to_str().unwrap()];
+    let exported = Command::new(FRACAS)
+        .args(["export", "crossing"])
+        .args(arguments)
+        .output();
+    assert!(exported.unwrap().status.success());
+    let a = system.join("A.mtx");
+    let text = std::fs::read_to_string(&a).unwrap();
+    let changed = negated(&text, "300");
+    assert!(changed.contains("300 300 -"));
+    std::fs::write(&a, changed).unwrap();
+    let said = refused(
+        2,
+        &["--system", system.to_str().unwrap(), "--inner", "mumps"],
+    );
+    assert!(said.contains("S_u") && said.contains("negative"), "{said}");
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn the_end_of_one_rank_is_the_end_of_all() {

@@ -19,6 +19,9 @@ impl<R: Real, A: AdjointOperator<R>> LinearOperator<R> for Adjoint<A> {
     fn flops(&self) -> u64 {
         self.0.adjoint_flops()
     }
+    fn sum_over_parts(&self, sums: &mut [R]) {
+        self.0.sum_over_parts(sums);
+    }
 }
 
 impl<R: Real, A: AdjointOperator<R>> AdjointOperator<R> for Adjoint<A> {

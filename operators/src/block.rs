@@ -85,4 +85,11 @@ impl<R: Real> LinearOperator<R> for BlockOperator<'_, R> {
     fn flops(&self) -> u64 {
         self.blocks.iter().map(|block| block.operator.flops()).sum()
     }
+
+    fn sum_over_parts(&self, sums: &mut [R]) {
+        // the same memories share the vectors of all blocks
+        if let Some(block) = self.blocks.first() {
+            block.operator.sum_over_parts(sums);
+        }
+    }
 }

@@ -30,7 +30,8 @@ pub trait LinearOperator<R: Real>: Send + Sync {
     fn flops(&self) -> u64;
 
     /// Adds up sums that every part of a vector has for itself, where x and y are parts of vectors that several memories share
-    /// (ranks of MPI); inner products of those are sums of this kind. In one memory there is nothing to add.
+    /// (ranks of MPI); inner products of those are sums of this kind. In one memory there is nothing to add; an operator around another
+    /// one passes this on.
     fn sum_over_parts(&self, _sums: &mut [R]) {}
 }
 
@@ -89,3 +90,62 @@ macro_rules! forward_operator {
     )*};
 }
 forward_operator!(&A, Box<A>, std::sync::Arc<A>);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Adjoint, BlockOperator, Counted, Field, Layout};
+    use std::sync::Arc;
+
+    /// One of two equal parts of a vector.
+    struct Half;
+
+    impl LinearOperator<f64> for Half {
+        fn shape(&self) -> Shape {
+            Shape::square(1)
+        }
+        fn apply_add(&self, alpha: f64, x: &[f64], y: &mut [f64], _: &mut [f64]) {
+            y[0] += alpha * x[0];
+        }
+        fn flops(&self) -> u64 {
+            2
+        }
+        fn sum_over_parts(&self, sums: &mut [f64]) {
+            sums.iter_mut().for_each(|sum| *sum *= 2.0);
+        }
+    }
+
+    impl AdjointOperator<f64> for Half {
+        fn apply_adjoint_add(&self, alpha: f64, x: &[f64], y: &mut [f64], work: &mut [f64]) {
+            self.apply_add(alpha, x, y, work);
+        }
+        fn adjoint_flops(&self) -> u64 {
+            2
+        }
+    }
+
+    #[test]
+    fn an_operator_around_another_one_adds_up_the_same_parts() {
+        const U: Field = Field {
+            letter: "u",
+            name: "displacements",
+        };
+        let block = BlockOperator::new(Layout::new([(U, 1)])).with([U; 2], 1.0, Half);
+        let around: [(&str, Box<dyn LinearOperator<f64>>); 6] = [
+            ("&", Box::new(&Half)),
+            (
+                "Box",
+                Box::new(Box::new(Half) as Box<dyn LinearOperator<f64>>),
+            ),
+            ("Arc", Box::new(Arc::new(Half))),
+            ("Counted", Box::new(Counted::new(Half))),
+            ("Adjoint", Box::new(Adjoint(Half))),
+            ("BlockOperator", Box::new(block)),
+        ];
+        for (name, operator) in around {
+            let mut sums = [1.0, 3.0];
+            operator.sum_over_parts(&mut sums);
+            assert_eq!(sums, [2.0, 6.0], "{name}");
+        }
+    }
+}

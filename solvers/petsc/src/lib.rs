@@ -31,6 +31,9 @@ pub const REFUSED_OPTION: c_int = -1;
 /// Codes up to here are `INFOG(1) − 1000` of MUMPS.
 pub const MUMPS_CODES: c_int = -1001;
 
+/// Code: ranks cannot begin, as PETSc serves this process alone, or has been left.
+pub const ALONE: c_int = -1;
+
 /// PETSc's code: out of memory.
 pub const ERR_MEM: c_int = 55;
 

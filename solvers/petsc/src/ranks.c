@@ -9,9 +9,13 @@
 /* Our own messages, apart from PETSc's. */
 static MPI_Comm ranks = MPI_COMM_NULL;
 
+/* Not a code of MPI: PETSc has begun for this process alone, or ranks have taken leave. */
+enum { ALONE = -1 };
+
 int fracas_ranks_begin(int *rank, int *size, int *beside)
 {
   MPI_Comm machine;
+  if (!fracas_together) return ALONE;
   int code = MPI_Comm_dup(MPI_COMM_WORLD, &ranks);
   if (!code) code = MPI_Comm_rank(ranks, rank);
   if (!code) code = MPI_Comm_size(ranks, size);
@@ -97,8 +101,14 @@ int fracas_ghosts_new(int own, int ghosts, const int *owners, const int *places,
     remote[k].index = places[k];
   }
   if (!code) code = PetscSFCreate(ranks, out);
+  if (!*out) {
+    PetscFree(remote);
+    return fracas_told(code, text, length);
+  }
+  /* the forest has the list from here on */
   if (!code) code = PetscSFSetGraph(*out, own, ghosts, NULL, PETSC_COPY_VALUES, remote, PETSC_OWN_POINTER);
   if (!code) code = PetscSFSetUp(*out);
+  if (code) PetscSFDestroy(out);
   return fracas_told(code, text, length);
 }
 

@@ -3,6 +3,11 @@
 #define FRACAS_SHARED_H
 #include <petscksp.h>
 
+/* Rust hands int and double over. */
+#if defined(PETSC_USE_COMPLEX) || !defined(PETSC_USE_REAL_DOUBLE) || defined(PETSC_USE_64BIT_INDICES)
+#error "fracas needs a PETSc with real scalars of 64 bits and indices of 32 bits"
+#endif
+
 /* What a handle is made of. */
 typedef struct {
   Mat a;

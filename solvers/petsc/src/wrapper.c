@@ -59,6 +59,11 @@ int fracas_petsc_start(int together, char *text, int length)
     return fracas_told(1, text, length);
   }
   if (!begun) atexit(end);
+  MPI_Query_thread(&provided);
+  if (provided < MPI_THREAD_SERIALIZED) {
+    snprintf(said, sizeof said, "MPI serves one thread alone (MPI_THREAD_SERIALIZED is needed)");
+    return fracas_told(1, text, length);
+  }
   fracas_together = together;
   PETSC_COMM_WORLD = together ? MPI_COMM_WORLD : MPI_COMM_SELF;
   int code = PetscOptionsSetValue(NULL, "-no_signal_handler", "true");

@@ -15,7 +15,7 @@ mod equilibration;
 mod faer_backend;
 mod graph;
 #[cfg(feature = "petsc")]
-mod mumps;
+pub(crate) mod mumps;
 pub mod nested_dissection;
 #[cfg(feature = "petsc")]
 mod partition;
@@ -30,8 +30,6 @@ pub use choice::{DirectChoice, UnknownDirect};
 pub use cholmod::Cholmod;
 pub use condition::reciprocal_condition;
 pub use faer_backend::Faer;
-#[cfg(feature = "petsc")]
-pub(crate) use mumps::ENTRIES;
 #[cfg(feature = "petsc")]
 pub use mumps::Mumps;
 #[cfg(feature = "petsc")]

@@ -85,16 +85,9 @@ impl Symbolic for MumpsSymbolic {
                 values: scaled.data(),
                 positions: &[],
             };
-            let handle = Handle::new(kind, NAME, &rows, "").map_err(|refusal| match refusal {
-                Refusal::Mumps(SINGULAR, said) => singular(said),
-                Refusal::Mumps(code, _) if MEMORY.contains(&code) => {
-                    refused(NAME, n, Refusal::Memory)
-                }
-                refusal => refused(NAME, n, refusal),
-            })?;
-            let negative = handle.infog(NEGATIVE_PIVOTS);
-            if self.kind == Kind::Spd && negative > 0.0 {
-                return Err(indefinite(a, negative));
+            let handle = Handle::new(kind, NAME, &rows, "").map_err(|said| why(n, said))?;
+            if self.kind == Kind::Spd {
+                positive(&handle, Some(a))?;
             }
             Ok(MumpsFactors {
                 entries: handle.infog(ENTRIES) as usize,
@@ -109,6 +102,26 @@ impl Symbolic for MumpsSymbolic {
     }
 }
 
+/// The typed error of a refusal by MUMPS, of n equations.
+pub(crate) fn why(n: usize, refusal: Refusal) -> SetupError {
+    match refusal {
+        Refusal::Mumps(SINGULAR, said) => singular(said),
+        Refusal::Mumps(code, _) if MEMORY.contains(&code) => refused(NAME, n, Refusal::Memory),
+        refusal => refused(NAME, n, refusal),
+    }
+}
+
+/// Refuses factors with negative pivots, with a row of A to look at where there is all of A.
+///
+/// # Errors
+/// [`SetupError::NotPositiveDefinite`] or [`SetupError::Singular`].
+pub(crate) fn positive(handle: &Handle, a: Option<&SparseMatrix<f64>>) -> Result<(), SetupError> {
+    match handle.infog(NEGATIVE_PIVOTS) {
+        negative if negative > 0.0 => Err(indefinite(a, negative)),
+        _ => Ok(()),
+    }
+}
+
 fn singular(said: String) -> SetupError {
     SetupError::Singular {
         block: BLOCK,
@@ -117,12 +130,13 @@ fn singular(said: String) -> SetupError {
     }
 }
 
-fn indefinite(a: &SparseMatrix<f64>, negative: f64) -> SetupError {
+fn indefinite(a: Option<&SparseMatrix<f64>>, negative: f64) -> SetupError {
     let advice = format!(
         "MUMPS counts {negative} negative pivots; check constraints and material, or factorize it as a general matrix"
     );
-    let bad = |i: &usize| a.get(*i, *i).is_none_or(|v| *v <= 0.0);
-    match (0..a.rows()).find(bad) {
+    let bad =
+        |a: &SparseMatrix<f64>| (0..a.rows()).find(|i| a.get(*i, *i).is_none_or(|v| *v <= 0.0));
+    match a.and_then(bad) {
         Some(row) => SetupError::NotPositiveDefinite {
             block: BLOCK,
             row: row + 1,

@@ -3,7 +3,7 @@
 use super::parts::rows_of;
 use super::{Nodes, Numbering};
 use crate::SetupError;
-use crate::direct::DirectChoice;
+use crate::direct::{DirectChoice, mumps};
 use crate::petsc::library::{Handle, Rows};
 use crate::petsc::{PRODUCTS_OF_FINEST_LEVEL, index, refused};
 use crate::saddle::InnerChoice;
@@ -165,9 +165,17 @@ impl SpreadInverse {
         (method, kind, options): (&'static str, c_int, &str),
         n: usize,
     ) -> Result<Self, SetupError> {
-        handle
-            .set_up(kind, options)
-            .map_err(|refusal| refused(method, n, refusal).in_block("S_u"))?;
+        let is_mumps = kind == sys::MUMPS_SPD;
+        let why = |refusal| match is_mumps {
+            true => mumps::why(n, refusal),
+            false => refused(method, n, refusal),
+        };
+        let done = handle.set_up(kind, options).map_err(why);
+        let done = done.and_then(|()| match is_mumps {
+            true => mumps::positive(&handle, None),
+            false => Ok(()),
+        });
+        done.map_err(|error| error.in_block("S_u"))?;
         Ok(Self {
             handle,
             slots,
@@ -182,7 +190,7 @@ impl SpreadInverse {
             InnerChoice::Gamg(_) => self.handle.flops() as f64,
             InnerChoice::Boomeramg(_) => (2 * PRODUCTS_OF_FINEST_LEVEL) as f64 * entries as f64,
             // MUMPS tells the entries of all of a half
-            _ if is_first => 4.0 * self.handle.infog(crate::direct::ENTRIES),
+            _ if is_first => 4.0 * self.handle.infog(mumps::ENTRIES),
             _ => 0.0,
         }
     }

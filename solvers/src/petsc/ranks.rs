@@ -52,6 +52,11 @@ impl Ranks {
         let (mut rank, mut size, mut beside) = (0, 0, 0);
         // Safety: three outputs, under the lock.
         let code = unsafe { sys::fracas_ranks_begin(&mut rank, &mut size, &mut beside) };
+        if code == sys::ALONE {
+            return Err(not(
+                "PETSc serves this process alone already; begin ranks before anything else",
+            ));
+        }
         if code != 0 || size < 1 {
             return Err(not("its ranks do not find each other"));
         }
@@ -214,5 +219,17 @@ impl Ranks {
         let mut numbers = vec![0.0; n];
         // Safety: n entries, under the lock.
         unsafe { sys::fracas_ranks_ping(numbers.as_mut_ptr(), n as c_int, times as c_int) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranks_do_not_begin_behind_a_solver_of_one_process() {
+        drop(Turn::take("PETSc").expect("PETSc of this process"));
+        let error = Ranks::begin().expect_err("PETSC_COMM_WORLD is this process");
+        assert!(error.to_string().contains("alone already"), "{error}");
     }
 }

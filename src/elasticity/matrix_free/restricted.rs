@@ -106,6 +106,10 @@ impl<R: Real, A: LinearOperator<R>> LinearOperator<R> for Restricted<A> {
     fn flops(&self) -> u64 {
         self.full.flops() + 2 * self.constraints.free_len() as u64
     }
+
+    fn sum_over_parts(&self, sums: &mut [R]) {
+        self.full.sum_over_parts(sums);
+    }
 }
 
 impl<R: Real, A: AdjointOperator<R>> AdjointOperator<R> for Restricted<A> {
