@@ -3,9 +3,9 @@
 use std::collections::{HashMap, HashSet};
 use std::fmt;
 
+use super::EDGES;
 use super::error::point;
 use super::face_geometry::{dot, minus};
-use super::hex_mesh::EDGES;
 use super::jacobian::corners;
 use super::kernel::CouplingKernel;
 use super::{

@@ -22,7 +22,7 @@ impl Grid {
 }
 
 /// Ends of the twelve edges of an element.
-pub(crate) const EDGES: [[usize; 2]; 12] = [
+pub const EDGES: [[usize; 2]; 12] = [
     [0, 1],
     [1, 2],
     [2, 3],

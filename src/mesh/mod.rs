@@ -41,8 +41,7 @@ pub use gmsh::{
     SurfaceUse,
 };
 #[cfg(feature = "petsc")]
-pub(crate) use hex_mesh::EDGES;
-pub use hex_mesh::{Grid, HexMesh};
+pub use hex_mesh::{EDGES, Grid, HexMesh};
 pub(crate) use incidence::{Incidence, Places};
 pub use jacobian::{brick_size, check_jacobians, min_jacobian};
 pub use kernel::{CouplingKernel, KernelFinding, KernelReason, coupling_kernel};

@@ -3,25 +3,9 @@
 use super::lines::{Ends, Key};
 use super::patches::Patches;
 use super::plane::{Direction, Plane, in_plane};
-use fracas::mesh::HexMesh;
+use fracas::mesh::{EDGES, HexMesh};
 use fracas::scene::Body;
 use std::collections::HashMap;
-
-/// Ends of the twelve edges of an element.
-const EDGES: [[usize; 2]; 12] = [
-    [0, 1],
-    [1, 2],
-    [2, 3],
-    [3, 0],
-    [4, 5],
-    [5, 6],
-    [6, 7],
-    [7, 4],
-    [0, 4],
-    [1, 5],
-    [2, 6],
-    [3, 7],
-];
 
 /// A point of the plane on an edge of the mesh: `(1 − s) a + s b`.
 type OnEdge = (u32, u32, f64);

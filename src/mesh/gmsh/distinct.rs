@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use super::GmshDefect;
 use super::file::Cell;
+use crate::mesh::EDGES;
 use crate::mesh::face_geometry::{dot, minus};
-use crate::mesh::hex_mesh::EDGES;
 
 /// Two nodes lie at one place if their distance is at most this share of the shortest edge at either of them.
 const SAME: f64 = 1e-6;
