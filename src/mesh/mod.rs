@@ -40,7 +40,6 @@ pub use gmsh::{
     GmshDefect, GmshError, GmshFile, GmshMesh, GroupName, Spot, Surface, SurfaceFracture,
     SurfaceUse,
 };
-#[cfg(feature = "petsc")]
 pub use hex_mesh::{EDGES, Grid, HexMesh};
 pub(crate) use incidence::{Incidence, Places};
 pub use jacobian::{brick_size, check_jacobians, min_jacobian};
