@@ -16,6 +16,7 @@ const LAW: f64 = 1e8;
 /// ```text
 /// n            δ = 1     C = C_n                          closed
 /// a            δ         C = C_a + λ_a/δ                  stick: δ = 1, λ = 0
+/// a            δ         C = C⁰_a + λ_a/δ                 slip: H does not act, C⁰ = C of H = 0
 /// m            law       t_m = −x_m/λ_m − (L_mn/λ_m) t_n  slip
 /// n, t1, t2    law       t = −x/λ                         open
 /// ```
@@ -34,8 +35,8 @@ pub(super) struct FaceRule {
 }
 
 impl FaceRule {
-    /// From the tangent of a face and the block of C that its jumps get; `inverse` of it.
-    pub(super) fn new(face: &FaceTangent, c: &Matrix3, inverse: &Matrix3) -> Self {
+    /// From the tangent of a face, the block of C that its jumps get in stick, `inverse` of it, and `free`, that of H = 0.
+    pub(super) fn new(face: &FaceTangent, [c, inverse, free]: [&Matrix3; 3]) -> Self {
         if *face == FaceTangent::STICK {
             return Self {
                 c: *c,
@@ -55,7 +56,8 @@ impl FaceRule {
         let l = &face.law;
         for e in directions(face) {
             let (delta, lambda) = (along(&face.by_jump, e), along(l, e));
-            let jump = along(c, e);
+            // H does not act where a law does
+            let jump = along(if lambda > 0.0 { free } else { c }, e);
             if delta > NO_JUMP {
                 let c = jump + (lambda / delta).max(0.0);
                 add(&mut rule.c, c, e, e);
@@ -131,7 +133,7 @@ mod tests {
         let block = |d: [f64; 3]| -> Matrix3 {
             std::array::from_fn(|i| std::array::from_fn(|j| if i == j { d[i] } else { 0.0 }))
         };
-        FaceRule::new(face, &block(c), &block(c.map(|c| 1.0 / c)))
+        FaceRule::new(face, [&block(c), &block(c.map(|c| 1.0 / c)), &block(c)])
     }
 
     const I: Matrix3 = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

@@ -271,6 +271,9 @@ impl Linear {
         if let Some(Prepared { states, c }) = self.present.pending.take() {
             self.present.ready = Some(self.build(problem, states, |_| c.clone(), observer)?);
         }
+        if jacobian.faces.is_some() && self.c.lacks_free() {
+            self.compute_free(problem)?;
+        }
         let new = |ready: &Option<Ready>| ready.as_ref().is_none_or(|r| r.of.states != states);
         // with flow an iteration costs two applications, and rounds lead through many states
         let flows = problem.balance().is_some();
@@ -294,6 +297,17 @@ impl Linear {
             return Ok(true);
         }
         Ok(first)
+    }
+
+    /// C of H = 0, where the rule for C looks at single faces; else that of stick serves.
+    fn compute_free(&mut self, problem: &ContactProblem<'_>) -> Result<(), LinearFailure> {
+        let rule = self.settings.augmentation;
+        if rule.is_local() {
+            let unit = problem.saddle().unit();
+            let free = problem.stick_system().augmentation(rule, unit, None);
+            self.c.know_free(&free.map_err(MatrixFreeError::from)?.matrix);
+        }
+        Ok(())
     }
 
     /// S̃_u for C per face, which follows from that in stick.

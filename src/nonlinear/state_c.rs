@@ -14,6 +14,8 @@ use fracas_solvers::saddle::{AugmentationMatrix, Block};
 pub(super) struct StickC {
     /// C of every face, and its inverse.
     faces: Vec<[Block; 2]>,
+    /// That of H = 0; empty before a face slips.
+    free: Vec<Block>,
     /// All of C, where it is a sparse one that couples faces; of a dense one runs take the diagonal.
     coupled: Option<AugmentationMatrix>,
 }
@@ -22,6 +24,7 @@ impl StickC {
     pub(super) fn new(c: AugmentationMatrix) -> Self {
         Self {
             faces: c.of_faces(),
+            free: Vec::new(),
             coupled: matches!(c, AugmentationMatrix::Custom(_)).then_some(c),
         }
     }
@@ -31,11 +34,24 @@ impl StickC {
         self.faces.is_empty()
     }
 
+    /// Whether a slipping face asks for C of H = 0.
+    pub(super) fn lacks_free(&self) -> bool {
+        self.free.is_empty()
+    }
+
+    /// C of H = 0 is known.
+    pub(super) fn know_free(&mut self, c: &AugmentationMatrix) {
+        self.free = c.of_faces().into_iter().map(|[c, _]| c).collect();
+    }
+
     /// What faces with these tangents make of their rows.
     pub(super) fn rules(&self, tangent: impl Fn(usize) -> FaceTangent) -> Vec<FaceRule> {
         let faces = self.faces.iter().enumerate();
         faces
-            .map(|(f, [c, inverse])| FaceRule::new(&tangent(f), c, inverse))
+            .map(|(f, [c, inverse])| {
+                let free = self.free.get(f).unwrap_or(c);
+                FaceRule::new(&tangent(f), [c, inverse, free])
+            })
             .collect()
     }
 
