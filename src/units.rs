@@ -36,6 +36,26 @@ impl Quantity {
         }
     }
 
+    /// So many metres.
+    pub(crate) fn metres(number: f64) -> Self {
+        Self {
+            number,
+            unit: "m".into(),
+            factor: 1.0,
+            dimension: Dimension::LENGTH,
+        }
+    }
+
+    /// 90 deg.
+    pub(crate) fn right_angle() -> Self {
+        Self {
+            number: 90.0,
+            unit: "deg".into(),
+            factor: std::f64::consts::PI / 180.0,
+            dimension: Dimension::ANGLE,
+        }
+    }
+
     /// Value in SI units (angles in radians).
     pub fn si(&self) -> f64 {
         self.number * self.factor

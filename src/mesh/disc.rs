@@ -99,6 +99,8 @@ mod tests {
             zones: vec![[-1.0, 1.0]],
             size: 1.0 / n as f64,
             growth: 1.3,
+            through: Vec::new(),
+            largest: f64::INFINITY,
         });
         let along = Axis::uniform(-2.0, 2.0, 4);
         let mut grid = BoxGrid::new([across.clone(), across, along]);
@@ -171,6 +173,8 @@ mod tests {
             zones: vec![[1.0, 1.0]],
             size: 1.0 / 6.0,
             growth: 1.3,
+            through: Vec::new(),
+            largest: f64::INFINITY,
         });
         let mut grid = BoxGrid::new([across.clone(), across, Axis::uniform(-2.0, 2.0, 4)]);
         let mut fracture = PlaneFracture::through("penny", 2, 0.0);

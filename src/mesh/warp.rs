@@ -1,6 +1,7 @@
 //! Maps that move the nodes of a box grid before its fractures are split.
 
 use super::MeshError;
+use super::shear::{Leaning, lean};
 use fracas_operators::random::{signed, splitmix64};
 
 /// What a map may need to know of the grid.
@@ -152,16 +153,17 @@ impl Warp for Incline {
         if self.fade && !(at > from && at < to) {
             return Err(bad("pivot", at, "inside the box if the map fades"));
         }
-        let slope = self.tilt.tan();
-        for x in nodes {
-            let s = x[self.plane];
-            let weight = match self.fade {
-                false => 1.0,
-                true if s < at => ((s - from) / (at - from)).max(0.0),
-                true => ((to - s) / (to - at)).max(0.0),
-            };
-            x[self.plane] += weight * (x[self.along] - self.pivot[self.along]) * slope;
-        }
+        let ends = match self.fade {
+            false => [f64::NEG_INFINITY, f64::INFINITY],
+            true => [from, to],
+        };
+        let plane = Leaning {
+            at,
+            level: self.pivot[self.along],
+            slope: self.tilt.tan(),
+            reach: [f64::NEG_INFINITY, f64::INFINITY],
+        };
+        lean(nodes, [self.plane, self.along], ends, &[plane]);
         Ok(())
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{FlowProblem, TableProblem};
+use super::{FlowProblem, GeologyProblem, TableProblem};
 use crate::mesh::MeshError;
 
 /// A place in a scene file.
@@ -48,6 +48,9 @@ pub enum Problem {
     /// From the fluid.
     #[error(transparent)]
     Flow(#[from] FlowProblem),
+    /// From layers and the faults in them.
+    #[error(transparent)]
+    Geology(#[from] GeologyProblem),
     /// From a table of pressures.
     #[error(transparent)]
     Table(#[from] TableProblem),

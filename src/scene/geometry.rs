@@ -2,10 +2,13 @@
 
 use super::Problem;
 use super::located::{Located, at};
-use super::mesh_sections::{AxisName, AxisSection, FractureSection, InclineSection, MapSection};
+use super::mesh_sections::{
+    AxisName, AxisSection, FractureSection, InclineSection, MapSection, ShearSection,
+};
 use super::sections::{BoxSection, SceneSections};
 use crate::mesh::{
-    Axis, BoxRegion, Disc, Distort, Grading, Incline, MeshError, PlaneFracture, Rotate, Warp,
+    Axis, BoxRegion, Disc, Distort, Grading, Incline, Leaning, MeshError, PlaneFracture, Rotate,
+    Shear, Warp,
 };
 use crate::units::{Length, Measure};
 
@@ -209,6 +212,18 @@ pub(super) fn warps(map: &MapSection, center: [f64; 3]) -> Result<Vec<Box<dyn Wa
             center: point(&disc.center),
         }));
     }
+    for axis in [AxisName::X, AxisName::Y, AxisName::Z] {
+        let of_axis = map.shear.iter().filter(|section| section.plane == axis);
+        let mut leaning: Vec<Leaning> = of_axis.map(leaning).collect();
+        leaning.sort_by(|a, b| a.at.total_cmp(&b.at));
+        if !leaning.is_empty() {
+            warps.push(Box::new(Shear {
+                plane: axis.index(),
+                along: AxisName::Z.index(),
+                leaning,
+            }));
+        }
+    }
     if let Some(incline) = &map.incline {
         let along = incline.along.unwrap_or(match incline.plane {
             AxisName::Z => AxisName::X,
@@ -230,6 +245,17 @@ pub(super) fn warps(map: &MapSection, center: [f64; 3]) -> Result<Vec<Box<dyn Wa
         }));
     }
     Ok(warps)
+}
+
+/// A plane of [mesh.map.shear].
+pub(super) fn leaning(section: &ShearSection) -> Leaning {
+    let tilt = std::f64::consts::FRAC_PI_2 - section.dip.si();
+    Leaning {
+        at: section.at.si(),
+        level: section.level.si(),
+        slope: tilt.tan(),
+        reach: [section.z[0].si(), section.z[1].si()],
+    }
 }
 
 /// Tilt of the planes: 90° − dip for vertical planes, the dip itself for horizontal ones.

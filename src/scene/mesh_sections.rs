@@ -33,13 +33,13 @@ pub struct MeshSection {
     /// Lines across z (up).
     #[serde(default, skip_serializing_if = "AxisSection::is_absent")]
     pub z: AxisSection,
-    /// Maps of the finished grid, applied in the order distort, disc, incline, rotate.
+    /// Maps of the finished grid, applied in the order distort, disc, shear, incline, rotate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub map: Option<MapSection>,
 }
 
 /// Grid lines along one axis: `from`, `to`, `cells`, perhaps graded; or `from`, `to`, `size`, `growth` and `near`
-/// or `fine`; or `lines` alone.
+/// or `fine`, which a [geology] gives where they are left out; or `lines` alone.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AxisSection {
@@ -64,12 +64,18 @@ pub struct AxisSection {
     /// Size of a cell over that of its finer neighbour, at least 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub growth: Option<Measure<Ratio>>,
+    /// Size that no cell exceeds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub largest: Option<Measure<Length>>,
     /// Points where cells are finest; they become grid lines.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub near: Option<OneOrMany<Length>>,
     /// Interval of equal cells; its ends become grid lines.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fine: Option<[Measure<Length>; 2]>,
+    /// Points that become grid lines though cells are no finer there; needs `size`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub through: Option<OneOrMany<Length>>,
     /// Every grid line.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lines: Option<Vec<Measure<Length>>>,
@@ -96,8 +102,10 @@ impl AxisSection {
                     from: from.si(),
                     to: to.si(),
                     zones,
+                    through: self.through.iter().flat_map(OneOrMany::si).collect(),
                     size: size.si(),
                     growth: growth.si(),
+                    largest: self.largest.as_ref().map_or(f64::INFINITY, Measure::si),
                 })
             }
             _ => None,
@@ -106,7 +114,10 @@ impl AxisSection {
 
     /// One of the keys of a field of cell sizes is given.
     pub(super) fn asks_for_sizes(&self) -> bool {
-        self.size.is_some() || self.growth.is_some() || self.near.is_some() || self.fine.is_some()
+        let lengths = [&self.size, &self.largest].map(Option::is_some);
+        let points = [&self.near, &self.through].map(Option::is_some);
+        let others = self.growth.is_some() || self.fine.is_some();
+        others || lengths.contains(&true) || points.contains(&true)
     }
 }
 
@@ -138,6 +149,9 @@ pub struct MapSection {
     /// Squares that become circles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub disc: Option<DiscSection>,
+    /// Shear between planes that lean each by its own angle; the sides stay. [geology] makes it of faults that dip.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub shear: Vec<ShearSection>,
     /// Shear that tilts planes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub incline: Option<InclineSection>,
@@ -199,6 +213,22 @@ pub struct InclineSection {
     pub fade: bool,
 }
 
+/// A plane that leans, with everything up to the next ones and the sides, linearly; upright beyond `z`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ShearSection {
+    /// Its normal before: x or y.
+    pub plane: AxisName,
+    /// Its position before.
+    pub at: Measure<Length>,
+    /// Level z at which it stays there.
+    pub level: Measure<Length>,
+    /// Its angle to the horizontal, 0 to 180 deg.
+    pub dip: Measure<Angle>,
+    /// Levels between which it leans.
+    pub z: [Measure<Length>; 2],
+}
+
 /// Rigid rotation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -233,6 +263,18 @@ pub struct FractureSection {
     /// Every n-th interior grid line.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub every: Option<NonZeroU32>,
+    /// With [geology]: its angle to the horizontal, 30 to 150 deg, upright at 90; below 90 it climbs towards the end of its axis.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dip: Option<Measure<Angle>>,
+    /// With `dip`: the level z at which it lies `at` its position; the middle of its depth range if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub level: Option<Measure<Length>>,
+    /// With [geology]: how much lower the layers that it cuts lie beyond it, where its axis is greater.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub throw: Option<Measure<Length>>,
+    /// With [geology], in place of `z`: materials of the layers that it cuts, on both sides.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cuts: Option<Vec<String>>,
     /// Span in x; the full width if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub x: Option<[Measure<Length>; 2]>,

@@ -8,6 +8,7 @@ mod flow_problem;
 mod flow_sections;
 mod from_file;
 mod gallery;
+mod geology;
 mod geometry;
 mod group_names;
 mod history;
@@ -35,12 +36,15 @@ pub use error::{Place, Problem, SceneError};
 pub use flow_problem::FlowProblem;
 pub use flow_sections::{FluidSection, SourceSection, WellSection};
 pub use gallery::{GalleryScene, gallery, named};
+pub use geology::{
+    CompartmentSection, Geology, GeologyProblem, GeologySection, LayerSection, Moved, Piece,
+};
 pub use group_names::GroupNames;
 pub use history::{History, TimeTable};
 pub use inventory::{Inventory, Push, Stock};
 pub use mesh_sections::{
     AxisName, AxisSection, DiscSection, DistortSection, FractureSection, InclineSection,
-    MapSection, MeshSection, RotateSection,
+    MapSection, MeshSection, RotateSection, ShearSection,
 };
 pub use one_or_many::OneOrMany;
 pub use pore_pressure::{Between, PorePressureSection, TableProblem};
@@ -76,6 +80,8 @@ use source::Source;
 #[derive(Clone, Debug)]
 pub struct Scene {
     sections: SceneSections,
+    /// What its `[geology]` has become in `sections`.
+    geology: Option<Geology>,
     source: Source,
     /// Where paths in the scene start.
     folder: PathBuf,
@@ -94,9 +100,12 @@ impl Scene {
     fn read(text: &str, file_name: &str, folder: &Path) -> Result<Self, SceneError> {
         let source = Source::new(text, file_name);
         let mut sections = source.parse()?;
-        pore_pressure::read_files(&mut sections, folder).map_err(|e| build::placed(e, &source))?;
+        let placed = |e| build::placed(e, &source);
+        pore_pressure::read_files(&mut sections, folder).map_err(placed)?;
+        let geology = geology::expand(&mut sections).map_err(placed)?;
         Ok(Self {
             sections,
+            geology,
             source,
             folder: folder.into(),
         })
@@ -129,7 +138,12 @@ impl Scene {
         Self::read(&text, &name, &self.folder)
     }
 
-    /// The sections, as typed data.
+    /// What the `[geology]` of the scene has become, where it has one.
+    pub fn geology(&self) -> Option<&Geology> {
+        self.geology.as_ref()
+    }
+
+    /// The sections, as typed data; grid lines, boxes and a shear in the place of `[geology]`.
     pub fn sections(&self) -> &SceneSections {
         &self.sections
     }
@@ -139,7 +153,7 @@ impl Scene {
         &self.sections.title
     }
 
-    /// The scene as TOML with every default left out; reads back as the same sections from any folder: the path of a mesh
+    /// The scene as TOML with every default left out, and with what `[geology]` has become in its place; reads back as the same sections from any folder: the path of a mesh
     /// file becomes absolute.
     ///
     /// # Errors

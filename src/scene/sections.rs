@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::flow_sections::{FluidSection, SourceSection, WellSection};
+use super::geology::GeologySection;
 use super::group_names::GroupNames;
 use super::mesh_sections::{FractureSection, MeshSection};
 use super::pore_pressure::PorePressureSection;
@@ -25,6 +26,9 @@ pub struct SceneSections {
     pub description: String,
     /// Box, grid lines and maps; or a mesh file.
     pub mesh: MeshSection,
+    /// Layers and the offsets of faults in them, in place of the boxes of materials.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub geology: Option<GeologySection>,
     /// Materials; where two overlap the later one wins.
     pub material: Vec<MaterialSection>,
     /// Fractures.

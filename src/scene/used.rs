@@ -56,6 +56,16 @@ pub(super) fn require_used(sections: &SceneSections) -> Result<(), Located> {
         }
     }
     for (i, f) in sections.fracture.iter().enumerate() {
+        let of_geology = [
+            ("dip", f.dip.is_some()),
+            ("level", f.level.is_some()),
+            ("throw", f.throw.is_some()),
+            ("cuts", f.cuts.is_some()),
+        ];
+        if let Some((key, _)) = of_geology.into_iter().find(|(_, given)| *given) {
+            let what = format!("fracture \"{}\"", f.name);
+            return Err(idle(["fracture", &i.to_string()], key, what, "[geology]"));
+        }
         if f.pressure_history.is_some() && f.pressure.is_none() {
             let what = format!("fracture \"{}\"", f.name);
             let path = ["fracture", &i.to_string()];

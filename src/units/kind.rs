@@ -227,6 +227,36 @@ impl<K: Kind> Measure<K> {
     }
 }
 
+impl Measure<Length> {
+    /// So many metres.
+    pub(crate) fn metres(value: f64) -> Self {
+        Self {
+            quantity: Quantity::metres(value),
+            kind: PhantomData,
+        }
+    }
+}
+
+impl Measure<Ratio> {
+    /// A positive number.
+    pub(crate) fn ratio(value: f64) -> Self {
+        Self {
+            quantity: Quantity::dimensionless(value),
+            kind: PhantomData,
+        }
+    }
+}
+
+impl Measure<Angle> {
+    /// 90 deg.
+    pub(crate) fn right() -> Self {
+        Self {
+            quantity: Quantity::right_angle(),
+            kind: PhantomData,
+        }
+    }
+}
+
 impl<K> Clone for Measure<K> {
     fn clone(&self) -> Self {
         Self {

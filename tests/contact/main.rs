@@ -11,4 +11,5 @@ mod robust;
 mod scenes;
 mod slip;
 mod springs;
+mod store;
 mod unstable;

@@ -237,7 +237,7 @@ fn network(seed: u64) -> String {
 }
 
 #[derive(Default)]
-struct Tally {
+pub(crate) struct Tally {
     runs: usize,
     refused: usize,
     finished: usize,
@@ -335,12 +335,13 @@ fn run(scene: fn(u64) -> String, seed: u64, tally: &mut Tally) {
                     !matches!(reason, Failure::NotFinite { .. } | Failure::Stopped),
                     "seed {seed}: {reason}"
                 );
-                println!("seed {seed} ended after {:.1?}", clock.elapsed());
+                println!("seed {seed} ended after {:.1?}: {failure}", clock.elapsed());
                 tally.failed.push((seed, failure.reason));
                 return;
             }
         }
     }
+    println!("seed {seed} finished after {:.1?}", clock.elapsed());
     tally.finished += 1;
     if stick.systems > 0.0 && other.systems > 0.0 {
         let growth = |per: fn(&Work) -> f64| {
@@ -351,15 +352,12 @@ fn run(scene: fn(u64) -> String, seed: u64, tally: &mut Tally) {
     }
 }
 
-fn sweep(scene: fn(u64) -> String, seeds: std::ops::Range<u64>) -> Tally {
+pub(crate) fn sweep(scene: fn(u64) -> String, seeds: std::ops::Range<u64>) -> Tally {
     let mut tally = Tally::default();
     seeds.for_each(|seed| run(scene, seed, &mut tally));
     tally.changes.sort_unstable();
     tally.growth.sort_by(f64::total_cmp);
     tally.growth_per_digit.sort_by(f64::total_cmp);
-    for (seed, reason) in &tally.failed {
-        println!("seed {seed}: {reason}");
-    }
     println!(
         "{} runs, {} refused, {} finished, {} ended with a reason; {} steps, {} cut, {} cycles, slip violated by {:.1e}; rounds with changes median {}, 95 % {}, most {}; growth median {:.2}, 95 % {:.2}, per digit {:.2}, {:.2}; {} iterations, {} solves, {} set-ups",
         tally.runs,
@@ -386,7 +384,7 @@ fn sweep(scene: fn(u64) -> String, seeds: std::ops::Range<u64>) -> Tally {
 
 /// All runs but one in `one_in` finish or end by a loss of equilibrium that is shown: a body that nothing holds, or slip that
 /// runs away. No accepted slip goes against its traction.
-fn ends_in_a_known_way(tally: &Tally, one_in: usize) {
+pub(crate) fn ends_in_a_known_way(tally: &Tally, one_in: usize) {
     let shown = |(_, reason): &&(u64, Failure)| {
         matches!(reason, Failure::Loose { .. } | Failure::Unstable(_))
     };
@@ -417,6 +415,15 @@ fn ends_well(tally: &Tally) {
     );
 }
 
+/// Seeds from `FRACAS_SEED` on, `FRACAS_RUNS` of them.
+pub(crate) fn asked(runs: u64) -> std::ops::Range<u64> {
+    let number = |name: &str, default: u64| {
+        std::env::var(name).map_or(default, |value| value.parse().unwrap())
+    };
+    let first = number("FRACAS_SEED", 0);
+    first..first + number("FRACAS_RUNS", runs)
+}
+
 #[test]
 fn runs_of_every_kind_end_well() {
     ends_well(&sweep(scene, 0..40));
@@ -440,12 +447,9 @@ fn five_hundred_others_end_well() {
 /// `FRACAS_SCENES=folder` keeps its scenes there.
 #[test]
 fn networks_end_well() {
-    let number = |name: &str, default: u64| {
-        std::env::var(name).map_or(default, |value| value.parse().unwrap())
-    };
-    let first = number("FRACAS_SEED", 0);
-    let runs = number("FRACAS_RUNS", 12);
-    let tally = sweep(network, first..first + runs);
+    let seeds = asked(12);
+    let runs = seeds.end - seeds.start;
+    let tally = sweep(network, seeds);
     // seed 8 does not settle: one of a few runs may, of many one in a hundred
     ends_in_a_known_way(&tally, if runs < 100 { 8 } else { 100 });
     let changes = quantile(&tally.changes, 0.95);

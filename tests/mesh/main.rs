@@ -3,6 +3,7 @@
 
 mod checkerboard;
 mod gallery;
+mod geology;
 mod rank;
 mod scene_errors;
 mod splitting;

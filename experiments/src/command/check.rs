@@ -40,6 +40,9 @@ impl Check {
                 memory::room_for(name, &scene, memory::CHECK)?;
                 let body = scene.build()?;
                 writeln!(out, "scene       {}", scene.title())?;
+                if let Some(geology) = scene.geology() {
+                    write!(out, "{geology}")?;
+                }
                 let audit = body.audit();
                 write!(out, "{audit}{}", body.inventory())?;
                 for remark in friction_remarks(&body) {

@@ -1,0 +1,207 @@
+//! Blocks between faults that offset layers, and the boxes that materials fill in them.
+
+use super::faults::Fault;
+use super::layers::{Layers, material, unknown};
+use super::lines::Lines;
+use super::{CompartmentSection, GeologyProblem};
+use crate::scene::Problem;
+use crate::scene::located::{Located, at};
+use crate::scene::sections::MaterialSection;
+use crate::units::{Length, Measure};
+
+/// A box of one material, before any map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Piece {
+    /// Number of the material.
+    pub material: usize,
+    /// Intervals in x, y and z [m].
+    pub ends: [[f64; 2]; 3],
+}
+
+/// A part of a layer in a rectangle.
+pub(super) struct Compartment {
+    material: usize,
+    pub(super) layer: String,
+    /// Intervals in x and y [m].
+    pub(super) ends: [[f64; 2]; 2],
+}
+
+impl Compartment {
+    /// Reads a section; what it does not limit reaches as far as the box.
+    pub(super) fn new(
+        number: usize,
+        section: &CompartmentSection,
+        faults: &[Fault],
+        layers: &Layers,
+        materials: &[MaterialSection],
+        extents: &[[f64; 2]; 3],
+    ) -> Result<Self, Located> {
+        let here = |key: &str, problem: Problem| {
+            at(
+                &["geology", "compartments", &number.to_string(), key],
+                problem,
+            )
+        };
+        let own = material(&section.material, materials);
+        let own = own.map_err(|problem| here("material", problem.into()))?;
+        let known = layers.require(&section.layer);
+        known.map_err(|problem| here("layer", problem.into()))?;
+        let span =
+            |span: &Option<[Measure<Length>; 2]>| span.as_ref().map(|s| [s[0].si(), s[1].si()]);
+        let mut spans = [span(&section.x), span(&section.y)];
+        if let Some([first, second]) = &section.between {
+            let find = |name: &String| {
+                let known: Vec<String> = faults.iter().map(|f| f.name.clone()).collect();
+                let fault = faults.iter().find(|f| f.name == *name);
+                fault.ok_or_else(|| here("between", unknown("fault", name, &known).into()))
+            };
+            let (a, b) = (find(first)?, find(second)?);
+            let ends = match (&a.at[..], &b.at[..]) {
+                ([a_at], [b_at]) if a.axis == b.axis && a_at != b_at => {
+                    [a_at.min(*b_at), a_at.max(*b_at)]
+                }
+                _ => {
+                    let (first, second) = (first.clone(), second.clone());
+                    return Err(here(
+                        "between",
+                        GeologyProblem::Between { first, second }.into(),
+                    ));
+                }
+            };
+            if spans[a.axis].replace(ends).is_some() {
+                let keys = ["`between`, `x`", "`between`, `y`"][a.axis];
+                let what = format!("the compartment of \"{}\"", section.material);
+                return Err(here(
+                    "between",
+                    Problem::ExactlyOne {
+                        what,
+                        keys,
+                        found: 2,
+                    },
+                ));
+            }
+        }
+        let mut ends = [extents[0], extents[1]];
+        for (d, span) in spans.into_iter().enumerate() {
+            let Some([from, to]) = span else { continue };
+            ends[d] = [from.max(ends[d][0]), to.min(ends[d][1])];
+            if ends[d][0] >= ends[d][1] {
+                let what = format!(
+                    "the compartment of \"{}\" in {}",
+                    section.material,
+                    ["x", "y"][d]
+                );
+                return Err(here(
+                    ["x", "y"][d],
+                    Problem::EmptyInterval { what, from, to },
+                ));
+            }
+        }
+        Ok(Self {
+            material: own,
+            layer: section.layer.clone(),
+            ends,
+        })
+    }
+
+    fn holds(&self, point: [f64; 2]) -> bool {
+        (0..2).all(|d| self.ends[d][0] < point[d] && point[d] < self.ends[d][1])
+    }
+}
+
+/// Where tops and compartments divide x and y, the ends of the box included, increasing.
+fn breaks(axis: usize, faults: &[Fault], compartments: &[Compartment], ends: [f64; 2]) -> Vec<f64> {
+    let moving = faults.iter().filter(|f| f.axis == axis && f.moves());
+    let positions = moving.flat_map(|f| f.at.iter().copied());
+    let sides = compartments.iter().flat_map(|c| c.ends[axis]);
+    let mut all: Vec<f64> = positions.chain(sides).chain(ends).collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    all
+}
+
+/// The boxes of all layers and compartments: disjoint, and the whole of the box together. Tops become lines of z.
+pub(super) fn pieces(
+    layers: &Layers,
+    faults: &[Fault],
+    compartments: &[Compartment],
+    extents: &[[f64; 2]; 3],
+    z: &mut Lines,
+) -> Result<Vec<Piece>, Located> {
+    let breaks = [0, 1].map(|d: usize| breaks(d, faults, compartments, extents[d]));
+    let mut pieces = Vec::new();
+    for y in breaks[1].windows(2) {
+        for x in breaks[0].windows(2) {
+            let middle = [0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])];
+            let levels = block(layers, faults, middle, z)?;
+            for (k, name) in layers.names.iter().enumerate() {
+                let inside = |c: &&Compartment| c.layer == *name && c.holds(middle);
+                let part = compartments.iter().rfind(inside);
+                pieces.push(Piece {
+                    material: part.map_or(layers.materials[k], |c| c.material),
+                    ends: [[x[0], x[1]], [y[0], y[1]], [levels[k + 1], levels[k]]],
+                });
+            }
+        }
+    }
+    Ok((0..2).fold(pieces, joined))
+}
+
+/// Levels of tops and of the base in the block around a point.
+fn block(
+    layers: &Layers,
+    faults: &[Fault],
+    middle: [f64; 2],
+    z: &mut Lines,
+) -> Result<Vec<f64>, Located> {
+    let last = layers.levels.len() - 1;
+    let offset = |k: usize| layers.offset(k, faults, middle);
+    let written: Vec<f64> = (0..=last).map(|k| layers.levels[k] - offset(k)).collect();
+    let problem =
+        |k: usize, problem: GeologyProblem| at(&["geology", "layers", &k.to_string()], problem);
+    if let Some(k) = (0..last).find(|k| written[*k] <= written[k + 1]) {
+        let eaten = GeologyProblem::Eaten {
+            name: layers.names[k].clone(),
+            at: middle,
+            top: written[k],
+            base: written[k + 1],
+        };
+        return Err(problem(k, eaten));
+    }
+    let what = |k: usize| format!("the top of \"{}\"", layers.names[k]);
+    let placed: Vec<f64> = (0..=last)
+        .map(|k| match offset(k) == 0.0 {
+            true => written[k],
+            false => z.place(written[k], || what(k)),
+        })
+        .collect();
+    match (0..last).find(|k| placed[*k] <= placed[k + 1]) {
+        Some(k) => {
+            let thin = GeologyProblem::Thin {
+                what: format!("layer \"{}\"", layers.names[k]),
+                from: written[k + 1],
+                to: written[k],
+            };
+            Err(problem(k, thin))
+        }
+        None => Ok(placed),
+    }
+}
+
+/// Neighbours along an axis that differ in nothing else become one.
+fn joined(pieces: Vec<Piece>, axis: usize) -> Vec<Piece> {
+    let mut out: Vec<Piece> = Vec::with_capacity(pieces.len());
+    for piece in pieces {
+        let continues = |p: &&mut Piece| {
+            let others = (0..3).filter(|d| *d != axis);
+            p.material == piece.material
+                && p.ends[axis][1] == piece.ends[axis][0]
+                && others.into_iter().all(|d| p.ends[d] == piece.ends[d])
+        };
+        match out.iter_mut().find(continues) {
+            Some(before) => before.ends[axis][1] = piece.ends[axis][1],
+            None => out.push(piece),
+        }
+    }
+    out
+}

@@ -1,0 +1,159 @@
+//! What can be wrong with layers and the faults in them.
+
+/// Layers or faults that make no sense.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum GeologyProblem {
+    /// No layer.
+    #[error(
+        "[geology] has no layer; give at least one, e.g. {{ top = \"0 m\", material = \"rock\" }}"
+    )]
+    NoLayer,
+    /// Layers out of order.
+    #[error(
+        "the top of \"{name}\" at {top} m does not lie below the top of \"{above}\" at {limit} m; list layers from the top down"
+    )]
+    Order {
+        /// Material of the layer.
+        name: String,
+        /// Its top [m].
+        top: f64,
+        /// The layer above.
+        above: String,
+        /// Its top [m].
+        limit: f64,
+    },
+    /// A bottom above the last top.
+    #[error("`bottom` at {bottom} m does not lie below the top of the last layer at {top} m")]
+    Bottom {
+        /// Its level [m].
+        bottom: f64,
+        /// Top of the last layer [m].
+        top: f64,
+    },
+    /// A box of other levels than the layers.
+    #[error(
+        "[mesh.z] has `{key}` at {value} m and [geology] at {level} m; leave it out, the box reaches as far as the layers"
+    )]
+    Extent {
+        /// `from` or `to`.
+        key: &'static str,
+        /// As written [m].
+        value: f64,
+        /// Of the layers [m].
+        level: f64,
+    },
+    /// A name that is not there.
+    #[error("no {kind} is named \"{name}\"{}; there are: {}", nearest.as_ref().map_or(String::new(), |n| format!(", did you mean \"{n}\"?")), known.join(", "))]
+    Unknown {
+        /// Material, layer or fracture.
+        kind: &'static str,
+        /// As written.
+        name: String,
+        /// The one most like it.
+        nearest: Option<String>,
+        /// All of them.
+        known: Vec<String>,
+    },
+    /// A material without a place.
+    #[error(
+        "material \"{name}\" fills no layer and no compartment of [geology] and has no `boxes`; give it a place or leave it out"
+    )]
+    Unplaced {
+        /// Its name.
+        name: String,
+    },
+    /// A layer that offsets leave nothing of.
+    #[error(
+        "around x = {} m, y = {} m the top of \"{name}\" lies at {top} m and its base at {base} m: the throws of faults leave nothing of it; lower a `throw`, or let its fault cut all layers that it moves", at[0], at[1]
+    )]
+    Eaten {
+        /// Material of the layer.
+        name: String,
+        /// In the middle of a block [m].
+        at: [f64; 2],
+        /// Its top [m].
+        top: f64,
+        /// Its base [m].
+        base: f64,
+    },
+    /// A layer or a fault between two grid lines.
+    #[error(
+        "{what} from {from} m to {to} m is thinner than a quarter of the cells and has no grid line of its own; make `size` of [mesh.z] smaller"
+    )]
+    Thin {
+        /// Which layer or fracture.
+        what: String,
+        /// Lower end [m].
+        from: f64,
+        /// Upper end [m].
+        to: f64,
+    },
+    /// A key of faults on something else.
+    #[error(
+        "fracture \"{name}\" has `{key}`, which is for fractures across x or y with `at`; leave it out"
+    )]
+    NoFault {
+        /// Its name.
+        name: String,
+        /// The key.
+        key: &'static str,
+    },
+    /// An angle too flat.
+    #[error(
+        "fracture \"{name}\" dips by {dip:.4} deg; the grid follows dips of 30 to 150 deg (90 is upright)"
+    )]
+    Dip {
+        /// Its name.
+        name: String,
+        /// As written [deg].
+        dip: f64,
+    },
+    /// A fault without height.
+    #[error(
+        "fracture \"{name}\" has no height: its depth range from {from} m to {to} m is empty; write the lower end first"
+    )]
+    NoHeight {
+        /// Its name.
+        name: String,
+        /// Lower end [m].
+        from: f64,
+        /// Upper end [m].
+        to: f64,
+    },
+    /// Planes that would meet.
+    #[error(
+        "{first} and {second}, {distance} m apart where they have their positions, come within {left:.1} m of each other at z = {level} m: the grid is sheared between them, and cannot follow planes that cross; change dips, depth ranges or positions, or take a mesh from Gmsh"
+    )]
+    Cross {
+        /// One of them.
+        first: String,
+        /// The other.
+        second: String,
+        /// Distance as written [m].
+        distance: f64,
+        /// What is left of it [m]; negative beyond a crossing.
+        left: f64,
+        /// Where [m].
+        level: f64,
+    },
+    /// Two planes in one place.
+    #[error(
+        "fractures \"{first}\" and \"{second}\" have one position and different planes; give both the same `dip` and `level`"
+    )]
+    SamePlace {
+        /// One of them.
+        first: String,
+        /// The other.
+        second: String,
+    },
+    /// A compartment between fractures that bound nothing.
+    #[error(
+        "`between` needs two fractures across one axis, with one position each, that differ; \"{first}\" and \"{second}\" are not"
+    )]
+    Between {
+        /// One of them.
+        first: String,
+        /// The other.
+        second: String,
+    },
+}
