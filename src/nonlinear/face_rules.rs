@@ -16,7 +16,7 @@ const LAW: f64 = 1e8;
 /// ```text
 /// n            δ = 1     C = C_n                          closed
 /// a            δ         C = C_a + λ_a/δ                  stick: δ = 1, λ = 0
-/// a            δ         C = C⁰_a + λ_a/δ                 slip: H does not act, C⁰ = C of H = 0
+/// a            δ         C = C⁰_a + λ_a/δ                 slip: C⁰ = C of H = 0 where H does not act
 /// m            law       t_m = −x_m/λ_m − (L_mn/λ_m) t_n  slip
 /// n, t1, t2    law       t = −x/λ                         open
 /// ```
@@ -35,7 +35,8 @@ pub(super) struct FaceRule {
 }
 
 impl FaceRule {
-    /// From the tangent of a face, the block of C that its jumps get in stick, `inverse` of it, and `free`, that of H = 0.
+    /// From the tangent of a face, the block of C that its jumps get in stick, `inverse` of it, and `free`, what
+    /// stands for it in directions with a law.
     pub(super) fn new(face: &FaceTangent, [c, inverse, free]: [&Matrix3; 3]) -> Self {
         if *face == FaceTangent::STICK {
             return Self {
@@ -56,7 +57,6 @@ impl FaceRule {
         let l = &face.law;
         for e in directions(face) {
             let (delta, lambda) = (along(&face.by_jump, e), along(l, e));
-            // H does not act where a law does
             let jump = along(if lambda > 0.0 { free } else { c }, e);
             if delta > NO_JUMP {
                 let c = jump + (lambda / delta).max(0.0);
@@ -128,12 +128,19 @@ fn add(m: &mut Matrix3, alpha: f64, u: [f64; 3], v: [f64; 3]) {
 mod tests {
     use super::*;
 
-    /// A rule for a diagonal C.
+    /// A rule for a diagonal C, and half of it where H does not act.
     fn rule(face: &FaceTangent, c: [f64; 3]) -> FaceRule {
         let block = |d: [f64; 3]| -> Matrix3 {
             std::array::from_fn(|i| std::array::from_fn(|j| if i == j { d[i] } else { 0.0 }))
         };
-        FaceRule::new(face, [&block(c), &block(c.map(|c| 1.0 / c)), &block(c)])
+        FaceRule::new(
+            face,
+            [
+                &block(c),
+                &block(c.map(|c| 1.0 / c)),
+                &block(c.map(|c| 0.5 * c)),
+            ],
+        )
     }
 
     const I: Matrix3 = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -187,7 +194,7 @@ mod tests {
         let found = rule(&face, [2.0; 3]);
         let mut g = NONE;
         add(&mut g, 0.5, [1.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
-        add(&mut g, 1.0 / 11.0, a, a);
+        add(&mut g, 1.0 / 10.0, a, a);
         close(found.g, g);
         let mut law = NONE;
         add(&mut law, 1.0 / 3.0, m, m);

@@ -243,7 +243,7 @@ impl Linear {
             Some(faces) => faces[f],
             None => FaceTangent::STICK,
         };
-        let rows = self.c.rows(tangent)?;
+        let rows = self.c.rows(tangent, jacobian.h)?;
         let b = problem.saddle().coupling().as_ref();
         let inverse = RacpInverse::with_parts(b, rows, s_u.as_ref());
         Ok(match jacobian.h {
@@ -265,7 +265,7 @@ impl Linear {
         let first = self.stick.is_none();
         if first {
             let all_stick = vec![ContactState::Stick; faces];
-            let c = |c: &StickC| c_of(&c.rules(|_| FaceTangent::STICK));
+            let c = |c: &StickC| c_of(&c.rules(|_| FaceTangent::STICK, None));
             self.stick = Some(self.build(problem, all_stick, c, observer)?);
         }
         if let Some(Prepared { states, c }) = self.present.pending.take() {
@@ -291,7 +291,7 @@ impl Linear {
         if let (true, Some(tangents)) = (wanted, &jacobian.faces) {
             // the memory of the one before is given back first
             self.present.ready = None;
-            let c = |c: &StickC| c_of(&c.rules(|f| tangents[f]));
+            let c = |c: &StickC| c_of(&c.rules(|f| tangents[f], jacobian.h));
             self.present.ready = Some(self.build(problem, states.to_vec(), c, observer)?);
             self.built = true;
             return Ok(true);
@@ -305,7 +305,8 @@ impl Linear {
         if rule.is_local() {
             let unit = problem.saddle().unit();
             let free = problem.stick_system().augmentation(rule, unit, None);
-            self.c.know_free(&free.map_err(MatrixFreeError::from)?.matrix);
+            self.c
+                .know_free(&free.map_err(MatrixFreeError::from)?.matrix);
         }
         Ok(())
     }

@@ -4,7 +4,7 @@ use super::face_rules::{FaceRule, Matrix3};
 use super::jacobian::FaceTangent;
 use super::state_rows::StateRows;
 use fracas_operators::small::times;
-use fracas_operators::sparse::Triplets;
+use fracas_operators::sparse::{Csr, Triplets};
 use fracas_operators::{Preconditioner, Properties};
 use fracas_solvers::SetupError;
 use fracas_solvers::saddle::{AugmentationMatrix, Block};
@@ -44,13 +44,17 @@ impl StickC {
         self.free = c.of_faces().into_iter().map(|[c, _]| c).collect();
     }
 
-    /// What faces with these tangents make of their rows.
-    pub(super) fn rules(&self, tangent: impl Fn(usize) -> FaceTangent) -> Vec<FaceRule> {
+    /// What faces with these tangents make of their rows beside this H.
+    pub(super) fn rules(
+        &self,
+        tangent: impl Fn(usize) -> FaceTangent,
+        h: Option<&Csr<f64>>,
+    ) -> Vec<FaceRule> {
         let faces = self.faces.iter().enumerate();
         faces
             .map(|(f, [c, inverse])| {
-                let free = self.free.get(f).unwrap_or(c);
-                FaceRule::new(&tangent(f), [c, inverse, free])
+                let free = self.free.get(f).filter(|_| !acts_along(h, f));
+                FaceRule::new(&tangent(f), [c, inverse, free.unwrap_or(c)])
             })
             .collect()
     }
@@ -80,8 +84,9 @@ impl StickC {
     pub(super) fn rows(
         &self,
         tangent: impl Fn(usize) -> FaceTangent,
+        h: Option<&Csr<f64>>,
     ) -> Result<StateRows, SetupError> {
-        let rules = self.rules(&tangent);
+        let rules = self.rules(&tangent, h);
         let coupled = match &self.coupled {
             None => None,
             Some(c) => Some(self.kept(c, tangent)?),
@@ -107,6 +112,13 @@ impl StickC {
         let c = projected(c, &kept, &extra)?;
         Ok(Coupled { c, kept })
     }
+}
+
+/// True where H acts on the jumps along a face.
+fn acts_along(h: Option<&Csr<f64>>, face: usize) -> bool {
+    let row = 3 * face + 1;
+    let diagonal = h.and_then(|h| h.matrix().get(row, row));
+    diagonal.is_some_and(|entry| *entry != 0.0)
 }
 
 /// `E (E C E + X)⁻¹ E` of a C that couples faces: E = the directions that faces keep, X = what the laws of faces add.
