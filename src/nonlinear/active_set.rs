@@ -4,6 +4,7 @@ use super::accuracy::Accuracy;
 use super::judge::Judge;
 use super::linear::Linear;
 use super::newton::{Attempt, Iterate};
+use super::returning::Returning;
 use super::rounds::{Ended, Found, Search};
 use super::{Event, Failure, Instability, LinearRecord};
 use crate::contact::ContactState;
@@ -79,8 +80,8 @@ impl Log {
 /// Rounds of Newton and new states, which end where no face changes.
 ///
 /// They return where H of a face that opens or slips drops out of its neighbours' rows, so that it is in slight tension when closed and
-/// overlaps when open: then H is held on all that the states that return constrain. Where this does not settle, or states still change
-/// after `patience` rounds, or Newton fails at those at hand, Newton on the [natural](super::natural::Natural) map solves the law of all
+/// overlaps when open: then H is held on all that the states that return constrain, with flow at once ([`Returning`]). Where this does not settle,
+/// or states still change after `patience` rounds, or Newton fails at those at hand, Newton on the [natural](super::natural::Natural) map solves the law of all
 /// faces, H held on all of them, and rounds with the H of the states themselves follow. On how many faces H acts beyond their states at last is told.
 pub(super) fn active_set(
     attempt: &Attempt<'_>,
@@ -101,8 +102,7 @@ pub(super) fn active_set(
         accuracy: Accuracy::new(attempt),
         linear,
         damped: false,
-        patient: false,
-        joined: Vec::new(),
+        returning: Returning::default(),
         rounding: None,
         observer,
     };
@@ -114,7 +114,10 @@ pub(super) fn active_set(
     let held: Vec<ContactState> = held.collect();
     let patience = settings.patience.min(most);
     let (form, why) = match search.rounds(states, &mut x, None, patience, log)? {
-        Ended::Settled(found) => return Ok(search.settled(*found, x)),
+        Ended::Settled(found) => {
+            let form = search.returning.form(&found.states);
+            return Ok(search.accepted(*found, x, &form, log));
+        }
         // linear equations that cannot be solved are no matter of states, and those at the start no matter of the load
         Ended::Not(_, Some(why)) if attempt.is_linear(&log.states) => {
             return Err(match log.rounds == first && why.may_be_projected() {
@@ -125,7 +128,9 @@ pub(super) fn active_set(
         Ended::Not(form, why) => (form, why),
     };
     let returned = why.is_none() && log.rounds < first + patience - 1;
-    if returned && let Some(settled) = search.by_held_form(form, &x, log)? {
+    // with flow it has been held while they did
+    let holds = returned && attempt.flow.is_none();
+    if holds && let Some(settled) = search.by_held_form(form, &x, log)? {
         return Ok(settled);
     }
     // pressures stay where they are until a round settles
@@ -169,7 +174,7 @@ impl Search<'_, '_> {
             let mut z = y.clone();
             match self.rounds(found.states.clone(), &mut z, None, most, log) {
                 Ok(Ended::Settled(own)) => {
-                    let form = own.states.clone();
+                    let form = self.returning.form(&own.states);
                     return Ok(Some(self.accepted(*own, z, &form, log)));
                 }
                 Ok(Ended::Not(form, None)) => {
@@ -197,14 +202,14 @@ impl Search<'_, '_> {
         for _ in 0..FORMS {
             let h = problem.stabilization(&form);
             let mut y = x.clone();
-            let joined = self.joins();
+            let joined = self.returning.joins();
             match self.rounds(form.clone(), &mut y, Some(h.as_ref()), most, log) {
                 Ok(Ended::Settled(found)) if !grow(&mut form, &found.states) => {
                     return Ok(Some(self.accepted(*found, y, &form, log)));
                 }
                 Ok(Ended::Settled(_)) => {}
-                Ok(Ended::Not(other, None)) if grow(&mut form, &other) || self.joins() > joined => {
-                }
+                Ok(Ended::Not(other, None))
+                    if grow(&mut form, &other) || self.returning.joins() > joined => {}
                 Err(Failure::Stopped) => return Err(Failure::Stopped),
                 Ok(Ended::Not(..)) | Err(_) => break,
             }
@@ -221,14 +226,9 @@ impl Search<'_, '_> {
         }
     }
 
-    /// Number of faces that are joined.
-    pub(super) fn joins(&self) -> usize {
-        self.joined.iter().filter(|joined| **joined).count()
-    }
-
     /// What was found with an H that acts on all that `form` constrains, and with faces that are joined.
     fn accepted(&self, found: Found, x: Iterate, form: &[ContactState], log: &mut Log) -> Settled {
-        let joined = self.joined.iter().zip(&found.states);
+        let joined = self.returning.joined.iter().zip(&found.states);
         let joined = joined.filter(|(joined, s)| **joined && **s != ContactState::Open);
         let faces = beyond(form, &found.states).max(joined.count());
         if faces > 0 {

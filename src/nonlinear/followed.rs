@@ -89,7 +89,7 @@ impl Search<'_, '_> {
         let mut turns = Turns::new(problem.faces().len());
         let mut before = Vec::new();
         let flows = self.attempt.flow.is_some();
-        let is_over = |natural: &Natural<'_>| natural.is_over() || !flows && natural.creeps();
+        let is_over = |natural: &Natural<'_>| natural.is_over() || natural.creeps();
         while log.rounds < last && !log.is_spent(max_krylov) && !is_over(&natural) {
             let round = log.rounds;
             log.rounds += 1;
@@ -114,16 +114,16 @@ impl Search<'_, '_> {
             if self.observer.observe(&step).is_break() {
                 return Err(Failure::Stopped);
             }
-            if changed == 0 && natural.is_close() {
+            if changed == 0 && (natural.is_close() || flows && natural.is_solved()) {
                 if !natural.is_whole() {
                     return Ok(Descent::Close);
                 }
-                let joined = self.joins();
+                let joined = self.returning.joins();
                 if let Some(settled) = self.finished(&before, x, h, log)? {
                     return Ok(Descent::Settled(Box::new(settled)));
                 }
                 // pressures stay, and so does what is found with them
-                if flows && self.joins() == joined {
+                if flows && self.returning.joins() == joined {
                     return Ok(Descent::Close);
                 }
             }

@@ -44,6 +44,7 @@ mod pressed;
 mod problem;
 mod record;
 mod remarks;
+mod returning;
 mod rounds;
 mod simulation;
 mod springs;

@@ -34,6 +34,9 @@ const CREEPING: usize = 10;
 /// √m over `√(Σ_f A_f ‖t‖²/κ)` from which on rounds may finish. Unit: 1.
 const CLOSE: f64 = 1e-5;
 
+/// Relative residual that is rounding. Unit: 1.
+const ROUNDING: f64 = 1e-12;
+
 /// Steps at most.
 const MOST: usize = 80;
 
@@ -63,6 +66,8 @@ pub(super) struct Natural<'s> {
     share: f64,
     /// √m over that of the tractions.
     distance: f64,
+    /// Relative residual that the last step began with.
+    left: f64,
 }
 
 impl<'s> Natural<'s> {
@@ -91,6 +96,7 @@ impl<'s> Natural<'s> {
             creeping: 0,
             share,
             distance: f64::INFINITY,
+            left: f64::INFINITY,
         }
     }
 
@@ -107,6 +113,11 @@ impl<'s> Natural<'s> {
     /// True where the last step led to a solution, or nearly.
     pub(super) fn is_close(&self) -> bool {
         self.distance <= CLOSE
+    }
+
+    /// True where the last step began with no more than rounding in the equations: where no face bears anything m is rounding, too.
+    pub(super) fn is_solved(&self) -> bool {
+        self.left <= ROUNDING
     }
 
     /// True with the whole friction of every face.
@@ -186,6 +197,7 @@ impl<'s> Natural<'s> {
         let record = attempt.record([round, 0], faces, forcing, residual);
         records.push(record.solved(&solved, length));
         self.steps += 1;
+        self.left = residual;
         self.creeping = match there.merit < (1.0 - CREEP) * here.merit {
             true => 0,
             false => self.creeping + 1,

@@ -140,8 +140,7 @@ impl Until {
 /// Solves the equations at fixed `states`, from and to `x`; returns the last evaluation and its relative residual, which may
 /// be larger than asked when the steps run out.
 ///
-/// `J δ = −r` to `η = max(last asked/‖r‖, min(forcing, ‖r‖²/‖r_before‖²))` (Eisenstat and Walker, choice 2), at first to `forcing` unless
-/// that step is the only one, with
+/// `J δ = −r` to `η = max(last asked/‖r‖, min(forcing, ‖r‖²/‖r_before‖²))` (Eisenstat and Walker, choice 2), with
 /// backtracking on ‖r‖, or in full with [`Damping`]. With stick and open alone the equations are linear, and one solve does it.
 pub(super) fn newton(
     attempt: &Attempt<'_>,
@@ -185,8 +184,6 @@ pub(super) fn newton(
         let last = rounds.last * until.residual / residual;
         let forcing = match is_linear {
             true => last,
-            false if iteration == 0 && until.steps == 1 => last,
-            false if iteration == 0 => rounds.forcing.max(last),
             false => (size / before).powi(2).min(rounds.forcing).max(last),
         };
         if linear.wanted.is_some_and(|wanted| wanted <= records.len()) {

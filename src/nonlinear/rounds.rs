@@ -6,6 +6,7 @@ use super::cycling::Rounds;
 use super::judge::{Judge, slip_violation};
 use super::linear::Linear;
 use super::newton::{Attempt, Iterate, Until, newton};
+use super::returning::Returning;
 use super::{Evaluation, Event, Failure};
 use crate::contact::ContactState;
 use fracas_operators::sparse::Csr;
@@ -39,10 +40,8 @@ pub(super) struct Search<'a, 's> {
     pub(super) linear: &'a mut Linear,
     /// Newton with the whole of weakening has failed in this attempt.
     pub(super) damped: bool,
-    /// States have returned in this attempt beside a flow: Newton is solved before the faces are judged.
-    pub(super) patient: bool,
-    /// [Joined](crate::flow::FlowStep::joined) faces: those that were open in rounds that returned in spite of that.
-    pub(super) joined: Vec<bool>,
+    /// Faces that return beside a flow, and what is held of them.
+    pub(super) returning: Returning,
     /// What rounding kept from the tolerance beside the last solution of the natural map.
     pub(super) rounding: Option<Failure>,
     pub(super) observer: &'a mut dyn Observer,
@@ -66,20 +65,32 @@ impl Search<'_, '_> {
             error: judged.map_or(self.attempt.unjudged(), |judged| judged.error),
             unstable: None,
             flow: None,
-            joined: self.joined.clone(),
+            joined: self.returning.joined.clone(),
             wells: Vec::new(),
         }
     }
 
     /// At most `most` rounds, H that of the states or the given one.
     ///
-    /// Where states return beside a flow, Newton is solved from then on before the faces are judged. Where they still do, faces that were
-    /// open are joined: the stabilization of pressures acts between open faces, so that opening one would change its pressure at once.
+    /// Where states return beside a flow, or a face opens and closes over and over, what changes with them is held ([`Returning`]).
     ///
     /// While states change, Newton takes at most `loose_steps` steps and stops at `loose`, and only violations beyond that count; once no
     /// face changes it is solved, and the faces are judged, to the tolerances asked. Then the errors of u and t are judged, and
     /// Newton goes on until they are below the tolerance, too, or rounding leaves no more to gain.
     pub(super) fn rounds(
+        &mut self,
+        states: Vec<ContactState>,
+        x: &mut Iterate,
+        fixed: Option<Option<&Csr<f64>>>,
+        most: usize,
+        log: &mut Log,
+    ) -> Result<Ended, Failure> {
+        self.returning.begin();
+        self.rounds_holding(states, x, fixed, most, log)
+    }
+
+    /// The same with what is held by now.
+    fn rounds_holding(
         &mut self,
         mut states: Vec<ContactState>,
         x: &mut Iterate,
@@ -89,8 +100,8 @@ impl Search<'_, '_> {
     ) -> Result<Ended, Failure> {
         let (joining, own);
         let attempt = match self.attempt.flow {
-            Some(step) if !self.joined.is_empty() => {
-                joining = step.joining(&self.joined);
+            Some(step) if !self.returning.joined.is_empty() => {
+                joining = step.joining(&self.returning.joined);
                 own = Attempt {
                     flow: Some(&joining),
                     ..self.attempt.clone()
@@ -101,12 +112,10 @@ impl Search<'_, '_> {
         };
         let problem = attempt.problem;
         let settings = problem.body().solver;
+        let allowed = settings.rounds.loose_steps.min(settings.max_newton);
         let mut loose = Until {
             residual: settings.tolerance.max(settings.rounds.loose),
-            steps: match self.patient {
-                true => settings.max_newton,
-                false => attempt.loose_steps(settings.rounds.loose_steps.min(settings.max_newton)),
-            },
+            steps: attempt.loose_steps(allowed, self.returning.holds()),
             lagged: self.damped,
         };
         let tight = Until {
@@ -127,7 +136,7 @@ impl Search<'_, '_> {
         let weakens = problem.weakens();
         let mut rounds = Rounds::default();
         let mut h = match fixed {
-            None => problem.stabilization(&states),
+            None => problem.stabilization(&self.returning.form(&states)),
             Some(_) => None,
         };
         let _ = rounds.enter(&states);
@@ -140,7 +149,7 @@ impl Search<'_, '_> {
             true => lagging,
             false => loose,
         };
-        for _ in 0..most {
+        for done in 0..most {
             let round = log.rounds;
             log.rounds += 1;
             log.states.clone_from(&states);
@@ -193,6 +202,8 @@ impl Search<'_, '_> {
             };
             let changes = self.judge.changes(&states, x, &at, zero);
             let mut changes = attempt.with_openings(&states, changes)?;
+            self.returning
+                .spare(attempt, &states, (x, &at), &mut changes);
             // new-slip to slip leaves the equations as they are
             let renamed = |(f, state): &(usize, ContactState)| {
                 states[*f] == ContactState::NewSlip && *state == ContactState::Slip
@@ -281,30 +292,25 @@ impl Search<'_, '_> {
                 state.constrained() != states[*f].constrained()
             };
             let other_h = changes.iter().any(other_h);
+            let held = attempt.flow.is_some() && self.returning.see(&states, &changes);
             for (f, state) in &changes {
                 states[*f] = *state;
             }
             log.changing = changes.into_iter().map(|(f, _)| f).collect();
+            if held {
+                return self.rounds_holding(states, x, fixed, most - done - 1, log);
+            }
             if other_h && fixed.is_none() {
-                h = problem.stabilization(&states);
+                h = problem.stabilization(&self.returning.form(&states));
             }
             if let Some(cycle) = rounds.enter(&states) {
                 log.events.push(Event::Cycle {
                     round: round + 1,
                     period: cycle.period,
-                    faces: cycle.faces,
+                    faces: cycle.faces.clone(),
                 });
-                if attempt.flow.is_some() {
-                    if !self.patient {
-                        self.patient = true;
-                        loose.steps = settings.max_newton;
-                        until = loose;
-                        rounds = Rounds::default();
-                        let _ = rounds.enter(&states);
-                        continue;
-                    }
-                    self.joined.resize(states.len(), false);
-                    cycle.opened.iter().for_each(|f| self.joined[*f] = true);
+                if attempt.flow.is_some() && self.returning.entered(&cycle) {
+                    return self.rounds_holding(states, x, fixed, most - done - 1, log);
                 }
                 return Ok(Ended::Not(cycle.most_constrained, None));
             }

@@ -19,7 +19,7 @@ pub struct Rounds {
     pub patience: usize,
     /// Rounds with which an attempt to finish may do after Newton on all faces at once.
     pub finishing: usize,
-    /// Largest relative residual of a linear solve, and that of the first one of several. Half changes a random run by 0.2 %. Unit: 1.
+    /// Largest relative residual of a linear solve. Half changes a random run by 0.2 %. Unit: 1.
     pub forcing: f64,
     /// Residual of the last linear solve over the one that Newton is asked for. The three scenes take 397, 393, 372 Krylov iterations with
     /// half, this and double. Unit: 1.

@@ -109,6 +109,7 @@ struct Ends {
     reasons: BTreeMap<&'static str, Vec<u64>>,
     newton: Vec<usize>,
     rounds: Vec<usize>,
+    krylov: Vec<usize>,
     cuts: usize,
     /// Steps in which a stabilization acts on more than the states ask for.
     stabilized: usize,
@@ -116,18 +117,42 @@ struct Ends {
     loss: (f64, u64),
 }
 
+/// What a step took, and what happened.
+fn tell(step: &Accepted) {
+    let record = &step.record;
+    println!(
+        "   step {} to {:.3e} s: Newton {}, rounds {}, Krylov {}, cuts {}, faces {:?}: {:?}",
+        record.step,
+        record.time,
+        record.newton_it,
+        record.active_it,
+        record.lin_it,
+        record.cuts,
+        record.faces,
+        step.events
+    );
+}
+
 fn ends(seeds: std::ops::Range<u64>) -> Ends {
     let mut ends = Ends::default();
+    let shows = std::env::var("FRACAS_SHOW").is_ok();
     for seed in seeds {
         let start = Instant::now();
         let scene = scene(seed);
         let body = scene.build().unwrap();
         let held = toml(seed, "auto").contains("edge =");
         let run = run(&body, held);
+        if let (true, Some(why)) = (shows, &run.why) {
+            println!("   failed: Newton {}, {:?}", why.linear.len(), why.events);
+        }
         for step in &run.steps {
             ends.newton.push(step.record.newton_it);
             ends.rounds.push(step.record.active_it);
             ends.cuts += step.record.cuts;
+            ends.krylov.push(step.record.lin_it);
+            if shows {
+                tell(step);
+            }
             let stabilized = |e: &Event| matches!(e, Event::Stabilized { .. });
             ends.stabilized += usize::from(step.events.iter().any(stabilized));
         }
@@ -174,7 +199,12 @@ impl Ends {
         }
         let of = |list: &[usize]| [0.5, 0.95, 1.0].map(|q| quantile(list, q));
         let (newton, rounds) = (of(&self.newton), of(&self.rounds));
-        println!("Newton {newton:?}, rounds {rounds:?} per step");
+        let sum = |list: &[usize]| list.iter().sum::<usize>();
+        println!(
+            "Newton {newton:?}, rounds {rounds:?} per step; in all {} Newton, {} Krylov",
+            sum(&self.newton),
+            sum(&self.krylov)
+        );
     }
 
     /// At least `share` of `runs` finished; what did not says why, and nothing was lost.

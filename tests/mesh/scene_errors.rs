@@ -49,7 +49,7 @@ fn the_scene_itself_is_fine() {
 fn unknown_keys_and_values_get_their_nearest_match_and_their_line() {
     assert_eq!(
         refused("cells = 4", "cels = 4"),
-        "s.toml:4:33: unknown key `cels`, did you mean `cells`?; known here: from, to, cells, ratio, toward, size, growth, near, fine, lines\n  |\n4 | x = { from = \"0 m\", to = \"4 m\", cels = 4 }\n  |                                 ^^^^"
+        "s.toml:4:33: unknown key `cels`, did you mean `cells`?; known here: from, to, cells, ratio, toward, size, growth, largest, near, fine, through, lines\n  |\n4 | x = { from = \"0 m\", to = \"4 m\", cels = 4 }\n  |                                 ^^^^"
     );
     let text = refused("hold = \"fixed\"", "hold = \"roler\"");
     assert!(
