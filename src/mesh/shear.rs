@@ -96,7 +96,7 @@ pub(super) fn lean(
                 (false, _, true) => ((after - s) / (after - p.at)).max(0.0),
                 _ => 1.0,
             };
-            x[plane] += weight * (z.clamp(p.reach[0], p.reach[1]) - p.level) * p.slope;
+            x[plane] += weight * p.shift(z);
         }
     }
 }

@@ -42,15 +42,14 @@ fn store(seed: u64) -> String {
         "compartments = [\n{{ material = 'west', layer = 'reservoir', x = ['{west}', '0 m'], y = ['0 m', '{north}'] }},\n\
          {{ material = 'east', layer = 'reservoir', x = ['0 m', '{east}'], y = ['0 m', '{north}'] }},\n]\n"
     );
-    let stiff = |r: &mut Random, low: f64, high: f64| r.scale(low, high);
-    let reservoir = stiff(r, 3.0, 40.0);
+    let reservoir = r.scale(3.0, 40.0);
     let drawdown = [r.between(0.0, 250.0), r.between(0.0, 250.0)];
     let biot = r.between(0.5, 1.0);
     for (name, young) in [
-        ("overburden", stiff(r, 3.0, 30.0)),
-        ("salt", stiff(r, 20.0, 50.0)),
+        ("overburden", r.scale(3.0, 30.0)),
+        ("salt", r.scale(20.0, 50.0)),
         ("reservoir", reservoir),
-        ("underburden", stiff(r, 10.0, 60.0)),
+        ("underburden", r.scale(10.0, 60.0)),
         ("west", reservoir),
         (
             "east",
