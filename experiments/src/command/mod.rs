@@ -36,6 +36,7 @@ mod study;
 use crate::allocation::{exit_on_refusal, share_arena_below_limit};
 use crate::sentence;
 use clap::{Parser, Subcommand};
+use fracas_operators::simd::Level;
 use interrupt::Signal;
 pub use page::{PageSteps, write as write_page};
 pub use residuals::Residuals;
@@ -49,6 +50,9 @@ pub struct Arguments {
     /// Threads; results do not depend on it [default: all cores; one on each rank of --engine petsc].
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MAX_THREADS))]
     threads: Option<u16>,
+    /// Instruction set, to see the digits of a machine without a better one [default: the best of this machine].
+    #[arg(long, global = true, value_name = "SET", value_parser = instructions)]
+    instructions: Option<Level>,
     #[command(subcommand)]
     command: Command,
 }
@@ -104,10 +108,24 @@ const MAX_THREADS: i64 = 1024;
 /// Exit status of bad input.
 const BAD_INPUT: u8 = 2;
 
+/// An instruction set of this machine by the first word of its name.
+fn instructions(name: &str) -> Result<Level, String> {
+    let word = |level: Level| level.name().split(' ').next().unwrap_or_default();
+    Level::supported()
+        .find(|level| word(*level) == name)
+        .ok_or_else(|| {
+            let names: Vec<&str> = Level::supported().map(word).collect();
+            format!("this machine has {}", names.join(", "))
+        })
+}
+
 /// Runs a command on a pool of its own and returns the exit status.
 pub fn main(arguments: &Arguments) -> ExitCode {
     share_arena_below_limit();
     interrupt::warn(exit_on_refusal(BAD_INPUT.into()));
+    if let Some(level) = arguments.instructions {
+        level.prefer();
+    }
     let threads = arguments.threads.map(usize::from);
     let threads = threads.unwrap_or_else(|| arguments.command.threads());
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();

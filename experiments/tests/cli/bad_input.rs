@@ -40,6 +40,7 @@ fn arguments_that_do_not_exist() {
     );
     refused(&["--threads", "0", "list"], "invalid value '0'");
     refused(&["--threads", "100000", "list"], "is not in 1..=1024");
+    refused(&["--instructions", "mmx", "list"], "this machine has ");
     refused(
         &["spectrum", "patch", "--plot", "figure.png"],
         "let the name end in .svg",

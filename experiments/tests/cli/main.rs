@@ -11,6 +11,7 @@ mod explain;
 mod fault;
 mod geometric;
 mod gmsh;
+mod instructions;
 mod memory;
 mod modes;
 mod output;

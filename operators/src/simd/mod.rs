@@ -25,6 +25,7 @@ pub(crate) fn run_portable<R: Real>(kernel: impl Kernel<R>) {
 
 use crate::Real;
 use std::ops::{Add, Div, Mul, Sub};
+use std::sync::OnceLock;
 
 /// Largest [`Lanes::WIDTH`] of any level and scalar: paddings of this length suit all of them.
 pub const MAX_WIDTH: usize = 16;
@@ -104,6 +105,9 @@ enum Set {
     Portable,
 }
 
+/// What all of this process use.
+static BEST: OnceLock<Level> = OnceLock::new();
+
 impl Level {
     /// Instruction sets of this machine, best first.
     pub fn supported() -> impl Iterator<Item = Self> {
@@ -121,9 +125,15 @@ impl Level {
         sets.into_iter().flatten()
     }
 
-    /// The best instruction set of this machine.
+    /// The best instruction set of this machine, or the one that was [preferred](Self::prefer).
     pub fn best() -> Self {
-        Self::supported().next().unwrap_or(Self(Set::Portable))
+        *BEST.get_or_init(|| Self::supported().next().unwrap_or(Self(Set::Portable)))
+    }
+
+    /// Takes this instruction set for all that follows in this process: sums are rounded as on a machine that has no better one. False
+    /// where another one is in use already.
+    pub fn prefer(self) -> bool {
+        *BEST.get_or_init(|| self) == self
     }
 
     /// Its name.

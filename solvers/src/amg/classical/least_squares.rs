@@ -114,7 +114,10 @@ impl<const K: usize> Search<K> {
                 self.coarse.push((*j, self.weight[at]));
             }
         }
-        let order = |a: &(u32, f64), b: &(u32, f64)| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0));
+        // sums over paths in another order are equal in f32
+        let size = |entry: &(u32, f64)| entry.1 as f32;
+        let order =
+            |a: &(u32, f64), b: &(u32, f64)| size(b).total_cmp(&size(a)).then(a.0.cmp(&b.0));
         self.coarse.sort_unstable_by(order);
     }
 

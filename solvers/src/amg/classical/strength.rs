@@ -9,11 +9,13 @@ const KEPT: usize = 40;
 
 /// Part of the strongest connection of either end that a connection needs. Unit: 1.
 /// Source: Ruge & Stüben, *Multigrid Methods* (1987), for problems in three dimensions.
-const RELATIVE: f64 = 0.25;
+const RELATIVE: f32 = 0.25;
 
 /// Symmetric graph of the strong connections `s_ij = ‖A_ij‖_F / √(‖A_ii‖_F ‖A_jj‖_F)`.
+///
+/// Strengths have the digits of f32, so that those which differ by rounding alone, as on every grid of like cells, are equal.
 #[derive(Clone, Debug)]
-pub(super) struct Strength(SparseRows<f64>);
+pub(super) struct Strength(SparseRows<f32>);
 
 impl Strength {
     /// Connections that reach a quarter of the strongest and belong to the 40 strongest of either end; equals are all
@@ -28,7 +30,7 @@ impl Strength {
         Self::above(a, None, 0.0, usize::MAX)
     }
 
-    fn above(a: &NodeBlocks, bonds: Option<&Pattern>, relative: f64, kept: usize) -> Self {
+    fn above(a: &NodeBlocks, bonds: Option<&Pattern>, relative: f32, kept: usize) -> Self {
         let n = a.pattern.rows();
         let own: Vec<f64> = (0..n)
             .map(|i| norm_squared(diagonal(a, i)).sqrt())
@@ -36,17 +38,17 @@ impl Strength {
         let strong = |i: usize| {
             let own = &own;
             a.row(i).filter_map(move |(j, block)| {
-                let weight = norm_squared(block).sqrt() / (own[i] * own[j]).sqrt();
+                let weight = (norm_squared(block).sqrt() / (own[i] * own[j]).sqrt()) as f32;
                 let bonded = bonds.is_none_or(|b| b.row(i).binary_search(&(j as u32)).is_ok());
                 (j != i && weight > 0.0 && bonded).then_some((j, weight))
             })
         };
-        let mut row: Vec<f64> = Vec::new();
-        let least: Vec<f64> = (0..n)
+        let mut row: Vec<f32> = Vec::new();
+        let least: Vec<f32> = (0..n)
             .map(|i| {
                 row.clear();
                 row.extend(strong(i).map(|entry| entry.1));
-                let strongest = row.iter().copied().fold(0.0, f64::max);
+                let strongest = row.iter().copied().fold(0.0, f32::max);
                 if row.len() <= kept {
                     return relative * strongest;
                 }
@@ -74,6 +76,6 @@ impl Strength {
 
     /// Neighbours of a node with the strength of the connection.
     pub(super) fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> {
-        self.0.row(i).map(|(j, strength)| (j, *strength))
+        self.0.row(i).map(|(j, strength)| (j, f64::from(*strength)))
     }
 }
