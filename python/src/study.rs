@@ -2,6 +2,7 @@
 
 use crate::error::{Kind, of_any};
 use crate::work::apart;
+use fracas_experiments::report::Formats;
 use fracas_experiments::study::{Engine, Study, Taken, gallery};
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
@@ -33,6 +34,7 @@ pub(crate) fn study(
             study: &study,
             out: &out,
             jobs,
+            formats: Formats::default(),
         };
         let mut raised = None;
         let ended = engine.run(&stop, |row: &Taken| {

@@ -2,7 +2,7 @@
 
 use super::{Status, output};
 use crate::fault::{FaultFile, curve, findings, sample};
-use crate::report::Sheet;
+use crate::report::{Formats, Sheet};
 use clap::Args;
 use fracas::analytic::RESOLVED;
 use std::io::Write;
@@ -117,7 +117,7 @@ impl Fault {
                 lead: "Slip of a straight fault in a homogeneous full space, plane strain; stress of the depleting blocks in closed form.",
                 findings: &findings,
             };
-            sheet.write(folder)?;
+            sheet.write(folder, Formats::default())?;
             writeln!(out, "{}", folder.join("report.html").display())?;
         }
         Ok(Status::Done)

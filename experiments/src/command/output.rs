@@ -60,8 +60,13 @@ pub(super) fn json(path: &Path, value: &impl Serialize, out: &mut dyn Write) -> 
 
 /// Writes a file, whole or not at all, creating its folder.
 pub(super) fn text(path: &Path, text: &str) -> anyhow::Result<()> {
+    file(path, text)
+}
+
+/// The same of any content.
+pub(super) fn file(path: &Path, content: &(impl AsRef<[u8]> + ?Sized)) -> anyhow::Result<()> {
     create_parent(path)?;
-    write_whole(path, text)
+    write_whole(path, content)
 }
 
 /// Two columns, aligned.

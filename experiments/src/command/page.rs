@@ -7,7 +7,7 @@ mod steps;
 mod unit;
 
 use crate::plot::{Axis, Figure, Mark, Series};
-use crate::report::{FIGURES, Findings, Panels, Sheet, Table};
+use crate::report::{FIGURES, Findings, Formats, Panels, Sheet, Table};
 use anyhow::Context;
 use fracas::run::{History, Running};
 use fracas::scene::Scene;
@@ -69,7 +69,7 @@ pub fn write(
         }
         _ => {}
     }
-    sheet.write(out)
+    sheet.write(out, Formats::default())
 }
 
 /// Sections of the body and every fracture at these steps, and what is to be said.

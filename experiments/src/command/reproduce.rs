@@ -1,6 +1,7 @@
 //! `fracas reproduce`: figures and tables, beside the published numbers.
 
 use super::progress::Progress;
+use super::study::Also;
 use super::{Status, output};
 use crate::list::{EXPERIMENTS, SHORT_SELECTION, find};
 use crate::report::{Experiment, Level, run_chapter, write_report};
@@ -20,6 +21,8 @@ pub(super) struct Reproduce {
     /// Folder for report.html and one subfolder per experiment.
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
+    #[command(flatten)]
+    also: Also,
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -52,7 +55,12 @@ impl Reproduce {
                 experiment.id(),
                 experiment.question()
             ));
-            let chapter = run_chapter(experiment, level, &self.out, &mut progress)?;
+            let chapter = run_chapter(
+                experiment,
+                level,
+                (&self.out, self.also.formats()),
+                &mut progress,
+            )?;
             let verdict = if chapter.passed() { "holds" } else { "FAILS" };
             writeln!(out, "{} {verdict}: {}", experiment.id(), experiment.title())?;
             chapters.push(chapter);

@@ -32,17 +32,22 @@ pub(super) struct Spectrum {
     /// Report as JSON; `-` writes it to standard output, in place of the lines.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Figure of the eigenvalues; its numbers go into a CSV file beside it, and with --pseudospectra GMRES and its bounds into NAME_gmres.svg.
-    #[arg(long, value_name = "FILE.svg", value_parser = svg)]
+    /// Figure of the eigenvalues, SVG or PDF; its numbers go into a CSV file beside it, and with --pseudospectra GMRES and its bounds into NAME_gmres.svg.
+    #[arg(long, value_name = "FILE.svg", value_parser = drawable)]
     plot: Option<PathBuf>,
 }
 
-fn svg(text: &str) -> Result<PathBuf, String> {
+fn drawable(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
-    match path.extension() {
-        Some(extension) if extension.eq_ignore_ascii_case("svg") => Ok(path),
-        _ => Err("figures are SVG: let the name end in .svg".into()),
+    match ["svg", "pdf"].iter().any(|end| has_end(&path, end)) {
+        true => Ok(path),
+        false => Err("figures are SVG or PDF: let the name end in .svg or .pdf".into()),
     }
+}
+
+fn has_end(path: &Path, end: &str) -> bool {
+    path.extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case(end))
 }
 
 impl Spectrum {
@@ -99,14 +104,18 @@ impl Spectrum {
 }
 
 fn draw(path: &Path, figure: &plot::Figure) -> anyhow::Result<()> {
-    output::text(path, &figure.to_svg()?)?;
+    match has_end(path, "pdf") {
+        true => output::file(path, &figure.to_pdf()?)?,
+        false => output::text(path, &figure.to_svg()?)?,
+    }
     output::text(&path.with_extension("csv"), &figure.to_csv())
 }
 
 /// `NAME_gmres.svg` beside `NAME.svg`.
 fn beside(path: &Path) -> PathBuf {
-    let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    path.with_file_name(format!("{name}_gmres.svg"))
+    let [name, end] = [path.file_stem(), path.extension()];
+    let [name, end] = [name, end].map(|part| part.unwrap_or_default().to_string_lossy());
+    path.with_file_name(format!("{name}_gmres.{end}"))
 }
 
 /// `a, b, c`, or that there is nothing.

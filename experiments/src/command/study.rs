@@ -2,6 +2,7 @@
 
 use super::Status;
 use super::interrupt::{self, Signals};
+use crate::report::Formats;
 use crate::study::{Engine, Study as File, gallery};
 use anyhow::bail;
 use clap::Args;
@@ -30,6 +31,22 @@ pub(super) struct Place {
     /// Rows at once, each on its share of the threads; times are then not comparable.
     #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u16).range(1..=256))]
     jobs: u16,
+    #[command(flatten)]
+    also: Also,
+}
+
+/// What figures are written as, besides SVG and CSV.
+#[derive(Args, Clone, Copy, Debug)]
+pub(super) struct Also {
+    /// Every figure as PDF, too, with its letters embedded.
+    #[arg(long)]
+    pdf: bool,
+}
+
+impl Also {
+    pub(super) fn formats(self) -> Formats {
+        Formats { pdf: self.pdf }
+    }
 }
 
 impl Study {
@@ -56,6 +73,7 @@ impl Place {
             study,
             out: &self.out,
             jobs: self.jobs.into(),
+            formats: self.also.formats(),
         };
         let bar = std::io::stderr().is_terminal().then(bar);
         let ended = engine.run(&Signals, |row| {

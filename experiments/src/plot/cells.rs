@@ -1,7 +1,7 @@
 //! Values on quadrilaterals as colours, with a bar that says which is which.
 
 use super::axis::Axis;
-use super::canvas::{Anchor, Canvas, DrawError, Quads, fitting_size, text_width};
+use super::canvas::{Anchor, Canvas, Quads, fitting_size, text_width};
 use super::draw::{Frame, tick_count};
 use super::palette;
 use plotters::style::{BLACK, Color, RGBColor};
@@ -138,7 +138,7 @@ impl Frame<'_> {
         let Some(cells) = &self.figure.cells else {
             return quads;
         };
-        let mut add = |corners: &[[f64; 2]; 4], step| quads.add(&grown(corners), cells.color(step));
+        let mut add = |corners: &[[f64; 2]; 4], step| quads.add(grown(corners), cells.color(step));
         let flat = |[l, r, t, b]: [f64; 4]| [[l, b], [r, b], [r, t], [l, t]];
         let mut row: Option<([f64; 4], usize)> = None;
         for (quad, value) in cells.quads.iter().zip(&cells.values) {
@@ -180,7 +180,7 @@ impl Frame<'_> {
         let [left, right] = self.bar_ends();
         let steps = cells.steps();
         let y = |k: usize| self.top + self.height * (1.0 - k as f64 / steps as f64);
-        (0..steps).for_each(|k| quads.add(&flat([left, right, y(k + 1), y(k)]), cells.color(k)));
+        (0..steps).for_each(|k| quads.add(flat([left, right, y(k + 1), y(k)]), cells.color(k)));
         quads
     }
 
@@ -190,9 +190,9 @@ impl Frame<'_> {
     }
 
     /// Frame, ticks and label of the bar.
-    pub(super) fn bar(&self, canvas: &Canvas<'_>) -> Result<(), DrawError> {
+    pub(super) fn bar(&self, canvas: &Canvas) {
         let Some(cells) = &self.figure.cells else {
-            return Ok(());
+            return;
         };
         let [left, right] = self.bar_ends();
         let y = |place: f64| self.top + (1.0 - place) * self.height;
@@ -204,19 +204,19 @@ impl Frame<'_> {
             [left, high],
             [left, low],
         ];
-        canvas.line(&ring, BLACK.mix(1.0), 0.8)?;
+        canvas.line(&ring, BLACK.mix(1.0), 0.8);
         if let Colors::Classes(names) = &cells.colors {
             for (k, name) in names.iter().enumerate() {
                 let at = y((k as f64 + 0.5) / cells.steps() as f64);
                 let size = fitting_size(name, TICK_SIZE, CLASS_SPACE);
-                canvas.text([right + 5.0, at], name, size, Anchor::Left)?;
+                canvas.text([right + 5.0, at], name, size, Anchor::Left);
             }
-            return Ok(());
+            return;
         }
         for (value, label) in cells.ticks(self.height) {
             let at = y(cells.place(value));
-            canvas.line(&[[right, at], [right + 4.0, at]], BLACK.mix(1.0), 0.8)?;
-            canvas.text([right + NUMBERS, at], &label, TICK_SIZE, Anchor::Left)?;
+            canvas.line(&[[right, at], [right + 4.0, at]], BLACK.mix(1.0), 0.8);
+            canvas.text([right + NUMBERS, at], &label, TICK_SIZE, Anchor::Left);
         }
         let numbers = cells.widest(self.height).max(28.0);
         let beside = [right + NUMBERS + numbers + LABEL_SPACE, 0.5 * (low + high)];

@@ -1,10 +1,10 @@
-//! From a figure to SVG.
+//! From a figure to a page.
 
 use super::axis::{Scale, Tick};
-use super::canvas::{Anchor, Canvas, DrawError, draw_page, fitting_size, text_width};
+use super::canvas::{Anchor, Canvas, Page, fitting_size, text_width};
 use super::figure::{Figure, Mark, Region, Series};
 use super::legend::Legend;
-use super::palette;
+use super::{palette, pdf, svg};
 use plotters::style::{BLACK, Color, RGBColor};
 
 /// Page width, in points: a column and a half of a journal.
@@ -56,7 +56,27 @@ impl Figure {
         self.to_svg_of(PANEL)
     }
 
-    fn to_svg_of(&self, page_width: f64) -> anyhow::Result<String> {
+    fn to_svg_of(&self, width: f64) -> anyhow::Result<String> {
+        Ok(self.described(&svg::write(&self.page(width))?))
+    }
+
+    /// The figure as a PDF of one page, the letters that it shows embedded.
+    ///
+    /// # Errors
+    /// A font that cannot be read; the one that is part of the program can.
+    pub fn to_pdf(&self) -> anyhow::Result<Vec<u8>> {
+        pdf::write(&self.page(WIDTH), &self.shown_title(), &self.caption)
+    }
+
+    /// The same for one of several side by side.
+    ///
+    /// # Errors
+    /// As [`Figure::to_pdf`].
+    pub fn to_panel_pdf(&self) -> anyhow::Result<Vec<u8>> {
+        pdf::write(&self.page(PANEL), &self.shown_title(), &self.caption)
+    }
+
+    fn page(&self, page_width: f64) -> Page {
         let hidden: Vec<usize> = self.series.iter().map(|s| self.hidden(s)).collect();
         let (mut x, mut y) = self.ranges();
         let y_names = matches!(&self.y.scale, Scale::Categories(_));
@@ -104,34 +124,43 @@ impl Figure {
         let below = 43.0;
         let page = top + height + below + legend.height() + 8.0;
         let (size, cells) = ([page_width, page], frame.cells());
-        let grid = |canvas: &Canvas<'_>| frame.grid(canvas, y_names);
-        let svg = draw_page(size, grid, &cells, |canvas| {
-            frame.bar(canvas)?;
-            frame.regions(canvas)?;
-            frame.outlines(canvas)?;
-            frame.slopes(canvas)?;
-            frame.all_series(canvas)?;
-            frame.border(canvas)?;
-            if !self.title.is_empty() {
-                let middle = left + 0.5 * width;
-                let room = 2.0 * middle.min(page_width - middle) - 8.0;
-                let size = fitting_size(&self.title, TITLE_SIZE, room);
-                canvas.text([middle, 18.0], &self.title, size, Anchor::Center)?;
-            }
-            legend.draw(canvas, 0.5 * page_width, top + height + below)
-        })?;
-        Ok(self.described(&svg))
+        let (under, over) = (Canvas::default(), Canvas::default());
+        frame.grid(&under, y_names);
+        frame.bar(&over);
+        frame.regions(&over);
+        frame.outlines(&over);
+        frame.slopes(&over);
+        frame.all_series(&over);
+        frame.border(&over);
+        if !self.title.is_empty() {
+            let middle = left + 0.5 * width;
+            let room = 2.0 * middle.min(page_width - middle) - 8.0;
+            let size = fitting_size(&self.title, TITLE_SIZE, room);
+            over.text([middle, 18.0], &self.title, size, Anchor::Center);
+        }
+        legend.draw(&over, 0.5 * page_width, top + height + below);
+        Page {
+            size,
+            under,
+            cells,
+            over,
+        }
+    }
+
+    /// The title, or what stands for one.
+    fn shown_title(&self) -> String {
+        match (self.title.is_empty(), self.y.label.is_empty()) {
+            (false, _) => self.title.clone(),
+            (true, false) => format!("{} over {}", self.y.label, self.x.label),
+            (true, true) => self.id.clone(),
+        }
     }
 
     /// The page with title and description, for those who do not see it.
     fn described(&self, svg: &str) -> String {
         let escaped =
             |text: &str| (text.replace('&', "&amp;").replace('<', "&lt;")).replace('>', "&gt;");
-        let title = match (self.title.is_empty(), self.y.label.is_empty()) {
-            (false, _) => self.title.clone(),
-            (true, false) => format!("{} over {}", self.y.label, self.x.label),
-            (true, true) => self.id.clone(),
-        };
+        let title = self.shown_title();
         let described = format!(
             "><title>{}</title><desc>{}</desc>",
             escaped(&title),
@@ -218,7 +247,7 @@ impl Frame<'_> {
             && (self.y[0] - slack(self.y)..=self.y[1] + slack(self.y)).contains(&y)
     }
 
-    fn grid(&self, canvas: &Canvas<'_>, y_names: bool) -> Result<(), DrawError> {
+    fn grid(&self, canvas: &Canvas, y_names: bool) {
         let (left, right, top, bottom) = (
             self.left,
             self.left + self.width,
@@ -243,7 +272,7 @@ impl Frame<'_> {
         let major = |t: &&Tick| t.label.is_some();
         for tick in x_ticks.iter().filter(major).filter(|_| !x_names) {
             let x = self.at([tick.at, self.y[0]])[0];
-            canvas.line(&[[x, top], [x, bottom]], GRID.mix(1.0), 0.6)?;
+            canvas.line(&[[x, top], [x, bottom]], GRID.mix(1.0), 0.6);
         }
         for tick in y_ticks.iter().filter(major) {
             let y = self.at([self.x[0], tick.at])[1];
@@ -251,22 +280,22 @@ impl Frame<'_> {
                 &[[left, y], [right, y]],
                 GRID.mix(if y_names { 0.7 } else { 1.0 }),
                 0.6,
-            )?;
+            );
         }
         for tick in &x_ticks {
             let x = self.at([tick.at, self.y[0]])[0];
             let length = if tick.label.is_some() { 5.0 } else { 3.0 };
-            canvas.line(&[[x, bottom], [x, bottom + length]], BLACK.mix(1.0), 0.8)?;
+            canvas.line(&[[x, bottom], [x, bottom + length]], BLACK.mix(1.0), 0.8);
             if let Some(label) = &tick.label {
-                canvas.text([x, bottom + 14.0], label, TICK_SIZE, Anchor::Center)?;
+                canvas.text([x, bottom + 14.0], label, TICK_SIZE, Anchor::Center);
             }
         }
         for tick in &y_ticks {
             let y = self.at([self.x[0], tick.at])[1];
             let length = if tick.label.is_some() { 5.0 } else { 3.0 };
-            canvas.line(&[[left - length, y], [left, y]], BLACK.mix(1.0), 0.8)?;
+            canvas.line(&[[left - length, y], [left, y]], BLACK.mix(1.0), 0.8);
             if let Some(label) = &tick.label {
-                canvas.text([left - 8.0, y], label, TICK_SIZE, Anchor::Right)?;
+                canvas.text([left - 8.0, y], label, TICK_SIZE, Anchor::Right);
             }
         }
         canvas.text(
@@ -274,7 +303,7 @@ impl Frame<'_> {
             &self.figure.x.label,
             LABEL_SIZE,
             Anchor::Center,
-        )?;
+        );
         canvas.text(
             [14.0, 0.5 * (top + bottom)],
             &self.figure.y.label,
@@ -283,7 +312,7 @@ impl Frame<'_> {
         )
     }
 
-    fn border(&self, canvas: &Canvas<'_>) -> Result<(), DrawError> {
+    fn border(&self, canvas: &Canvas) {
         let (l, r, t, b) = (
             self.left,
             self.left + self.width,
@@ -297,7 +326,7 @@ impl Frame<'_> {
         )
     }
 
-    fn regions(&self, canvas: &Canvas<'_>) -> Result<(), DrawError> {
+    fn regions(&self, canvas: &Canvas) {
         for (k, shade) in self.figure.shades.iter().enumerate() {
             let color = palette::shade(k);
             let mut corners = match &shade.region {
@@ -326,27 +355,25 @@ impl Frame<'_> {
                         [a[0], a[1] + h],
                     ],
                     color.mix(0.5),
-                )?;
+                );
                 continue;
             }
             if page.len() > 2 {
-                canvas.fill(&page, color.mix(0.22))?;
+                canvas.fill(&page, color.mix(0.22));
                 page.push(page[0]);
-                canvas.line(&page, color.mix(1.0), 0.8)?;
+                canvas.line(&page, color.mix(1.0), 0.8);
             }
         }
-        Ok(())
     }
 
     /// Lines of a section: bodies, materials, fractures.
-    fn outlines(&self, canvas: &Canvas<'_>) -> Result<(), DrawError> {
+    fn outlines(&self, canvas: &Canvas) {
         for outline in &self.figure.outlines {
             let shown = outline.points.iter();
             let shown = shown.filter_map(|p| self.figure.place(*p));
             let page: Vec<[f64; 2]> = shown.map(|p| self.at(self.clamped(p))).collect();
-            canvas.line(&page, BLACK.mix(1.0), outline.width)?;
+            canvas.line(&page, BLACK.mix(1.0), outline.width);
         }
-        Ok(())
     }
 
     pub(super) fn clamped(&self, [x, y]: [f64; 2]) -> [f64; 2] {
@@ -354,7 +381,7 @@ impl Frame<'_> {
     }
 
     /// `log y = log y0 + order (log x − log x0)`, as far as the box reaches.
-    fn slopes(&self, canvas: &Canvas<'_>) -> Result<(), DrawError> {
+    fn slopes(&self, canvas: &Canvas) {
         for slope in &self.figure.slopes {
             let Some([x0, y0]) = self.figure.place(slope.through) else {
                 continue;
@@ -370,7 +397,7 @@ impl Frame<'_> {
                 continue;
             };
             let gray = RGBColor(110, 110, 110);
-            canvas.dashed(&[self.at(*first), self.at(*last)], gray.mix(1.0), 1.0)?;
+            canvas.dashed(&[self.at(*first), self.at(*last)], gray.mix(1.0), 1.0);
             // The label stands beside the line, an eighth of the way along.
             let ([x0, y0], [x1, y1]) = (self.at(*first), self.at(*last));
             let (dx, dy, length) = (x1 - x0, y1 - y0, (x1 - x0).hypot(y1 - y0).max(1.0));
@@ -380,8 +407,7 @@ impl Frame<'_> {
                 x0 + 0.125 * dx + away * dy / length,
                 y0 + 0.125 * dy - away * dx / length,
             ];
-            canvas.colored_text(at, &label, TICK_SIZE, Anchor::Center, gray)?;
+            canvas.colored_text(at, &label, TICK_SIZE, Anchor::Center, gray);
         }
-        Ok(())
     }
 }

@@ -20,18 +20,34 @@ fn opens(text: &str, at: usize) -> bool {
     })
 }
 
-/// The text with every index, less its underscore, as `set` writes it: `S_u` becomes `S<sub>u</sub>` in HTML.
-pub(crate) fn with_indices(text: &str, set: impl Fn(&str) -> String) -> String {
-    let mut result = String::with_capacity(text.len());
-    let mut rest = text;
+/// How far an index lies below the line, over the size of the letters beside it.
+pub(super) const INDEX_DROP: f64 = 0.22;
+/// Size of an index over that of the letters beside it.
+pub(super) const INDEX_SIZE: f64 = 0.75;
+
+/// The parts of a text on the line and, without their underscores and marked, its indices.
+pub(super) fn runs(text: &str) -> Vec<(&str, bool)> {
+    let (mut runs, mut rest) = (Vec::new(), text);
     while let Some(at) = (rest.char_indices().map(|(at, _)| at)).find(|at| opens(rest, *at)) {
         let index = &rest[at + 1..];
         let end = (index.find(|c: char| !c.is_ascii_alphanumeric())).unwrap_or(index.len());
-        result.push_str(&rest[..at]);
-        result.push_str(&set(&index[..end]));
+        runs.extend([(&rest[..at], false), (&index[..end], true)]);
         rest = &index[end..];
     }
-    result + rest
+    if !rest.is_empty() {
+        runs.push((rest, false));
+    }
+    runs
+}
+
+/// The text with every index, less its underscore, as `set` writes it: `S_u` becomes `S<sub>u</sub>` in HTML.
+pub(crate) fn with_indices(text: &str, set: impl Fn(&str) -> String) -> String {
+    let parts = runs(text).into_iter();
+    let parts = parts.map(|(part, is_index)| match is_index {
+        true => set(part),
+        false => part.to_owned(),
+    });
+    parts.collect()
 }
 
 /// Lowers the indices in every text of a page.
@@ -56,27 +72,19 @@ fn font_size(tag: &str) -> Option<f64> {
 
 /// Copies `text`; an index becomes a smaller span below the line, what follows it a span back on the line.
 fn set(result: &mut String, text: &str, size: f64) {
-    let (drop, small) = (0.22 * size, 0.75 * size);
-    let mut rest = text;
+    let (drop, small) = (INDEX_DROP * size, INDEX_SIZE * size);
     let mut back = false;
-    while let Some(at) = rest
-        .char_indices()
-        .map(|(at, _)| at)
-        .find(|at| opens(rest, *at))
-    {
-        let (head, index) = (&rest[..at], &rest[at + 1..]);
-        let end = index
-            .find(|c: char| !c.is_ascii_alphanumeric())
-            .unwrap_or(index.len());
-        line(result, head, back.then_some(drop));
-        let _ = write!(
-            result,
-            "<tspan dy=\"{drop:.1}\" font-size=\"{small:.1}\">{}</tspan>",
-            &index[..end]
-        );
-        (rest, back) = (&index[end..], true);
+    for (part, is_index) in runs(text) {
+        if is_index {
+            let _ = write!(
+                result,
+                "<tspan dy=\"{drop:.1}\" font-size=\"{small:.1}\">{part}</tspan>"
+            );
+            back = true;
+        } else {
+            line(result, part, back.then_some(drop));
+        }
     }
-    line(result, rest, back.then_some(drop));
 }
 
 /// Text on the line, lifted by `drop` behind an index.

@@ -1,6 +1,6 @@
 //! The legend: rows below the plot, where it cannot cover data.
 
-use super::canvas::{Anchor, Canvas, DrawError, fitting_size, text_width};
+use super::canvas::{Anchor, Canvas, fitting_size, text_width};
 use super::figure::{Figure, Mark, Region};
 use super::{marks, palette};
 use plotters::style::Color;
@@ -78,7 +78,7 @@ impl<'a> Legend<'a> {
     }
 
     /// Draws the rows centred on `x`, from `y` downwards.
-    pub(super) fn draw(&self, canvas: &Canvas<'_>, x: f64, y: f64) -> Result<(), DrawError> {
+    pub(super) fn draw(&self, canvas: &Canvas, x: f64, y: f64) {
         for (r, row) in self.rows.iter().enumerate() {
             let total: f64 = row
                 .iter()
@@ -87,13 +87,12 @@ impl<'a> Legend<'a> {
                 + GAP * (row.len() - 1) as f64;
             let (mut at, y) = (x - 0.5 * total, y + 6.0 + ROW * (r as f64 + 0.5));
             for (swatch, name) in row {
-                draw_swatch(canvas, swatch, at, y)?;
+                draw_swatch(canvas, swatch, at, y);
                 let size = size_of(name, self.width);
-                canvas.text([at + SWATCH + 5.0, y], name, size, Anchor::Left)?;
+                canvas.text([at + SWATCH + 5.0, y], name, size, Anchor::Left);
                 at += entry_width(name, self.width) + GAP;
             }
         }
-        Ok(())
     }
 }
 
@@ -106,7 +105,7 @@ fn size_of(name: &str, width: f64) -> f64 {
     fitting_size(name, SIZE, width - SWATCH - 5.0)
 }
 
-fn draw_swatch(canvas: &Canvas<'_>, swatch: &Swatch<'_>, x: f64, y: f64) -> Result<(), DrawError> {
+fn draw_swatch(canvas: &Canvas, swatch: &Swatch<'_>, x: f64, y: f64) {
     let middle = [x + 0.5 * SWATCH, y];
     let block = |h: f64| {
         [
@@ -120,24 +119,21 @@ fn draw_swatch(canvas: &Canvas<'_>, swatch: &Swatch<'_>, x: f64, y: f64) -> Resu
         Swatch::Series(k, mark) => {
             let ink = palette::color(*k).mix(1.0);
             match mark {
-                Mark::Line | Mark::LinePoints => {
-                    canvas.line(&[[x, y], [x + SWATCH, y]], ink, 1.5)?
-                }
-                Mark::Dashed => canvas.dashed(&[[x, y], [x + SWATCH, y]], ink, 1.5)?,
-                Mark::Bars => canvas.fill(&block(4.5), ink)?,
+                Mark::Line | Mark::LinePoints => canvas.line(&[[x, y], [x + SWATCH, y]], ink, 1.5),
+                Mark::Dashed => canvas.dashed(&[[x, y], [x + SWATCH, y]], ink, 1.5),
+                Mark::Bars => canvas.fill(&block(4.5), ink),
                 Mark::Points => {}
             }
             if matches!(mark, Mark::Points | Mark::LinePoints) {
-                marks::draw(canvas, *k, middle, marks::RADIUS, false)?;
+                marks::draw(canvas, *k, middle, marks::RADIUS, false);
             }
-            Ok(())
         }
         Swatch::Shade(k, region) => {
             let color = palette::shade(*k);
             if let Region::RealInterval(_) = region {
                 return canvas.fill(&block(3.5), color.mix(0.5));
             }
-            canvas.fill(&block(5.0), color.mix(0.22))?;
+            canvas.fill(&block(5.0), color.mix(0.22));
             let mut outline = block(5.0).to_vec();
             outline.push(outline[0]);
             canvas.line(&outline, color.mix(1.0), 0.8)

@@ -1,6 +1,6 @@
 //! Markers.
 
-use super::canvas::{Canvas, DrawError};
+use super::canvas::Canvas;
 use super::palette::{self, Shape};
 use plotters::style::Color;
 
@@ -8,13 +8,7 @@ use plotters::style::Color;
 pub(super) const RADIUS: f64 = 3.0;
 
 /// Draws the marker of the k-th series; crowded ones are hollow and let each other show through.
-pub(super) fn draw(
-    canvas: &Canvas<'_>,
-    k: usize,
-    [x, y]: [f64; 2],
-    r: f64,
-    crowded: bool,
-) -> Result<(), DrawError> {
+pub(super) fn draw(canvas: &Canvas, k: usize, [x, y]: [f64; 2], r: f64, crowded: bool) {
     let color = palette::color(k);
     let (ink, width) = if crowded {
         (color.mix(0.65), 0.7)
@@ -25,11 +19,11 @@ pub(super) fn draw(
         Shape::Circle if crowded => return canvas.circle([x, y], r, ink, Some(width)),
         Shape::Circle => return canvas.circle([x, y], r, ink, None),
         Shape::Cross => {
-            canvas.line(&[[x - r, y - r], [x + r, y + r]], ink, 1.2)?;
+            canvas.line(&[[x - r, y - r], [x + r, y + r]], ink, 1.2);
             return canvas.line(&[[x - r, y + r], [x + r, y - r]], ink, 1.2);
         }
         Shape::Plus => {
-            canvas.line(&[[x - 1.2 * r, y], [x + 1.2 * r, y]], ink, 1.2)?;
+            canvas.line(&[[x - 1.2 * r, y], [x + 1.2 * r, y]], ink, 1.2);
             return canvas.line(&[[x, y - 1.2 * r], [x, y + 1.2 * r]], ink, 1.2);
         }
         Shape::Square => vec![

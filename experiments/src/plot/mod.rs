@@ -1,5 +1,5 @@
-//! Figures as data: series over two axes, shaded regions, coloured cells, reference slopes. A figure draws itself as SVG and lists
-//! itself as CSV.
+//! Figures as data: series over two axes, shaded regions, coloured cells, reference slopes. A figure draws itself as SVG or
+//! PDF and lists itself as CSV.
 
 mod axis;
 mod canvas;
@@ -11,8 +11,10 @@ mod legend;
 mod marks;
 mod non_normal;
 mod palette;
+mod pdf;
 mod series;
 mod spectrum;
+mod svg;
 mod window;
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Lines, markers and bars inside the frame.
 
 use super::axis::{Axis, Scale};
-use super::canvas::{Anchor, Canvas, DrawError};
+use super::canvas::{Anchor, Canvas};
 use super::draw::Frame;
 use super::figure::{Mark, Series};
 use super::{marks, palette};
@@ -12,7 +12,7 @@ const CROWD: usize = 60;
 
 impl Frame<'_> {
     /// Draws every series, first to last.
-    pub(super) fn all_series(&self, canvas: &Canvas<'_>) -> Result<(), DrawError> {
+    pub(super) fn all_series(&self, canvas: &Canvas) {
         let bars = self
             .figure
             .series
@@ -22,16 +22,15 @@ impl Frame<'_> {
         let mut bar = 0;
         for (k, series) in self.figure.series.iter().enumerate() {
             if series.mark == Mark::Bars {
-                self.bars(canvas, series.tone.unwrap_or(k), series, bar, bars)?;
+                self.bars(canvas, series.tone.unwrap_or(k), series, bar, bars);
                 bar += 1;
             } else {
-                self.points(canvas, series.tone.unwrap_or(k), series)?;
+                self.points(canvas, series.tone.unwrap_or(k), series);
             }
         }
-        Ok(())
     }
 
-    fn points(&self, canvas: &Canvas<'_>, tone: usize, series: &Series) -> Result<(), DrawError> {
+    fn points(&self, canvas: &Canvas, tone: usize, series: &Series) {
         let line = matches!(series.mark, Mark::Line | Mark::Dashed);
         let shown: Vec<[f64; 2]> = series
             .points
@@ -48,29 +47,21 @@ impl Frame<'_> {
             .collect();
         let ink = palette::color(tone).mix(1.0);
         match series.mark {
-            Mark::Line | Mark::LinePoints => canvas.line(&shown, ink, 1.5)?,
-            Mark::Dashed => canvas.dashed(&shown, ink, 1.5)?,
+            Mark::Line | Mark::LinePoints => canvas.line(&shown, ink, 1.5),
+            Mark::Dashed => canvas.dashed(&shown, ink, 1.5),
             Mark::Points | Mark::Bars => {}
         }
         if matches!(series.mark, Mark::Points | Mark::LinePoints) {
             let crowded = shown.len() > CROWD;
             let radius = if crowded { 2.2 } else { marks::RADIUS };
             for point in shown {
-                marks::draw(canvas, tone, point, radius, crowded)?;
+                marks::draw(canvas, tone, point, radius, crowded);
             }
         }
-        Ok(())
     }
 
     /// Bars side by side in each category; a value that cannot be shown (a failed method) is a cross.
-    fn bars(
-        &self,
-        canvas: &Canvas<'_>,
-        tone: usize,
-        series: &Series,
-        place: usize,
-        of: usize,
-    ) -> Result<(), DrawError> {
+    fn bars(&self, canvas: &Canvas, tone: usize, series: &Series, place: usize, of: usize) {
         let width = 0.8 / of as f64;
         let base = self.y[0].max(if self.figure.y.scale == Scale::Linear {
             0.0_f64.min(self.y[1])
@@ -87,7 +78,7 @@ impl Frame<'_> {
                     12.0,
                     Anchor::Center,
                     palette::color(tone),
-                )?;
+                );
                 continue;
             };
             let (a, b) = (
@@ -97,9 +88,8 @@ impl Frame<'_> {
             canvas.fill(
                 &[a, [b[0], a[1]], b, [a[0], b[1]]],
                 palette::color(tone).mix(0.9),
-            )?;
+            );
         }
-        Ok(())
     }
 
     /// Linearized coordinates, where values ≤ 0 on a logarithmic axis lie on its lower end.

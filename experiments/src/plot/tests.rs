@@ -94,6 +94,55 @@ fn a_figure_shows_every_point_and_says_what_it_cannot_show() {
 }
 
 #[test]
+fn a_pdf_shows_what_the_svg_shows_with_its_letters() {
+    let points: Vec<[f64; 2]> = (0..9).map(|k| [f64::from(k), f64::from(k * k)]).collect();
+    let figure = |points: Vec<[f64; 2]>| {
+        Figure::new(
+            "f",
+            "S_u ≤ 10⁻³",
+            "What λ does.",
+            Axis::linear("n_it"),
+            Axis::linear("λ"),
+        )
+        .with(Series::new("ours", Mark::Points, points))
+        .shade("disc", Region::RealInterval([1.0, 2.0]))
+    };
+    let pdf = figure(points.clone()).to_pdf().unwrap();
+    // the same bytes again; no date, no name of a machine
+    assert_eq!(pdf, figure(points.clone()).to_pdf().unwrap());
+    assert!(pdf.starts_with(b"%PDF-") && pdf.ends_with(b"%%EOF"));
+    let content = super::pdf::drawn(&pdf);
+    // nine markers and one in the legend, each a circle of four arcs
+    assert_eq!(content.matches(" c\n").count(), 4 * 10, "{content}");
+    let few = figure(points[..4].to_vec()).to_pdf().unwrap();
+    assert_eq!(super::pdf::drawn(&few).matches(" c\n").count(), 4 * 5);
+    // a series of which nothing is shown paints no path
+    let none = Figure::new("n", "", "", Axis::linear("x"), Axis::log("y")).with(Series::new(
+        "none",
+        Mark::LinePoints,
+        vec![[1.0, 0.0]],
+    ));
+    let none = super::pdf::drawn(&none.to_pdf().unwrap());
+    let paints = none.lines().filter(|line| ["S", "f"].contains(line));
+    assert_eq!(paints.count(), none.matches(" m\n").count(), "{none}");
+    // text can be searched: letters and what they mean
+    let text = String::from_utf8_lossy(&pdf);
+    for letter in "Suniλours≤⁻³".chars() {
+        let code = format!("<{:04X}>", u32::from(letter));
+        assert!(text.contains(&code), "{letter}");
+    }
+    assert!(!text.contains("<005F>"), "an index has no underscore");
+    assert!(pdf.len() < 60_000, "{} bytes", pdf.len());
+}
+
+#[test]
+fn the_font_of_a_pdf_has_the_letters_of_figures() {
+    let letters = "αβγδΔεηθκλμνρσΣτφχωΩ⁰¹²³⁴⁵⁶⁷⁸⁹⁻₀₁½𝒜≤≥≈≠×·−±∞√∂∫‖∈→←↔°✗✓…–—½§äöüé";
+    let missing: Vec<char> = letters.chars().filter(|c| !super::pdf::knows(*c)).collect();
+    assert!(missing.is_empty(), "{missing:?}");
+}
+
+#[test]
 fn the_complex_plane_has_equal_units() {
     let figure = Figure::complex_plane("s", "", "", &[("λ", vec![[0.0, -0.5], [1.0, 0.5]])])
         .shade(

@@ -9,6 +9,13 @@ use fracas_solvers::Observer;
 use std::io::Write;
 use std::path::Path;
 
+/// Formats that figures are written in beside SVG and CSV.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Formats {
+    /// PDF, with the letters embedded.
+    pub pdf: bool,
+}
+
 /// How an experiment ended.
 pub enum Outcome {
     /// With an answer, whatever its checks say.
@@ -32,19 +39,20 @@ impl Chapter {
     }
 }
 
-/// Runs an experiment and writes `out/<id>/*.csv *.svg *.column.svg manifest.json`. An experiment that breaks is a chapter too.
+/// Runs an experiment and writes `out/<id>/*.csv *.svg *.column.svg manifest.json`, `*.pdf` where asked for. An experiment that breaks is a chapter too.
 ///
 /// # Errors
 /// Files that cannot be written.
 pub fn run_chapter(
     experiment: &'static dyn Experiment,
     level: Level,
-    out: &Path,
+    (out, formats): (&Path, Formats),
     observer: &mut dyn Observer,
 ) -> anyhow::Result<Chapter> {
     let outcome = match experiment.run(level, observer) {
         Ok(findings) => {
-            write_findings(experiment, level, &findings, &out.join(experiment.id()))?;
+            let folder = out.join(experiment.id());
+            write_findings(experiment, level, &findings, (&folder, formats))?;
             Outcome::Answered(findings)
         }
         Err(error) => Outcome::Broken(error),
@@ -59,9 +67,9 @@ fn write_findings(
     experiment: &dyn Experiment,
     level: Level,
     findings: &Findings,
-    folder: &Path,
+    (folder, formats): (&Path, Formats),
 ) -> anyhow::Result<()> {
-    write_results(experiment.id(), findings, folder)?;
+    write_results(experiment.id(), findings, folder, formats)?;
     for figure in &findings.figures {
         let column = format!("{}.column.svg", figure.id);
         write(folder, &column, &figure.to_column_svg()?)?;
@@ -71,8 +79,13 @@ fn write_findings(
     write(folder, "manifest.json", &manifest)
 }
 
-/// Writes `folder/*.csv *.svg`; `of` says whose results they are.
-pub(super) fn write_results(of: &str, findings: &Findings, folder: &Path) -> anyhow::Result<()> {
+/// Writes `folder/*.csv *.svg`, and `*.pdf` where asked for; `of` says whose results they are.
+pub(super) fn write_results(
+    of: &str,
+    findings: &Findings,
+    folder: &Path,
+    formats: Formats,
+) -> anyhow::Result<()> {
     let mut ids = std::collections::BTreeSet::new();
     let named = findings.tables.iter().map(|t| &t.id);
     let panels = || findings.panels.iter().flat_map(|p| &p.figures);
@@ -91,14 +104,19 @@ pub(super) fn write_results(of: &str, findings: &Findings, folder: &Path) -> any
     for figure in &findings.figures {
         write(folder, &format!("{}.csv", figure.id), &figure.to_csv())?;
         write(folder, &format!("{}.svg", figure.id), &figure.to_svg()?)?;
+        if formats.pdf {
+            let path = folder.join(format!("{}.pdf", figure.id));
+            write_whole(&path, &figure.to_pdf()?)?;
+        }
     }
     for figure in panels() {
         write(folder, &format!("{}.csv", figure.id), &figure.to_csv())?;
-        write(
-            folder,
-            &format!("{}.svg", figure.id),
-            &figure.to_panel_svg()?,
-        )?;
+        let svg = figure.to_panel_svg()?;
+        write(folder, &format!("{}.svg", figure.id), &svg)?;
+        if formats.pdf {
+            let path = folder.join(format!("{}.pdf", figure.id));
+            write_whole(&path, &figure.to_panel_pdf()?)?;
+        }
     }
     Ok(())
 }
@@ -117,11 +135,15 @@ pub(super) fn write(folder: &Path, name: &str, text: &str) -> anyhow::Result<()>
 }
 
 /// Writes a file whole or not at all; into what is no file of its own (a device, a pipe, a link) it writes in place.
-pub(crate) fn write_whole(path: &Path, text: &str) -> anyhow::Result<()> {
+pub(crate) fn write_whole(
+    path: &Path,
+    content: &(impl AsRef<[u8]> + ?Sized),
+) -> anyhow::Result<()> {
+    let content = content.as_ref();
     let in_place = path.symlink_metadata().is_ok_and(|m| !m.is_file());
     match in_place {
-        true => std::fs::write(path, text),
-        false => write_atomically(path, |out| out.write_all(text.as_bytes())),
+        true => std::fs::write(path, content),
+        false => write_atomically(path, |out| out.write_all(content)),
     }
     .with_context(|| format!("cannot write {}", path.display()))
 }

@@ -16,7 +16,7 @@ mod tests;
 pub use check::{Basis, Check};
 pub use experiment::{Experiment, Findings, Level, Panels};
 pub(crate) use folder::write_whole;
-pub use folder::{Chapter, Outcome, run_chapter, write_report};
+pub use folder::{Chapter, Formats, Outcome, run_chapter, write_report};
 pub(crate) use sheet::FIGURES;
 pub use sheet::Sheet;
 pub use table::{Cell, Column, Table};

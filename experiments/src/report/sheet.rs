@@ -1,8 +1,8 @@
 //! One answer on one page, for results that are no experiment.
 
-use super::Findings;
 use super::folder::{write, write_results};
 use super::html::single;
+use super::{Findings, Formats};
 use std::path::Path;
 
 /// Subfolder of the tables and figures of a sheet.
@@ -20,12 +20,12 @@ pub struct Sheet<'a> {
 }
 
 impl Sheet<'_> {
-    /// Writes `out/figures/*.csv *.svg` and the self-contained `out/report.html`.
+    /// Writes `out/figures/*.csv *.svg`, `*.pdf` where asked for, and the self-contained `out/report.html`.
     ///
     /// # Errors
     /// Files that cannot be written; two results of one name.
-    pub fn write(&self, out: &Path) -> anyhow::Result<()> {
-        write_results(self.title, self.findings, &out.join(FIGURES))?;
+    pub fn write(&self, out: &Path, formats: Formats) -> anyhow::Result<()> {
+        write_results(self.title, self.findings, &out.join(FIGURES), formats)?;
         write(out, "report.html", &single(self)?)
     }
 }

@@ -56,7 +56,13 @@ fn folder(name: &str) -> std::path::PathBuf {
 #[test]
 fn a_chapter_is_written_as_csv_svg_manifest_and_page() {
     let out = folder("chapter");
-    let chapter = run_chapter(&SUMS, Level::Smoke, &out, &mut Silent).unwrap();
+    let chapter = run_chapter(
+        &SUMS,
+        Level::Smoke,
+        (&out, Formats { pdf: true }),
+        &mut Silent,
+    )
+    .unwrap();
     assert!(!chapter.passed(), "one check fails");
     write_report(&[chapter], Level::Smoke, &out).unwrap();
     let read = |name: &str| std::fs::read_to_string(out.join(name)).unwrap();
@@ -65,6 +71,8 @@ fn a_chapter_is_written_as_csv_svg_manifest_and_page() {
         "method,n_it,time [s]\n\"racp, local\",17,0.125\nmcp,X,\n"
     );
     assert!(read("x01/line.csv").starts_with("layer,kind,x,y\na,line,0,0\n"));
+    let pdf = std::fs::read(out.join("x01/line.pdf")).unwrap();
+    assert!(pdf.starts_with(b"%PDF-"));
     let manifest: serde_json::Value = serde_json::from_str(&read("x01/manifest.json")).unwrap();
     assert_eq!(manifest["level"], "smoke");
     assert_eq!(manifest["settings"]["tolerance"], 1e-8);
@@ -95,7 +103,8 @@ fn a_chapter_is_written_as_csv_svg_manifest_and_page() {
 #[test]
 fn a_broken_experiment_is_a_chapter_without_answer() {
     let out = folder("broken");
-    let chapter = run_chapter(&SUMS, Level::Paper, &out, &mut Silent).unwrap();
+    let chapter =
+        run_chapter(&SUMS, Level::Paper, (&out, Formats::default()), &mut Silent).unwrap();
     assert!(!chapter.passed());
     write_report(&[chapter], Level::Paper, &out).unwrap();
     assert!(
@@ -103,6 +112,7 @@ fn a_broken_experiment_is_a_chapter_without_answer() {
             .unwrap()
             .contains("No answer: too large")
     );
+    assert!(!out.join("x01/line.pdf").exists());
 }
 
 #[test]

@@ -7,6 +7,7 @@ use super::product::Case;
 use super::rows::{self, Rows};
 use super::solving::{Row, Shared};
 use super::{Name, Study};
+use crate::report::Formats;
 use anyhow::{Context, bail};
 use fracas::run::Stop;
 use rayon::ThreadPool;
@@ -23,6 +24,8 @@ pub struct Engine<'a> {
     pub out: &'a Path,
     /// Rows at once, each on its share of the threads.
     pub jobs: usize,
+    /// Formats of its figures.
+    pub formats: Formats,
 }
 
 /// A row that ended.

@@ -70,7 +70,7 @@ pub(super) fn write(engine: &Engine<'_>, rows: &Rows, ended: &Ended) -> anyhow::
         lead: lead.trim(),
         findings: &findings,
     };
-    sheet.write(engine.out)?;
+    sheet.write(engine.out, engine.formats)?;
     let figures: Vec<&str> = findings.figures.iter().map(|f| f.id.as_str()).collect();
     let manifest = serde_json::json!({
         "title": study.title,

@@ -43,7 +43,7 @@ fn arguments_that_do_not_exist() {
     refused(&["--instructions", "mmx", "list"], "this machine has ");
     refused(
         &["spectrum", "patch", "--plot", "figure.png"],
-        "let the name end in .svg",
+        "let the name end in .svg or .pdf",
     );
     refused(&["reproduce", "e99999"], "no experiment `e99999`");
     assert_eq!(fracas(&[]).status, 2);

@@ -251,16 +251,22 @@ fn systems_references_seeds_and_eigenvalues_from_the_command_line() {
         let [error, tolerance] = [error, &tolerance].map(|text| text.parse::<f64>().unwrap());
         assert!(error <= 10.0 * tolerance, "{error:e} with {tolerance:e}");
     }
-    assert!(out.join("figures/error_u_over_solve_s.svg").exists());
-    // what it wrote is a study that goes on by itself, and one that asks for eigenvalues
+    let drawn = out.join("figures/error_u_over_solve_s.svg");
+    let on_paper = drawn.with_extension("pdf");
+    assert!(drawn.exists() && !on_paper.exists());
+    // what it wrote is a study that goes on by itself, draws again, and one that asks for eigenvalues
     let file = out.join("study.toml");
+    let before = std::fs::read(out.join("rows.csv")).unwrap();
     let again = fracas(&[
         "study",
         file.to_str().unwrap(),
         "--out",
         out.to_str().unwrap(),
+        "--pdf",
     ]);
     assert_eq!(again.status, 0, "{}", again.stderr);
+    assert_eq!(std::fs::read(out.join("rows.csv")).unwrap(), before);
+    assert!(std::fs::read(on_paper).unwrap().starts_with(b"%PDF-"));
     let text = std::fs::read_to_string(&file).unwrap();
     let text = text.replace("measures = [", "measures = [\"real_min\", \"contained\", ");
     let (file, out) = study("study-spectrum", &text);

@@ -4,6 +4,8 @@
 //! `REGIONS_FAMILY=10000 REGIONS_SEED=1 cargo test --release -p fracas-solvers --test regions -- --nocapture` tries that many systems.
 #![allow(clippy::unwrap_used)]
 
+mod certificate;
+
 use faer::{Mat, c64};
 use fracas_operators::random::Random;
 use fracas_operators::sparse::{Csr, SparseMatrix, Triplets};
