@@ -1,21 +1,17 @@
 //! Stiffness products with a million unknowns: bricks and general hexahedra of the gallery beside CSR, f32 beside f64, one
 //! thread and two in turn.
 //!
-//! `cargo bench --bench million` prints medians and ranges of nine rounds, of wall time; a ratio is one of times within a round.
+//! `cargo bench -p fracas-benches --bench million` prints medians and ranges of nine rounds, of wall time; a ratio is one of times within a round.
 //! The control is what the machine gives two threads that share nothing, or memory alone.
-
-#[path = "timing/fused.rs"]
-mod fused;
-#[path = "timing/rounds.rs"]
-mod rounds;
 
 use fracas::elasticity::{matrix_free, stiffness};
 use fracas::scene::{Body, named};
+use fracas_benches::fused;
+use fracas_benches::rounds::{self, Sorted};
 use fracas_operators::laws::probe;
 use fracas_operators::sparse::Csr;
 use fracas_operators::vector::axpby;
 use fracas_operators::{LinearOperator, Real};
-use rounds::Sorted;
 use std::time::Instant;
 
 const ROUNDS: usize = 9;

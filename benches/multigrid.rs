@@ -1,20 +1,16 @@
 //! Algebraic multigrid of S_u on a million unknowns: set-up, refresh, cycle, one thread beside two in turn.
 //!
-//! `cargo bench --bench multigrid` prints medians and ranges of five rounds. One thread is timed by its processor time.
-
-#[path = "timing/clock.rs"]
-mod clock;
-#[path = "timing/rounds.rs"]
-mod rounds;
+//! `cargo bench -p fracas-benches --bench multigrid` prints medians and ranges of five rounds. One thread is timed by its processor time.
 
 use fracas::contact::JumpStabilization;
 use fracas::scene::named;
+use fracas_benches::clock;
+use fracas_benches::rounds::{self, Sorted};
 use fracas_operators::Preconditioner;
 use fracas_operators::laws::probe;
 use fracas_solvers::amg::Amg;
 use fracas_solvers::direct::DirectChoice;
 use fracas_solvers::saddle::AugmentationChoice;
-use rounds::Sorted;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Overrides of `analogue_b` that give a million displacements.

@@ -1,15 +1,13 @@
 //! Times of the laboratory: dense spectra of 2,000 unknowns, exact C and condition numbers at 20,000.
 //!
-//! `cargo bench --bench spectrum` prints one time per line, on a pool of one thread and of two. One thread is timed by
+//! `cargo bench -p fracas-benches --bench spectrum` prints one time per line, on a pool of one thread and of two. One thread is timed by
 //! its processor time.
-
-#[path = "timing/clock.rs"]
-mod clock;
 
 use criterion::{Bencher, BenchmarkId, Criterion, SamplingMode};
 use faer::Mat;
 use fracas::contact::JumpStabilization;
 use fracas::scene::named;
+use fracas_benches::clock;
 use fracas_operators::laws::probe;
 use fracas_solvers::Silent;
 use fracas_solvers::direct::{DirectChoice, DirectSolver};

@@ -1,6 +1,6 @@
 //! What this machine can do: streaming bandwidth and fused multiply-adds per second.
 
-use crate::{clock, fused};
+use fracas_benches::{clock, fused};
 use fracas_operators::Real;
 use fracas_operators::vector::{axpby, dot};
 use std::hint::black_box;

@@ -1,15 +1,11 @@
 //! Stiffness products beside the ceilings of the machine, measured in one run: CSR, 3×3 blocks, bricks, hexahedra.
 //!
-//! `cargo bench --bench products` prints one table per scalar and number of threads. Bytes are the least that one
+//! `cargo bench -p fracas-benches --bench products` prints one table per scalar and number of threads. Bytes are the least that one
 //! product must move (matrix once, x read once, y read and written once); the roofline is the larger of bytes over
 //! read bandwidth and operations over the peak of fused multiply-adds. One thread is timed by its processor time.
-//! `cargo bench --bench million` repeats what matters there on a million unknowns.
+//! `cargo bench -p fracas-benches --bench million` repeats what matters there on a million unknowns.
 
 mod ceilings;
-#[path = "../timing/clock.rs"]
-mod clock;
-#[path = "../timing/fused.rs"]
-mod fused;
 #[path = "../../src/elasticity/sample.rs"]
 mod sample;
 
@@ -17,6 +13,7 @@ use ceilings::Ceilings;
 use criterion::Criterion;
 use fracas::elasticity::{Bricks, Elastic, Hexes, stiffness};
 use fracas::mesh;
+use fracas_benches::clock;
 use fracas_operators::laws::probe;
 use fracas_operators::sparse::{Block3, Csr};
 use fracas_operators::{LinearOperator, Real};

@@ -19,7 +19,7 @@ const THREAD_TIME: i32 = 3;
 const MONOTONIC: i32 = 1;
 
 /// Time since an arbitrary start: of this thread's processor if the current pool has one thread, else of the wall.
-pub(crate) fn now() -> Duration {
+pub fn now() -> Duration {
     let clock = if rayon::current_num_threads() == 1 {
         THREAD_TIME
     } else {

@@ -6,12 +6,12 @@ use fracas_operators::vector::for_each_task;
 use std::hint::black_box;
 
 /// Runs so many tasks of [`operations`] each in the current pool.
-pub(crate) fn run<R: Real>(tasks: usize) {
+pub fn run<R: Real>(tasks: usize) {
     for_each_task(0..tasks, &|_| Level::best().run::<R>(Fused));
 }
 
 /// Operations of one task, two per multiply-add.
-pub(crate) fn operations<R: Real>() -> f64 {
+pub fn operations<R: Real>() -> f64 {
     (Fused::ROUNDS * Fused::CHAINS * 2 * Level::best().width::<R>()) as f64
 }
 

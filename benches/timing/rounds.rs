@@ -3,7 +3,7 @@
 use std::fmt;
 
 /// Pools of one thread and of two.
-pub(crate) fn pools() -> [rayon::ThreadPool; 2] {
+pub fn pools() -> [rayon::ThreadPool; 2] {
     [1, 2].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         pool.build().expect("threads")
@@ -11,17 +11,19 @@ pub(crate) fn pools() -> [rayon::ThreadPool; 2] {
 }
 
 /// Values in ascending order.
-pub(crate) struct Sorted(Vec<f64>);
+pub struct Sorted(Vec<f64>);
 
 impl Sorted {
-    pub(crate) fn new(values: impl IntoIterator<Item = f64>) -> Self {
+    /// Of at least one value.
+    pub fn new(values: impl IntoIterator<Item = f64>) -> Self {
         let mut values: Vec<f64> = values.into_iter().collect();
         values.sort_unstable_by(f64::total_cmp);
         assert!(!values.is_empty(), "no value");
         Self(values)
     }
 
-    pub(crate) fn median(&self) -> f64 {
+    /// The middle one.
+    pub fn median(&self) -> f64 {
         self.0[self.0.len() / 2]
     }
 }

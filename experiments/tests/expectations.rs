@@ -16,6 +16,15 @@ const TOLERANCE: f64 = 1e-6;
 /// tolerance sooner or later where another processor rounds otherwise.
 const COUNTS: f64 = 0.1;
 
+/// Iterations of SQMR around multigrid in f32 agree to this: its residuals go up and down, and where they cross the tolerance is chance.
+const WILD: f64 = 0.3;
+
+/// Iterations until the error is small (e24) agree to this: an estimate near its limit asks for a pass more.
+const PASSES: f64 = 1.0;
+
+/// What e04b finds best by a count that others reach within one or two: any of them may stand there.
+const BEST: [&str; 4] = ["C", "cycle, precision", "Krylov", "c_app"];
+
 /// Errors against a known solution agree to this, relative: an iteration in f32 that ends early differs in the sixth digit on
 /// another processor. So do overlaps, which are what is left of jumps.
 const ERRORS: f64 = 1e-4;
@@ -32,8 +41,16 @@ const ORDER: f64 = 10.0;
 /// Relative errors of f64 that mean nothing.
 const ROUNDING: f64 = 1e-12;
 
-/// `iterations` are those that the row expects, where it counts any.
-fn agree(column: &str, expected: &str, found: &str, iterations: Option<f64>) -> bool {
+/// What a row says of the others of its numbers.
+#[derive(Clone, Copy)]
+struct Row {
+    /// n_it that it expects, where it counts any.
+    iterations: Option<f64>,
+    /// Share to which its iterations agree.
+    counts: f64,
+}
+
+fn agree(column: &str, expected: &str, found: &str, row: Row) -> bool {
     let (Ok(a), Ok(b)) = (expected.parse::<f64>(), found.parse::<f64>()) else {
         return expected == found;
     };
@@ -42,7 +59,7 @@ fn agree(column: &str, expected: &str, found: &str, iterations: Option<f64>) -> 
         // falls by orders of magnitude per iteration
         return a.max(b) <= ORDER * a.min(b).max(ROUNDING);
     } else if is(&["n_it"]) {
-        COUNTS * a + 1.0
+        row.counts * a + 1.0
     } else if is(&["error", "largest overlap"]) {
         ERRORS * a.abs()
     } else if is(&["c_app", "complexity"]) {
@@ -51,8 +68,8 @@ fn agree(column: &str, expected: &str, found: &str, iterations: Option<f64>) -> 
         BOUNDS * a.abs()
     } else if is(&["C_s"]) {
         // n_it (1 + c_app): one iteration more or less, and c_app as other numbers
-        let one = iterations.map_or(0.0, |n| a.abs() / n);
-        (COUNTS * a.abs() + one) * (1.0 + LEVELS)
+        let one = row.iterations.map_or(0.0, |n| a.abs() / n);
+        (row.counts * a.abs() + one) * (1.0 + LEVELS)
     } else {
         TOLERANCE * a.abs().max(1e-3)
     };
@@ -102,11 +119,20 @@ fn compare(file: &Path, expected: &str, found: &str, wrong: &mut Vec<String>) {
         return;
     }
     let names = cells(expected.lines().next().unwrap());
+    let table = file.file_stem().unwrap_or_default();
     let count = names.iter().position(|name| *name == "n_it");
     for (line, (e, f)) in expected.lines().zip(found.lines()).enumerate() {
-        let iterations = count.and_then(|column| cells(e)[column].parse().ok());
+        let row = Row {
+            iterations: count.and_then(|column| cells(e)[column].parse().ok()),
+            counts: match () {
+                () if table == "e24_iterations" => PASSES,
+                () if cells(e).iter().any(|cell| cell == "sqmr") => WILD,
+                () => COUNTS,
+            },
+        };
         for (column, (e, f)) in names.iter().zip(cells(e).iter().zip(&cells(f))) {
-            if !agree(column, e, f, iterations) {
+            let is_chosen = table == "e04b_best" && BEST.contains(&column.as_str());
+            if !is_chosen && !agree(column, e, f, row) {
                 wrong.push(format!(
                     "{}:{} column {column}: {e} expected, {f} found",
                     file.display(),

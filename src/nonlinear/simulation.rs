@@ -8,7 +8,7 @@ use super::loads::initial_traction;
 use super::newton::{Attempt, Iterate};
 use super::record::count;
 use super::springs::SpringMethod;
-use super::stability::{COMPARED, Instability, is_shown, stable};
+use super::stability::{COMPARED, is_shown, stable};
 use super::times::{Target, Times, length};
 use super::workspace::{Resources, Workspace};
 use super::{
@@ -205,17 +205,11 @@ impl<'a> Simulation<'a> {
                     // one that no halving has avoided
                     let stops = solver.unstable == Unstable::Stop && cuts_are_many;
                     let tried = log.unstable.take().filter(|_| stops && is_shortest(target));
+                    let settled = runs_away.filter(|_| stops && is_shown(&runaways));
+                    let patch = tried.or(settled.filter(|_| reason.is_of_states()));
                     // where f64 has no digits to set up the stuck body, failing says nothing of what slipping faces hold
                     let is_firm = self.inner_fallbacks() == 0;
-                    let is_of_states = stops && self.problem.weakens() && reason.is_of_states();
                     let reason = reason.explained(self.problem.body(), &log.states, is_firm);
-                    let settled = runs_away.filter(|_| is_of_states && is_shown(&runaways));
-                    let patch = match tried.or(settled) {
-                        None if is_of_states && runaways.is_empty() => {
-                            self.beyond(state, increment, &mut attempts, &mut log, observer)
-                        }
-                        patch => patch,
-                    };
                     let reason = match (reason, patch) {
                         // what open faces let go is free whatever slips
                         (loose @ Failure::Loose { slipping: 0, .. }, _) => loose,
@@ -226,23 +220,6 @@ impl<'a> Simulation<'a> {
                 }
             }
         }
-    }
-
-    /// Where slip runs away in a step up to eight times as long as one whose states do not settle: that one ends close to the load of it.
-    fn beyond(
-        &mut self,
-        state: &State,
-        increment: f64,
-        attempts: &mut usize,
-        log: &mut Log,
-        observer: &mut dyn Observer,
-    ) -> Option<Box<Instability>> {
-        let longer = (1..=COMPARED).map(|doublings| increment * 2f64.powi(doublings as i32));
-        let targets: Vec<Target> = longer.map(|to| self.times.target(state, to)).collect();
-        targets.into_iter().find_map(|target| {
-            let tried = self.attempt_twice(state, target, attempts, log, observer);
-            tried.ok()?.0.unstable
-        })
     }
 
     /// Closed faces in stick; if that fails, every face in stick.

@@ -124,7 +124,10 @@ pub fn main(arguments: &Arguments) -> ExitCode {
     share_arena_below_limit();
     interrupt::warn(exit_on_refusal(BAD_INPUT.into()));
     if let Some(level) = arguments.instructions {
-        level.prefer();
+        assert!(
+            level.prefer(),
+            "instructions are in use before the arguments"
+        );
     }
     let threads = arguments.threads.map(usize::from);
     let threads = threads.unwrap_or_else(|| arguments.command.threads());

@@ -67,7 +67,9 @@ pub(super) fn long_version() -> &'static str {
             [] => "none (direct solvers: faer)".to_owned(),
             some => some.join(", "),
         };
-        let (version, instructions) = (env!("CARGO_PKG_VERSION"), Level::best().name());
+        // those in use are chosen after the arguments are read
+        let instructions = Level::supported().next().map_or("", Level::name);
+        let version = env!("CARGO_PKG_VERSION");
         format!("{version}\nfeatures      {features}\ninstructions  {instructions}")
     });
     &LINES
