@@ -4,7 +4,7 @@ use super::network::Network;
 use super::pattern::pattern;
 use super::sealed::closable;
 use super::well::Driven;
-use super::{FlowStep, Fluid, Given, Place, WellGiven, WellStep};
+use super::{FlowPoint, FlowStep, Fluid, Given, Place, WellGiven, WellStep};
 use crate::contact::{ContactState, JumpStabilization, face_compliance};
 use crate::elasticity::Elastic;
 use crate::mesh::{FractureEdge, FractureFace, FractureMesh, HexMesh};
@@ -40,41 +40,10 @@ pub struct Balance<'a> {
     /// Y per inner edge [m³/Pa].
     weights: Vec<f64>,
     /// ω per face [m/Pa].
-    compliance: Vec<f64>,
+    pub(super) compliance: Vec<f64>,
     /// Connected parts that are sealed where all their faces are closed.
     pub(super) closable: Vec<Vec<u32>>,
     pattern: Pattern,
-}
-
-/// The balance at a point.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FlowPoint {
-    /// R per face [m³].
-    pub residual: Vec<f64>,
-    /// ‖·‖₂ of what R is the sum of, each face's terms by their sizes [m³].
-    pub size: f64,
-    /// The part of ‖R‖₂ that is rounding [m³].
-    pub rounding: f64,
-    /// |Σ R| over the faces whose pressure is free, beyond rounding of what prescribed pressures bring: volume lost or made [m³].
-    pub lost: f64,
-    /// Σ of the volumes in them and of those that come and go [m³].
-    pub volume: f64,
-}
-
-impl FlowPoint {
-    /// ‖R‖₂ beyond rounding over the size of its terms; 0 where there is nothing. Unit: 1.
-    pub fn relative(&self) -> f64 {
-        let left = (norm2(&self.residual) - self.rounding).max(0.0);
-        if left == 0.0 { 0.0 } else { left / self.size }
-    }
-
-    /// Volume lost over all volumes; 0 where there is none. Unit: 1.
-    pub fn loss(&self) -> f64 {
-        match self.lost == 0.0 {
-            true => 0.0,
-            false => self.lost / self.volume,
-        }
-    }
 }
 
 /// Derivatives of the balance.

@@ -5,6 +5,7 @@
 //! | `q = −(C_f/μ)(∇p − ρ g)`, two-point fluxes, star–delta at junctions | `network` |
 //! | `C_f = C_f0 + g_N³/12` where open | [`Fluid::conductivity`] |
 //! | volume per face: aperture, compression, flux, sources | `balance` |
+//! | what of it is rounding | `point` |
 //! | wells, `2π/ln(r_e/r_w)` | `well` |
 //! | open faces as a surface that pressures open | `surface` |
 //! | pressure jumps held down | `balance`, weights of [`JumpStabilization`](crate::contact::JumpStabilization) |
@@ -14,16 +15,18 @@ mod fluid;
 mod front;
 mod network;
 mod pattern;
+mod point;
 mod record;
 mod sealed;
 mod step;
 mod surface;
 mod well;
 
-pub use balance::{Balance, FlowPoint, FlowTangent};
+pub use balance::{Balance, FlowTangent};
 pub use fluid::{Channel, Fluid, Given, Place, Source};
 pub use network::Network;
 pub(crate) use network::ends as edge_ends;
+pub use point::FlowPoint;
 pub use sealed::Sealed;
 pub use step::{FlowRecord, FlowStep};
 pub use surface::surface;

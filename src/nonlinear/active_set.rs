@@ -136,7 +136,9 @@ pub(super) fn active_set(
     // pressures stay where they are until a round settles
     let is_finite = x.p.iter().all(|p| p.is_finite());
     let pressed = attempt.pressed(if is_finite { &x } else { &from });
-    let frozen = attempt.at_load(pressed.as_ref());
+    let kept = search.returning.kept(attempt);
+    let frozen = kept.attempt(attempt);
+    let frozen = frozen.at_load(pressed.as_ref());
     let last = log.rounds + most - patience;
     match search.by_natural_map(&frozen, (held, from), last, log)? {
         Some(settled) => Ok(settled),
@@ -226,13 +228,17 @@ impl Search<'_, '_> {
         }
     }
 
-    /// What was found with an H that acts on all that `form` constrains, and with faces that are joined.
+    /// What was found with an H that acts on all that `form` constrains, and with faces that are joined or torn.
     fn accepted(&self, found: Found, x: Iterate, form: &[ContactState], log: &mut Log) -> Settled {
         let joined = self.returning.joined.iter().zip(&found.states);
         let joined = joined.filter(|(joined, s)| **joined && **s != ContactState::Open);
         let faces = beyond(form, &found.states).max(joined.count());
         if faces > 0 {
             log.events.push(Event::Stabilized { faces });
+        }
+        let faces = self.returning.torn_faces();
+        if !faces.is_empty() {
+            log.events.push(Event::Torn { faces });
         }
         self.settled(found, x)
     }

@@ -177,6 +177,7 @@ impl Attempt<'_> {
         let pushed = problem.pressure_forces(&x.p, 1.0);
         axpy(1.0, &pushed, &mut at.residual[..pushed.len()]);
         let point = balance.evaluate(states, &at.jumps, &x.p, step);
+        let point = point.beyond(balance.unseen(states, self.traction));
         let unit = problem.saddle().unit();
         at.residual.extend(point.residual.iter().map(|r| -unit * r));
         at.pushed = norm2(&pushed);

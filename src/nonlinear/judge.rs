@@ -1,7 +1,7 @@
 //! Whether the faces agree with their states.
 
-use super::Evaluation;
 use super::newton::{Attempt, Iterate, relative};
+use super::{Evaluation, Start};
 use crate::contact::{ContactState, Thresholds, next_state};
 
 /// Judges faces.
@@ -24,9 +24,10 @@ impl<'s> Judge<'s> {
 
     /// Faces that take another state, and which. What counts as zero is `zero` times the largest traction of all rounds so
     /// far (the first one, with every closed face in stick, shows what the loads could do), or the one that would close the largest
-    /// jump at hand.
+    /// jump at hand. `start` tells which faces are torn.
     pub(super) fn changes(
         &mut self,
+        start: &Start,
         states: &[ContactState],
         x: &Iterate,
         at: &Evaluation,
@@ -47,7 +48,7 @@ impl<'s> Judge<'s> {
                 (Some(_), ContactState::Open) => &at.jumps,
                 _ => &at.effective,
             };
-            let measure = problem.measure(f, *state, &x.t, jumps, self.attempt.start);
+            let measure = problem.measure(f, *state, &x.t, jumps, start);
             let thresholds = Thresholds {
                 jump: zero * traction * compliance[f],
                 traction: zero * traction,

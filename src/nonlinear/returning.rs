@@ -1,9 +1,10 @@
 //! Faces that open and close over and over within the rounds of a step with flow.
 
-use super::Evaluation;
 use super::cycling::Cycle;
 use super::newton::{Attempt, Iterate};
+use super::{Evaluation, Start};
 use crate::contact::ContactState;
+use crate::flow::FlowStep;
 
 /// Times that a face opens or closes in rounds before it is held: it opens, closes and opens. With 4, 34 expensive runs of 188 random ones take
 /// 8 % more Newton steps (of those that end within 40 s). Unit: 1.
@@ -16,6 +17,9 @@ const TURNS: u8 = 3;
 /// Faces that still return take turns: half of them change in a round, then a quarter, at last one, those farthest from
 /// what they ask for first.
 ///
+/// The limit of friction has such a jump, too: a closed face with cohesion holds shear up to a tension of nothing, an open one none. Closed it is
+/// then in tension, and open, with its shear let go, it overlaps. A held face is torn: without cohesion to the end of the step.
+///
 /// # Source
 /// Fewer changes where blocks of them return: J. Júdice, F. Pires, Comput. Oper. Res. 21 (1994) 587–596 (one at a time, for linear
 /// complementarity); halves are a choice of this project.
@@ -25,17 +29,37 @@ pub(super) struct Returning {
     form: Vec<Option<ContactState>>,
     /// [Joined](crate::flow::FlowStep::joined) faces; empty: none.
     pub(super) joined: Vec<bool>,
+    /// Faces whose cohesion is lost; empty: none.
+    torn: Vec<bool>,
     /// How often faces have opened or closed.
     turned: Vec<u8>,
     /// Held faces that open or close in a round, at most.
     most: Option<usize>,
 }
 
+/// The step and the start of an attempt with faces that are joined and torn.
+pub(super) struct Kept {
+    flow: Option<FlowStep>,
+    start: Option<Start>,
+}
+
+impl Kept {
+    /// The attempt with them.
+    pub(super) fn attempt<'k>(&'k self, attempt: &Attempt<'k>) -> Attempt<'k> {
+        Attempt {
+            flow: self.flow.as_ref().or(attempt.flow),
+            start: self.start.as_ref().unwrap_or(attempt.start),
+            ..attempt.clone()
+        }
+    }
+}
+
 impl Returning {
-    /// Rounds begin anew; faces that are joined stay so.
+    /// Rounds begin anew; faces that are joined or torn stay so.
     pub(super) fn begin(&mut self) {
         *self = Self {
             joined: std::mem::take(&mut self.joined),
+            torn: std::mem::take(&mut self.torn),
             ..Self::default()
         };
     }
@@ -43,6 +67,28 @@ impl Returning {
     /// True where H of a face is held.
     pub(super) fn holds(&self) -> bool {
         !self.form.is_empty()
+    }
+
+    /// What of it changes the equations of an attempt.
+    pub(super) fn kept(&self, attempt: &Attempt<'_>) -> Kept {
+        let flow = attempt.flow.filter(|_| !self.joined.is_empty());
+        let torn = |start: &Start| {
+            let torn = |f: usize| self.is_torn(f) || start.is_torn(f);
+            (0..self.torn.len()).map(torn).collect()
+        };
+        let start = (!self.torn.is_empty()).then(|| Start {
+            torn: torn(attempt.start),
+            ..attempt.start.clone()
+        });
+        Kept {
+            flow: flow.map(|step| step.joining(&self.joined)),
+            start,
+        }
+    }
+
+    /// Faces whose cohesion is lost.
+    pub(super) fn torn_faces(&self) -> Vec<usize> {
+        (0..self.torn.len()).filter(|f| self.is_torn(*f)).collect()
     }
 
     /// Number of faces that are joined.
@@ -59,11 +105,12 @@ impl Returning {
         states.iter().enumerate().map(of).collect()
     }
 
-    /// Changes of states are made; true where faces have turned so often that more is held.
+    /// Changes of states are made; true where faces have turned so often that more is held. Those that are `cohesive` are torn then.
     pub(super) fn see(
         &mut self,
         states: &[ContactState],
         changes: &[(usize, ContactState)],
+        cohesive: impl Fn(usize) -> bool,
     ) -> bool {
         self.turned.resize(states.len(), 0);
         let mut grown = false;
@@ -75,13 +122,14 @@ impl Returning {
                     .max_by_key(|s| s.constrained());
                 grown |= self.hold(*f, closed.unwrap_or(*next), states.len());
                 grown |= self.join(*f, states.len());
+                grown |= cohesive(*f) && self.tear(*f, states.len());
             }
         }
         grown
     }
 
     /// States have returned: more is held, or fewer faces change in a round; false where one alone does already.
-    pub(super) fn entered(&mut self, cycle: &Cycle) -> bool {
+    pub(super) fn entered(&mut self, cycle: &Cycle, cohesive: impl Fn(usize) -> bool) -> bool {
         let faces = cycle.most_constrained.len();
         let mut grown = false;
         for f in &cycle.opened {
@@ -89,6 +137,8 @@ impl Returning {
         }
         for f in &cycle.faces {
             grown |= self.hold(*f, cycle.most_constrained[*f], faces);
+            let opens = cycle.opened.contains(f);
+            grown |= opens && cohesive(*f) && self.tear(*f, faces);
         }
         if grown {
             return true;
@@ -133,6 +183,15 @@ impl Returning {
         grows
     }
 
+    fn is_torn(&self, f: usize) -> bool {
+        self.torn.get(f).copied().unwrap_or(false)
+    }
+
+    fn tear(&mut self, f: usize, faces: usize) -> bool {
+        self.torn.resize(faces, false);
+        !std::mem::replace(&mut self.torn[f], true)
+    }
+
     fn join(&mut self, f: usize, faces: usize) -> bool {
         self.joined.resize(faces, false);
         !std::mem::replace(&mut self.joined[f], true)
@@ -152,15 +211,15 @@ mod tests {
     #[test]
     fn faces_that_turn_are_held_and_joined_once() {
         let mut returning = Returning::default();
-        assert!(!returning.see(&[Stick; 3], &[(1, Open), (2, Slip)]));
-        assert!(!returning.see(&[Stick, Open, Slip], &[(1, Slip)]));
+        assert!(!returning.see(&[Stick; 3], &[(1, Open), (2, Slip)], |_| false));
+        assert!(!returning.see(&[Stick, Open, Slip], &[(1, Slip)], |_| false));
         assert_eq!(returning.form(&[Stick, Open, Open]), [Stick, Open, Open]);
-        assert!(returning.see(&[Stick, Slip, Slip], &[(1, Open)]));
+        assert!(returning.see(&[Stick, Slip, Slip], &[(1, Open)], |_| false));
         assert_eq!(returning.form(&[Stick, Open, Open]), [Stick, Slip, Open]);
         assert_eq!((returning.joins(), returning.holds()), (1, true));
         // more constrained than what is held: it grows
-        assert!(returning.see(&[Stick, Open, Slip], &[(1, Stick)]));
-        assert!(!returning.see(&[Stick, Stick, Slip], &[(1, Open)]));
+        assert!(returning.see(&[Stick, Open, Slip], &[(1, Stick)], |_| false));
+        assert!(!returning.see(&[Stick, Stick, Slip], &[(1, Open)], |_| false));
         assert_eq!(returning.form(&[Stick, Open, Open]), [Stick, Stick, Open]);
         returning.begin();
         assert_eq!((returning.joins(), returning.holds()), (1, false));
@@ -175,12 +234,33 @@ mod tests {
             most_constrained: vec![Stick, Slip, Slip, Stick, Open],
             opened: vec![0, 1, 2, 3, 4],
         };
-        assert!(returning.entered(&cycle));
+        assert!(returning.entered(&cycle, |_| false));
         assert_eq!((returning.joins(), returning.most), (5, None));
         for most in [2, 1] {
-            assert!(returning.entered(&cycle));
+            assert!(returning.entered(&cycle, |_| false));
             assert_eq!(returning.most, Some(most));
         }
-        assert!(!returning.entered(&cycle));
+        assert!(!returning.entered(&cycle, |_| false));
+    }
+
+    #[test]
+    fn what_opens_and_closes_over_and_over_is_torn_where_it_has_cohesion() {
+        let cohesive = |f| f != 2;
+        let mut returning = Returning::default();
+        let changes = |state| [(1, state), (2, state)];
+        assert!(!returning.see(&[Stick; 3], &changes(Open), cohesive));
+        assert!(!returning.see(&[Stick, Open, Open], &changes(Slip), cohesive));
+        assert!(returning.see(&[Stick, Slip, Slip], &changes(Open), cohesive));
+        assert_eq!(returning.torn_faces(), [1]);
+        let cycle = Cycle {
+            period: 2,
+            faces: vec![0, 1],
+            most_constrained: vec![Stick, Slip, Slip],
+            opened: vec![0],
+        };
+        // a face that only slips and sticks keeps its cohesion
+        returning.begin();
+        assert!(returning.entered(&cycle, cohesive));
+        assert_eq!(returning.torn_faces(), [0, 1]);
     }
 }

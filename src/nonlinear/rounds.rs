@@ -53,7 +53,9 @@ impl Search<'_, '_> {
         let traction = self.judge.traction;
         let size = (self.accuracy.as_ref()).map_or(self.attempt.size, |accuracy| accuracy.size);
         let scale = (traction, &at.jumps[..]);
-        let slip_violation = slip_violation(self.attempt, &states, [&x.t, &at.effective], scale);
+        let kept = self.returning.kept(self.attempt);
+        let attempt = &kept.attempt(self.attempt);
+        let slip_violation = slip_violation(attempt, &states, [&x.t, &at.effective], scale);
         Settled {
             states,
             x,
@@ -98,18 +100,9 @@ impl Search<'_, '_> {
         most: usize,
         log: &mut Log,
     ) -> Result<Ended, Failure> {
-        let (joining, own);
-        let attempt = match self.attempt.flow {
-            Some(step) if !self.returning.joined.is_empty() => {
-                joining = step.joining(&self.returning.joined);
-                own = Attempt {
-                    flow: Some(&joining),
-                    ..self.attempt.clone()
-                };
-                &own
-            }
-            _ => self.attempt,
-        };
+        let kept = self.returning.kept(self.attempt);
+        let attempt = &kept.attempt(self.attempt);
+        let cohesive = |f: usize| attempt.has_cohesion(f);
         let problem = attempt.problem;
         let settings = problem.body().solver;
         let allowed = settings.rounds.loose_steps.min(settings.max_newton);
@@ -200,7 +193,7 @@ impl Search<'_, '_> {
                 true => settings.state_tolerance.max(settings.rounds.loose),
                 false => settings.state_tolerance,
             };
-            let changes = self.judge.changes(&states, x, &at, zero);
+            let changes = (self.judge).changes(attempt.start, &states, x, &at, zero);
             let mut changes = attempt.with_openings(&states, changes)?;
             self.returning
                 .spare(attempt, &states, (x, &at), &mut changes);
@@ -292,7 +285,7 @@ impl Search<'_, '_> {
                 state.constrained() != states[*f].constrained()
             };
             let other_h = changes.iter().any(other_h);
-            let held = attempt.flow.is_some() && self.returning.see(&states, &changes);
+            let held = attempt.flow.is_some() && self.returning.see(&states, &changes, cohesive);
             for (f, state) in &changes {
                 states[*f] = *state;
             }
@@ -309,7 +302,7 @@ impl Search<'_, '_> {
                     period: cycle.period,
                     faces: cycle.faces.clone(),
                 });
-                if attempt.flow.is_some() && self.returning.entered(&cycle) {
+                if attempt.flow.is_some() && self.returning.entered(&cycle, cohesive) {
                     return self.rounds_holding(states, x, fixed, most - done - 1, log);
                 }
                 return Ok(Ended::Not(cycle.most_constrained, None));

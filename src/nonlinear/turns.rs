@@ -45,13 +45,17 @@ impl Turns {
         if self.seen < PATIENCE {
             return Vec::new();
         }
-        let has_cohesion = |f: usize| {
-            let slip = [0, 1].map(|k| attempt.start.slip[2 * f + k]);
-            let friction = attempt.problem.friction_in(f, attempt.start);
-            friction.limit(0.0, slip[0].hypot(slip[1])) > 0.0
-        };
         (0..self.count.len())
-            .filter(|f| self.count[*f] >= TURNS && has_cohesion(*f))
+            .filter(|f| self.count[*f] >= TURNS && attempt.has_cohesion(*f))
             .collect()
+    }
+}
+
+impl Attempt<'_> {
+    /// True for a closed face that holds shear without any pressure on it.
+    pub(super) fn has_cohesion(&self, f: usize) -> bool {
+        let slip = [0, 1].map(|k| self.start.slip[2 * f + k]);
+        let friction = self.problem.friction_in(f, self.start);
+        friction.limit(0.0, slip[0].hypot(slip[1])) > 0.0
     }
 }

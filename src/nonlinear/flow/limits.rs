@@ -38,7 +38,8 @@ impl Attempt<'_> {
     }
 
     /// The share of a correction that the line search begins with: no open face is to widen by more than [`WIDENING`] times the largest
-    /// aperture at hand or before the step, or what its fluid would give to one face alone; 1 where nothing flows.
+    /// aperture at hand or before the step, or what its fluid would give to one face alone, or what counts as zero beside the tractions; 1
+    /// where nothing flows.
     ///
     /// Conductivity goes with the cube of the aperture: where that of a face was next to nothing, the tangent does not see what it will be,
     /// and asks for metres.
@@ -53,8 +54,12 @@ impl Attempt<'_> {
         };
         let open = |f: &usize| states[*f] == ContactState::Open;
         let open = || (0..states.len()).filter(open);
+        let zero = self.problem.body().solver.state_tolerance * self.traction;
+        let compliance = self.problem.compliance();
         let before = step.aperture.iter().copied().fold(0.0, f64::max);
-        let wide = open().map(|f| at.jumps[3 * f]).fold(before, f64::max);
+        let wide = open()
+            .map(|f| at.jumps[3 * f].max(zero * compliance[f]))
+            .fold(before, f64::max);
         let wide = wide.max(balance.widest(step));
         let [d_u] = self.layout().split([U], correction);
         let change = self.problem.jump_changes(d_u);
