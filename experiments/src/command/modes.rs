@@ -70,15 +70,15 @@ impl Modes {
                 }
                 None => {
                     let places = system.blocks.coordinates.as_deref();
-                    output::text(&at("u.csv"), &displacements(&mode.u, places)?)?;
-                    output::text(&at("t.csv"), &by_unknown(&mode.t)?)?;
+                    output::file(&at("u.csv"), &displacements(&mode.u, places)?)?;
+                    output::file(&at("t.csv"), &by_unknown(&mode.t)?)?;
                     if !mode.p.is_empty() {
-                        output::text(&at("p.csv"), &by_unknown(&mode.p)?)?;
+                        output::file(&at("p.csv"), &by_unknown(&mode.p)?)?;
                     }
                 }
             }
         }
-        output::text(&folder.join("modes.csv"), &table)
+        output::file(&folder.join("modes.csv"), &table)
     }
 }
 

@@ -55,15 +55,10 @@ pub(super) fn json(path: &Path, value: &impl Serialize, out: &mut dyn Write) -> 
         out.write_all(text.as_bytes())?;
         return Ok(());
     }
-    self::text(path, &text)
+    file(path, &text)
 }
 
 /// Writes a file, whole or not at all, creating its folder.
-pub(super) fn text(path: &Path, text: &str) -> anyhow::Result<()> {
-    file(path, text)
-}
-
-/// The same of any content.
 pub(super) fn file(path: &Path, content: &(impl AsRef<[u8]> + ?Sized)) -> anyhow::Result<()> {
     create_parent(path)?;
     write_whole(path, content)

@@ -193,7 +193,7 @@ impl Solve {
     /// Writes what was asked for.
     fn write(&self, solved: &Solved, history: &str, out: &mut dyn Write) -> anyhow::Result<()> {
         if let Some(path) = &self.history {
-            output::text(path, history)?;
+            output::file(path, history)?;
         }
         if let Some(path) = &self.solution {
             write_vector(path, &solved.x)?;

@@ -106,9 +106,9 @@ impl Spectrum {
 fn draw(path: &Path, figure: &plot::Figure) -> anyhow::Result<()> {
     match has_end(path, "pdf") {
         true => output::file(path, &figure.to_pdf()?)?,
-        false => output::text(path, &figure.to_svg()?)?,
+        false => output::file(path, &figure.to_svg()?)?,
     }
-    output::text(&path.with_extension("csv"), &figure.to_csv())
+    output::file(&path.with_extension("csv"), &figure.to_csv())
 }
 
 /// `NAME_gmres.svg` beside `NAME.svg`.
