@@ -8,8 +8,8 @@ use fracas_operators::small::Matrix3;
 use fracas_operators::sparse::{Pattern, SparseRows};
 use rayon::prelude::*;
 
-/// Part by which a connection has to be stronger than another one: less is rounding of f32 on coarse levels. Connections of like cells differ by
-/// that alone, so that processors made other levels of one matrix, and took 44 iterations for 54. Unit: 1.
+/// Part by which a connection has to be stronger than another one: less is rounding of f32 on coarse levels, by which alone connections of
+/// like cells differ. Unit: 1.
 const STRONGER: f32 = 1e-4;
 
 /// Which aggregate every node belongs to; a node without any connection stays [`NONE`]: the smoother solves it exactly.
