@@ -61,11 +61,12 @@ pub struct Accurate {
 /// solve `𝒜z = r`, x ← x + z, with x in twice the digits until it is returned: iterative refinement (Demmel et al., ACM TOMS 32, 2006).
 ///
 /// Eigenvalues of M⁻¹𝒜 close to zero, of which b has little, are not seen by the iteration. Where M is of one level, or in f32
-/// around entries that spread over its digits, a [`probe`] looks for them.
+/// around entries that spread over its digits, or where H leaves a traction all but free, a [`probe`] looks for them.
 ///
 /// # Cost
 /// Beyond the iterations, per pass two products with 𝒜 and one solve with M, one more of each where M is
-/// [`blind`](fracas_operators::Properties) or poor (a refinement: some five products more); of a [`probe`] 40 to 600 of each.
+/// [`blind`](fracas_operators::Properties) or poor or a field has few unknowns (a refinement: some five products more); of a [`probe`]
+/// 40 to 600 of each.
 pub fn solve_accurately(
     method: &dyn KrylovMethod<f64>,
     system: &System<'_, f64>,
@@ -277,14 +278,16 @@ impl<'a> Remainder<'a> {
             }
             _ => 1.0,
         };
-        if doubt > 0.0 {
+        let doubts =
+            (self.norms.by_chance()).map(|_, by_chance| if by_chance { 1.0 } else { doubt });
+        if doubts.iter().any(|(_, doubt)| doubt > 0.0) {
             let more = self.passed_on(&e, &mut work);
             self.corrections += 1;
             let all = more.iter().fold(0.0f64, |all, (_, more)| all.hypot(more));
             let least = if is_blind { COUPLED * all } else { 0.0 };
             size = size.map(|field, size| {
                 let more = more[field].max(least).max(size);
-                size.powf(1.0 - doubt) * more.powf(doubt)
+                size.powf(1.0 - doubts[field]) * more.powf(doubts[field])
             });
         }
         judge.judge(self.norms, (size, x), self.norms.solution(x), ritz)
@@ -388,7 +391,7 @@ impl Totals {
         norms: &EnergyNorms<'_>,
         observer: &mut dyn Observer,
     ) {
-        let probed = probe(method, system, norms, observer);
+        let probed = probe(method, system, norms, self.smallest_ritz, observer);
         self.products += probed.products;
         self.solves += probed.solves;
         self.smallest_ritz = least([self.smallest_ritz, probed.ritz]);

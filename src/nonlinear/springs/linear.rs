@@ -182,7 +182,13 @@ impl SpringLinear {
                 rhs: residual,
             };
             let krylov = KrylovChoice::default().flexible_for(inverse);
-            let probed = probe(krylov.method(), &system, norms, observer);
+            let probed = probe(
+                krylov.method(),
+                &system,
+                norms,
+                self.smallest_ritz,
+                observer,
+            );
             self.smallest_ritz = least([self.smallest_ritz, probed.ritz]);
             self.probed = true;
         }
