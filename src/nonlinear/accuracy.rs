@@ -94,10 +94,12 @@ impl<'s> Accuracy<'s> {
     }
 
     /// By how much the residual is still to be lowered for errors below the tolerance; `None` where they are, or where rounding
-    /// leaves no more to gain.
+    /// leaves no more to gain. Around a poor M a step may leave errors along a hidden vector as they are: there the residual itself shows
+    /// when it is rounding.
     pub(super) fn left(&self, judged: Judged) -> Option<f64> {
         let tolerance = self.attempt.problem.body().solver.tolerance;
-        let enough = judged.worst() <= tolerance || judged.stands;
+        let is_rounding = judged.stands && judged.hidden >= 1.0;
+        let enough = judged.worst() <= tolerance || is_rounding;
         (!enough && judged.estimate.is_finite()).then(|| judged.step(tolerance))
     }
 

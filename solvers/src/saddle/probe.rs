@@ -1,7 +1,7 @@
 //! A look for eigenvalues of M⁻¹𝒜 close to zero.
 
-use super::EnergyNorms;
 use super::error_judge::TRUSTED;
+use super::{EnergyNorms, T, U};
 use crate::krylov::{Breakdown, Criteria, Gmres, KrylovMethod, System, least};
 use crate::{Observer, Silent, Step};
 use fracas_operators::Identity;
@@ -57,10 +57,10 @@ pub fn probe(
     if !is_rough && !may_hide(norms, seen) {
         return probed;
     }
-    let system = System {
-        rhs: &norms.random_residual()[..system.size()],
-        ..*system
-    };
+    let mut w = norms.random_residual();
+    w.truncate(system.size());
+    leave_unmoving(system, norms, &mut w);
+    let system = System { rhs: &w, ..*system };
     let mut steps = STEPS;
     loop {
         let found = look(method, &system, steps, observer);
@@ -78,6 +78,27 @@ pub fn probe(
             return probed;
         }
         steps *= 2;
+    }
+}
+
+/// Nothing where tractions move nothing, between nodes that are held: H alone determines those, up to a constant, with the eigenvalue 0. b has
+/// nothing of that vector, nor has what follows from a w without it.
+fn leave_unmoving(system: &System<'_, f64>, norms: &EnergyNorms<'_>, w: &mut [f64]) {
+    let layout = norms.layout();
+    let tractions = layout.range(T);
+    if tractions.end > w.len() {
+        return;
+    }
+    // B2 of random displacements vanishes in empty rows alone
+    let mut displaced = vec![0.0; w.len()];
+    displaced[layout.range(U)].copy_from_slice(&w[layout.range(U)]);
+    let mut image = vec![0.0; w.len()];
+    let mut work = vec![0.0; system.operator.work_len()];
+    system.operator.apply(&displaced, &mut image, &mut work);
+    for i in tractions {
+        if image[i] == 0.0 {
+            w[i] = 0.0;
+        }
     }
 }
 
