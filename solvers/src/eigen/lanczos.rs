@@ -5,6 +5,7 @@ use crate::SetupError;
 use faer::Mat;
 use fracas_operators::laws::probe;
 use fracas_operators::vector::{axpy, dot, norm_inf, scale};
+use std::ops::ControlFlow;
 
 /// When to stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,6 +16,9 @@ pub struct LanczosSettings {
     pub max_steps: usize,
     /// Which end decides when to stop.
     pub ends: Ends,
+    /// Steps, at least one, before the first look at Ritz values, and half as many between later ones. Each look costs an eigenvalue problem of as
+    /// many rows as there were steps.
+    pub patience: usize,
 }
 
 /// Ends of the spectrum.
@@ -42,6 +46,7 @@ impl Default for LanczosSettings {
             tolerance: 1e-12,
             max_steps: 600,
             ends: Ends::Both,
+            patience: 8,
         }
     }
 }
@@ -91,30 +96,89 @@ pub fn extreme_eigenvalues(
     mut solve: Option<&mut Map<'_>>,
     settings: LanczosSettings,
 ) -> Result<(Extreme, Extreme), SetupError> {
-    if n == 0 {
-        return Err(SetupError::NotApplicable {
-            method: "Lanczos",
-            reason: "the matrix is empty".to_owned(),
-        });
-    }
-    let mut r: Vec<f64> = probe(n, 11);
-    let (mut z, mut v, mut p, mut p_old) = (vec![0.0; n], vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-    let (mut alphas, mut betas): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
-    let mut next_check = 8.min(n);
-    let mut last: Option<(f64, f64)> = None;
-    let mut unit = 1.0;
+    let mut lanczos = Lanczos::new(n, settings)?;
     loop {
-        // β² = rᵀ M⁻¹ r, v = M⁻¹ r / β, p = M v
-        match &mut solve {
-            Some(solve) => solve(&r, &mut z),
-            None => z.copy_from_slice(&r),
+        if let Some(solve) = &mut solve {
+            solve(&lanczos.r, &mut lanczos.z);
+        } else {
+            lanczos.z.copy_from_slice(&lanczos.r);
         }
-        let beta = dot(&r, &z).max(0.0).sqrt();
-        let k = alphas.len();
-        let size = alphas
-            .iter()
-            .chain(&betas)
-            .fold(0.0f64, |m, v| m.max(v.abs()));
+        if let Some(found) = lanczos.advance()? {
+            return Ok(found);
+        }
+        apply(&lanczos.v, &mut lanczos.r);
+        lanczos.recur();
+    }
+}
+
+/// The recurrence of [`extreme_eigenvalues`], a product at a time: several of them may share the work of their products.
+pub struct Lanczos {
+    settings: LanczosSettings,
+    r: Vec<f64>,
+    z: Vec<f64>,
+    v: Vec<f64>,
+    p: Vec<f64>,
+    p_old: Vec<f64>,
+    alphas: Vec<f64>,
+    betas: Vec<f64>,
+    next_check: usize,
+    last: Option<(f64, f64)>,
+    unit: f64,
+}
+
+impl Lanczos {
+    /// Before the first product.
+    ///
+    /// # Errors
+    /// An empty matrix.
+    pub fn new(n: usize, settings: LanczosSettings) -> Result<Self, SetupError> {
+        if n == 0 {
+            return Err(SetupError::NotApplicable {
+                method: "Lanczos",
+                reason: "the matrix is empty".to_owned(),
+            });
+        }
+        let zeros = || vec![0.0; n];
+        Ok(Self {
+            settings,
+            r: probe(n, 11),
+            z: zeros(),
+            v: zeros(),
+            p: zeros(),
+            p_old: zeros(),
+            alphas: Vec::new(),
+            betas: Vec::new(),
+            next_check: settings.patience.min(n),
+            last: None,
+            unit: 1.0,
+        })
+    }
+
+    /// For M = I: what was found, or the vector v of the next product.
+    ///
+    /// # Errors
+    /// NaN or infinity in a product.
+    pub fn next_vector(&mut self) -> Result<ControlFlow<(Extreme, Extreme), &[f64]>, SetupError> {
+        self.z.copy_from_slice(&self.r);
+        Ok(match self.advance()? {
+            Some(found) => ControlFlow::Break(found),
+            None => ControlFlow::Continue(&self.v),
+        })
+    }
+
+    /// Takes K v.
+    pub fn take(&mut self, product: impl Iterator<Item = f64>) {
+        self.r.iter_mut().zip(product).for_each(|(r, y)| *r = y);
+        self.recur();
+    }
+
+    /// From r and `z = M⁻¹ r`: β² = rᵀ M⁻¹ r, v = M⁻¹ r / β, p = M v.
+    fn advance(&mut self) -> Result<Option<(Extreme, Extreme)>, SetupError> {
+        let settings = self.settings;
+        let beta = dot(&self.r, &self.z).max(0.0).sqrt();
+        let k = self.alphas.len();
+        let each = self.alphas.iter().chain(&self.betas);
+        let size = each.fold(0.0f64, |m, v| m.max(v.abs()));
         let exhausted = k > 0 && beta <= 1e-15 * size;
         if !beta.is_finite() {
             return Err(SetupError::NotApplicable {
@@ -124,12 +188,13 @@ pub fn extreme_eigenvalues(
                 ),
             });
         }
-        if k > 0 && (exhausted || k == next_check || k == settings.max_steps) {
-            let (low, high) = ritz(&alphas, &betas[1..], if exhausted { 0.0 } else { beta })?;
+        if k > 0 && (exhausted || k == self.next_check || k == settings.max_steps) {
+            let next = if exhausted { 0.0 } else { beta };
+            let (low, high) = ritz(&self.alphas, &self.betas[1..], next)?;
             let settled = |now: f64, before: f64| {
                 (now - before).abs() <= 10.0 * settings.tolerance * now.abs()
             };
-            let stable = last.is_some_and(|(l, h)| {
+            let stable = self.last.is_some_and(|(l, h)| {
                 settled(high.value, h) && (settings.ends == Ends::Largest || settled(low.value, l))
             });
             let sharp = |e: &Extreme| {
@@ -140,10 +205,11 @@ pub fn extreme_eigenvalues(
                 Ends::Largest => sharp(&high),
             };
             if exhausted || (stable && enough) || k >= settings.max_steps {
-                return Ok((low.times(unit), high.times(unit)));
+                return Ok(Some((low.times(self.unit), high.times(self.unit))));
             }
-            last = Some((low.value, high.value));
-            next_check = (k + (k / 8).max(4)).min(settings.max_steps);
+            self.last = Some((low.value, high.value));
+            let until_next = (k / 8).max(settings.patience.div_ceil(2));
+            self.next_check = (k + until_next).min(settings.max_steps);
         }
         if k == 0 && beta == 0.0 {
             return Err(SetupError::NotApplicable {
@@ -151,25 +217,29 @@ pub fn extreme_eigenvalues(
                 reason: "M is not positive definite".to_owned(),
             });
         }
-        betas.push(beta);
-        std::mem::swap(&mut p, &mut p_old);
-        p.copy_from_slice(&r);
-        scale(1.0 / beta, &mut p);
-        v.copy_from_slice(&z);
-        scale(1.0 / beta, &mut v);
-        // r = K v − α p − β p_old
-        apply(&v, &mut r);
+        self.betas.push(beta);
+        std::mem::swap(&mut self.p, &mut self.p_old);
+        self.p.copy_from_slice(&self.r);
+        scale(1.0 / beta, &mut self.p);
+        self.v.copy_from_slice(&self.z);
+        scale(1.0 / beta, &mut self.v);
+        Ok(None)
+    }
+
+    /// `r = K v − α p − β p_old` from `r = K v`.
+    fn recur(&mut self) {
+        let k = self.alphas.len();
         if k == 0 {
-            unit = power_of_two(norm_inf(&r));
+            self.unit = power_of_two(norm_inf(&self.r));
         }
-        if unit != 1.0 {
-            scale(1.0 / unit, &mut r);
+        if self.unit != 1.0 {
+            scale(1.0 / self.unit, &mut self.r);
         }
-        let alpha = dot(&r, &v);
-        alphas.push(alpha);
-        axpy(-alpha, &p, &mut r);
+        let alpha = dot(&self.r, &self.v);
+        self.alphas.push(alpha);
+        axpy(-alpha, &self.p, &mut self.r);
         if k > 0 {
-            axpy(-beta, &p_old, &mut r);
+            axpy(-self.betas[k], &self.p_old, &mut self.r);
         }
     }
 }

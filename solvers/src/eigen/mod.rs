@@ -12,4 +12,4 @@ pub mod lanczos;
 mod tridiagonal;
 
 pub use kernel::{Kernel, kernel_of};
-pub use lanczos::{Ends, Extreme, LanczosSettings, Map, extreme_eigenvalues};
+pub use lanczos::{Ends, Extreme, Lanczos, LanczosSettings, Map, extreme_eigenvalues};

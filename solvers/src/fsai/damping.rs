@@ -16,6 +16,7 @@ const ESTIMATE: LanczosSettings = LanczosSettings {
     tolerance: 0.01,
     max_steps: 60,
     ends: Ends::Largest,
+    patience: 8,
 };
 
 impl FsaiInverse<f64> {

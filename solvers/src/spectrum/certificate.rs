@@ -1,7 +1,7 @@
 //! A lower bound of the inf-sup constant from what lies around the fractures.
 
 use crate::SetupError;
-use crate::eigen::{Ends, LanczosSettings, dense, extreme_eigenvalues};
+use crate::eigen::{LanczosSettings, dense, extreme_eigenvalues};
 use crate::saddle::SaddleBlocks;
 use fracas_operators::LinearOperator;
 use fracas_operators::sparse::{Csr, SparseMatrix, Triplets};
@@ -93,7 +93,7 @@ pub fn certificate(blocks: &SaddleBlocks) -> Result<Option<Certificate>, SetupEr
             let settings = LanczosSettings {
                 tolerance: ACCURACY,
                 max_steps: 2000,
-                ends: Ends::Both,
+                ..LanczosSettings::default()
             };
             let (low, _) = extreme_eigenvalues(n_t, &mut product, None, settings)?;
             low.value - low.error

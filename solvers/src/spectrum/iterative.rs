@@ -37,8 +37,7 @@ pub(super) fn statements(
     let h = blocks.h.clone().map(Csr::new);
     let settings = LanczosSettings {
         tolerance: 1e-10,
-        max_steps: 600,
-        ends: Ends::Both,
+        ..LanczosSettings::default()
     };
     let mut worst = 0.0f64;
     let mut record = |(low, high): (Extreme, Extreme)| {

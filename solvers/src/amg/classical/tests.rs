@@ -3,7 +3,7 @@ use super::independent_set::{FINE, splitting};
 use super::least_squares::interpolation;
 use super::*;
 use crate::amg::{Amg, Coarsening};
-use crate::eigen::{Ends, LanczosSettings, extreme_eigenvalues};
+use crate::eigen::{LanczosSettings, extreme_eigenvalues};
 use crate::elastic_sample::{clamped_box, cube};
 use crate::krylov::oracle::cg_iterations;
 use crate::multigrid::{Cycle, Precision, Smoother};
@@ -379,7 +379,7 @@ fn two_grids_converge_with_a_bound_that_the_mesh_does_not_change() {
         let settings = LanczosSettings {
             tolerance: 1e-3,
             max_steps: 60,
-            ends: Ends::Both,
+            ..LanczosSettings::default()
         };
         let n = operator.shape().rows;
         let (low, high) = extreme_eigenvalues(n, &mut apply, Some(&mut solve), settings).unwrap();

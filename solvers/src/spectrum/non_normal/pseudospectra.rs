@@ -8,8 +8,9 @@ use faer::c64;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Relative accuracy of σ_min on the grid: lines that close are not told apart. Unit: 1.
-const ACCURACY: f64 = 1e-3;
+/// Relative error of 1/σ_min² by the estimate of Lanczos, which sees two close singular values late: with 1e-3 errors of σ_min of 1 % were
+/// measured, with this 1e-4. Unit: 1.
+const ACCURACY: f64 = 3e-4;
 
 /// Room around the eigenvalues, in the larger of their extents. Unit: 1.
 const ROOM: f64 = 0.4;
@@ -56,13 +57,11 @@ impl Pseudospectra {
         let im: Vec<f64> = (0..rows).map(|j| j as f64 * step).collect();
         let log10_epsilon = (im.par_iter())
             .map(|y| {
-                let row = re.iter().map(|x| {
-                    let sigma = resolvent.smallest(c64::new(*x, *y), ACCURACY)?;
-                    Ok(sigma.log10())
-                });
-                row.collect::<Result<Vec<f64>, SetupError>>()
+                let row: Vec<c64> = re.iter().map(|x| c64::new(*x, *y)).collect();
+                let sigma = resolvent.smallest(&row, ACCURACY)?;
+                Ok(sigma.into_iter().map(f64::log10).collect())
             })
-            .collect::<Result<_, _>>()?;
+            .collect::<Result<_, SetupError>>()?;
         Ok(Self {
             re,
             im,

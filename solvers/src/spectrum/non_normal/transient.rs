@@ -129,19 +129,26 @@ impl GmresBounds {
 fn constant(resolvent: &Resolvent, curve: &Ellipse) -> Result<Option<f64>, SetupError> {
     let mut arcs = Arc::upper_half(8);
     let (mut sum, mut tried) = (0.0, 0);
-    while let Some(arc) = arcs.pop() {
-        let ([x, y], length) = curve.arc(&arc);
-        let sigma = resolvent.smallest(c64::new(x, y), ACCURACY)?;
-        match 0.5 * length <= FINE * sigma {
-            true => sum += length / (sigma - 0.5 * length),
-            // as many pieces as this one falls into, if σ_min stays what it is
-            false if length > 2.0 * FINE * sigma * PIECES as f64 => return Ok(None),
-            false => arcs.extend(arc.halves()),
-        }
-        tried += 1;
+    while !arcs.is_empty() {
+        tried += arcs.len();
         if tried > PIECES {
             return Ok(None);
         }
+        let (points, lengths): (Vec<c64>, Vec<f64>) = (arcs.iter())
+            .map(|arc| curve.arc(arc))
+            .map(|([x, y], length)| (c64::new(x, y), length))
+            .unzip();
+        let sigmas = resolvent.smallest(&points, ACCURACY)?;
+        let mut halves = Vec::new();
+        for (arc, (length, sigma)) in arcs.iter().zip(lengths.into_iter().zip(sigmas)) {
+            match 0.5 * length <= FINE * sigma {
+                true => sum += length / (sigma - 0.5 * length),
+                // as many pieces as this one falls into, if σ_min stays what it is
+                false if length > 2.0 * FINE * sigma * PIECES as f64 => return Ok(None),
+                false => halves.extend(arc.halves()),
+            }
+        }
+        arcs = halves;
     }
     // the lower half is its mirror image
     Ok(Some(2.0 * sum / (2.0 * PI)))
