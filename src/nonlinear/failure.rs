@@ -105,7 +105,8 @@ pub enum Failure {
     },
     /// The residual is small and the error is not.
     #[error(
-        "accuracy: the {part} may be wrong by {error:.1e}, asked {tolerance:.1e}, and rounding keeps the residual at {residual:.1e} of the largest force; less contrast of stiffness, flatness of cells or stiffness of springs helps, or a larger tolerance and state_tolerance in [solver]"
+        "accuracy: the {part} may be wrong by {error:.1e}, asked {tolerance:.1e}, and {}",
+        of_residual(*residual)
     )]
     Inaccurate {
         /// `displacements` or `tractions`.
@@ -353,4 +354,20 @@ pub enum SimulationError {
     /// A mesh without a stiffness.
     #[error(transparent)]
     Elasticity(#[from] ElasticityError),
+}
+
+/// Residual relative to loads and internal forces above which it is not taken for rounding: what stiff rock, 10⁸ times the soft one, leaves of
+/// 10⁻¹⁶. Unit: 1.
+const BEYOND_ROUNDING: f64 = 1e-6;
+
+/// What keeps a residual from falling, and what helps.
+fn of_residual(residual: f64) -> String {
+    match residual <= BEYOND_ROUNDING {
+        true => format!(
+            "rounding keeps the residual at {residual:.1e} of the largest force; less contrast of stiffness, flatness of cells or stiffness of springs helps, or a larger tolerance and state_tolerance in [solver]"
+        ),
+        false => format!(
+            "steps leave the residual at {residual:.1e} of the largest force, which is more than rounding; a smaller tolerance in [solver], by which states are found from better tractions, may help"
+        ),
+    }
 }
