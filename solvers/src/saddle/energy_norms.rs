@@ -302,6 +302,27 @@ impl OfTractions<'_> {
     }
 }
 
+impl OfTractions<'_> {
+    /// `y ← D^(−1/2) y`.
+    pub(super) fn unscale(&self, y: &mut [f64]) {
+        y.iter_mut().zip(&self.scale).for_each(|(y, s)| *y *= s);
+    }
+
+    /// `Σ d y²` of the tractions that `t` has less of than this share, and of all.
+    pub(super) fn missed(&self, y: &[f64], t: &[f64], share: f64) -> [f64; 2] {
+        let mut sums = [0.0; 2];
+        for ((y, t), s) in y.iter().zip(t).zip(&self.scale).filter(|(_, s)| **s > 0.0) {
+            let energy = (y / s).powi(2);
+            sums[1] += energy;
+            // NaN is missed, too
+            let is_there = t * y >= share * y * y;
+            sums[0] += if is_there { 0.0 } else { energy };
+        }
+        self.sum_over_parts(&mut sums);
+        sums
+    }
+}
+
 impl LinearOperator<f64> for OfTractions<'_> {
     fn shape(&self) -> Shape {
         Shape::square(self.size())

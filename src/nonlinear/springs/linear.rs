@@ -182,13 +182,8 @@ impl SpringLinear {
                 rhs: residual,
             };
             let krylov = KrylovChoice::default().flexible_for(inverse);
-            let probed = probe(
-                krylov.method(),
-                &system,
-                norms,
-                self.smallest_ritz,
-                observer,
-            );
+            let (method, seen) = (krylov.method(), self.smallest_ritz);
+            let probed = probe(method, &system, norms, seen, observer);
             self.smallest_ritz = least([self.smallest_ritz, probed.ritz]);
             self.probed = true;
         }
