@@ -20,6 +20,7 @@ mod leading;
 pub mod mcp;
 pub mod method;
 pub mod monolithic;
+mod of_tractions;
 pub mod operator;
 #[cfg(test)]
 pub(crate) mod oracle;
