@@ -4,12 +4,12 @@
 
 use fracas::scene::named;
 use fracas_operators::vector::{axpy, dot, norm2};
+use fracas_solvers::Silent;
 use fracas_solvers::krylov::run::{End, Run, carve, drive, work_len};
 use fracas_solvers::krylov::{
-    Breakdown, Criteria, CustomKrylov, KrylovChoice, KrylovMethod, Outcome, Report, System,
+    Breakdown, Criteria, CustomKrylov, KrylovChoice, KrylovMethod, Outcome, Report, System, Watch,
 };
 use fracas_solvers::saddle::{SaddleMethod, SaddleOperator};
-use fracas_solvers::{Observer, Silent};
 
 /// Steps before the directions are thrown away.
 const RESTART: usize = 20;
@@ -32,10 +32,10 @@ impl KrylovMethod<f64> for ConjugateResiduals {
         system: &System<f64>,
         criteria: &Criteria,
         x: &mut [f64],
-        observer: &mut dyn Observer,
+        watch: Watch<'_, f64>,
         work: &mut [f64],
     ) -> Result<Report, Breakdown> {
-        drive(self.name(), system, criteria, x, observer, work, cycle)
+        drive(self.name(), system, criteria, x, watch, work, cycle)
     }
 }
 
@@ -61,7 +61,9 @@ fn cycle(
         axpy(alpha, p, x);
         axpy(-alpha, q, r);
         before.push([p, q]);
-        if let Some(end) = run.step(norm2(r))? {
+        if let Some(end) = run.step(norm2(r))?
+            && run.ends(end, x)
+        {
             return Ok(end);
         }
     }

@@ -9,7 +9,7 @@ use counting::{allocations, threads};
 use fracas_operators::laws::probe;
 use fracas_operators::sparse::{Csr, SparseMatrix, Triplets};
 use fracas_operators::{LinearOperator, Preconditioner};
-use fracas_solvers::krylov::{Criteria, KrylovChoice, System};
+use fracas_solvers::krylov::{Criteria, KrylovChoice, System, Watch};
 use fracas_solvers::smoothers::{Jacobi, JacobiBlock, Ssor};
 use fracas_solvers::{Prepare, Silent};
 use rayon::ThreadPool;
@@ -65,7 +65,7 @@ fn solve_again(
     pool.install(|| {
         let mut run = |x: &mut [f64]| {
             x.fill(0.0);
-            method.solve_in(&system, &criteria, x, &mut Silent, &mut work)
+            method.solve_in(&system, &criteria, x, Watch::of(&mut Silent), &mut work)
         };
         run(&mut x).unwrap();
         let mut report = None;

@@ -3,7 +3,7 @@
 use super::LinearFailure;
 use super::workspace::{Workspace, fitted};
 use fracas_solvers::Observer;
-use fracas_solvers::krylov::{Breakdown, Criteria, KrylovChoice, Outcome, System};
+use fracas_solvers::krylov::{Breakdown, Criteria, KrylovChoice, Outcome, System, Watch};
 
 /// Relative residual up to which a system that rounding or the limit of iterations keeps from its tolerance is taken: Newton
 /// corrects it, and fails where it cannot. Unit: 1.
@@ -80,7 +80,7 @@ pub(super) fn solve(
     let mut run = |choice: KrylovChoice, x: &mut [f64]| {
         let method = choice.method();
         let work = work.of(method, system, &criteria);
-        let solved = method.solve_in(system, &criteria, x, observer, work);
+        let solved = method.solve_in(system, &criteria, x, Watch::of(observer), work);
         (choice.name(), solved)
     };
     let mut spent = 0;

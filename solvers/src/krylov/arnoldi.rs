@@ -1,7 +1,7 @@
 //! The Arnoldi process behind GMRES: `A M⁻¹ V_k = V_{k+1} H_k`, with the QR factors of H_k by Givens rotations.
 
 use super::ritz::nearest_to_zero;
-use super::run::carve;
+use super::run::{End, carve};
 use fracas_operators::Real;
 use fracas_operators::vector::{CHUNK, axpy, dot, scale};
 use rayon::prelude::*;
@@ -27,7 +27,10 @@ pub(super) struct Arnoldi<'w, R> {
     sines: &'w mut [R],
     /// Rotated right-hand side: its entry k is the residual.
     rhs: &'w mut [R],
+    /// Corrections of a projection, or y.
     correction: &'w mut [R],
+    /// The y that x has already.
+    taken: &'w mut [R],
     partial: &'w mut [R],
 }
 
@@ -42,7 +45,7 @@ pub(super) struct Grown<R> {
 impl<'w, R: Real> Arnoldi<'w, R> {
     /// Entries that a basis of `m` steps needs.
     pub(super) fn work_len(n: usize, m: usize) -> usize {
-        (m + 1) * n + (m + 1) * m + 2 * m + 2 * (m + 1) + n.div_ceil(CHUNK) * (m + 2)
+        (m + 1) * n + (m + 1) * m + 3 * m + 2 * (m + 1) + n.div_ceil(CHUNK) * (m + 2)
     }
 
     /// `v_0 = r / ‖r‖` with room for `m` steps.
@@ -57,11 +60,13 @@ impl<'w, R: Real> Arnoldi<'w, R> {
             sines: carve(&mut work, m),
             rhs: carve(&mut work, m + 1),
             correction: carve(&mut work, m + 1),
+            taken: carve(&mut work, m),
             partial: carve(&mut work, n.div_ceil(CHUNK) * (m + 2)),
         };
         arnoldi.basis[..n].copy_from_slice(r);
         scale(rho.recip(), &mut arnoldi.basis[..n]);
         arnoldi.rhs[0] = rho;
+        arnoldi.taken.fill(R::zero());
         arnoldi
     }
 
@@ -125,26 +130,40 @@ impl<'w, R: Real> Arnoldi<'w, R> {
         }
     }
 
-    /// `y = R⁻¹ g`, in place of g: the basis has done its work afterwards.
-    fn coefficients(&mut self) {
-        let height = self.rhs.len();
+    /// Why the process has no further column, if so.
+    pub(super) fn last(&self, grown: &Grown<R>) -> Option<End> {
+        let is_full = self.k == self.taken.len();
+        let full = is_full.then_some(End::Restart);
+        grown.exhausted.then_some(End::Believed).or(full)
+    }
+
+    /// `y = R⁻¹ g` less what was taken before; from here on all of y is taken.
+    fn take(&mut self) {
+        let (height, y) = (self.rhs.len(), &mut self.correction[..self.k]);
+        y.copy_from_slice(&self.rhs[..self.k]);
         for j in (0..self.k).rev() {
             let column = &self.triangle[j * height..=j * height + j];
-            self.rhs[j] /= column[j];
-            let y_j = self.rhs[j];
-            for (g, r) in self.rhs[..j].iter_mut().zip(column) {
-                *g -= *r * y_j;
+            y[j] /= column[j];
+            let y_j = y[j];
+            for (y, r) in y[..j].iter_mut().zip(column) {
+                *y -= *r * y_j;
             }
+        }
+        for (y, taken) in y.iter_mut().zip(&mut *self.taken) {
+            let all = *y;
+            *y -= *taken;
+            *taken = all;
         }
     }
 
-    /// `V y`, in the place of the vector after the basis.
+    /// `V y` less what was combined before, in the place after that of the next vector; where the basis is full, in that one.
     pub(super) fn combine(&mut self) -> &[R] {
-        self.coefficients();
+        self.take();
         let (old, new) = self.basis.split_at_mut(self.k * self.n);
-        let u = &mut new[..self.n];
+        let first = if new.len() > self.n { self.n } else { 0 };
+        let u = &mut new[first..][..self.n];
         u.fill(R::zero());
-        add_combination(old, &self.rhs[..self.k], u);
+        add_combination(old, &self.correction[..self.k], u);
         u
     }
 
@@ -173,10 +192,10 @@ impl<'w, R: Real> Arnoldi<'w, R> {
         })
     }
 
-    /// `x ← x + Z y` for other vectors Z.
+    /// `x ← x + Z y` for other vectors Z, less what was combined before.
     pub(super) fn combine_onto(&mut self, z: &[R], x: &mut [R]) {
-        self.coefficients();
-        add_combination(z, &self.rhs[..self.k], x);
+        self.take();
+        add_combination(z, &self.correction[..self.k], x);
     }
 }
 

@@ -1,8 +1,7 @@
 //! Stabilized bi-conjugate gradients.
 
 use super::run::{End, Run, carve, drive, require_linear, work_len};
-use super::{Breakdown, Criteria, KrylovMethod, Report, System};
-use crate::Observer;
+use super::{Breakdown, Criteria, KrylovMethod, Report, System, Watch};
 use fracas_operators::Real;
 use fracas_operators::vector::{axpy, copy, xpby};
 use schemars::JsonSchema;
@@ -39,11 +38,11 @@ impl<R: Real> KrylovMethod<R> for Bicgstab {
         system: &System<R>,
         criteria: &Criteria,
         x: &mut [R],
-        observer: &mut dyn Observer,
+        watch: Watch<'_, R>,
         work: &mut [R],
     ) -> Result<Report, Breakdown> {
         require_linear("bicgstab", system)?;
-        drive("bicgstab", system, criteria, x, observer, work, cycle)
+        drive("bicgstab", system, criteria, x, watch, work, cycle)
     }
 }
 
@@ -72,8 +71,13 @@ fn cycle<R: Real>(
         axpy(alpha, p_hat, x);
         axpy(-alpha, v, r);
         let norm_s = run.finite(run.norm2(r))?;
-        if run.is_small(norm_s) {
-            return Ok(run.step(norm_s)?.unwrap_or(End::Believed));
+        // where a judge lets half an iteration go on, the whole one is counted already
+        let is_counted = run.is_small(norm_s);
+        if is_counted {
+            let end = run.step(norm_s)?.unwrap_or(End::Believed);
+            if run.ends(end, x) {
+                return Ok(end);
+            }
         }
         // ω = tᵀs / tᵀt with t = A M⁻¹s,  r = s − ω t
         run.solve(r, s_hat);
@@ -89,7 +93,10 @@ fn cycle<R: Real>(
         axpy(omega, s_hat, x);
         axpy(-omega, t, r);
         let norm_r = run.norm2(r);
-        if let Some(end) = run.step(norm_r)? {
+        if !is_counted
+            && let Some(end) = run.step(norm_r)?
+            && run.ends(end, x)
+        {
             return Ok(end);
         }
         // β = (ρ/ρ_before)(α/ω),  p ← r + β (p − ω v)

@@ -2,8 +2,7 @@
 
 use super::ritz::Coefficients;
 use super::run::{End, Run, carve, drive, require_linear, work_len};
-use super::{Breakdown, Criteria, Factor, KrylovMethod, Report, System};
-use crate::Observer;
+use super::{Breakdown, Criteria, Factor, KrylovMethod, Report, System, Watch};
 use fracas_operators::Real;
 use fracas_operators::vector::{axpy, copy, xpby};
 use schemars::JsonSchema;
@@ -37,11 +36,11 @@ impl<R: Real> KrylovMethod<R> for Cg {
         system: &System<R>,
         criteria: &Criteria,
         x: &mut [R],
-        observer: &mut dyn Observer,
+        watch: Watch<'_, R>,
         work: &mut [R],
     ) -> Result<Report, Breakdown> {
         require_linear("cg", system)?;
-        drive("cg", system, criteria, x, observer, work, cycle)
+        drive("cg", system, criteria, x, watch, work, cycle)
     }
 }
 
@@ -80,7 +79,9 @@ fn cycle<R: Real>(
         norm_r = run.norm2(r);
         if let Some(end) = run.step(norm_r)? {
             run.ritz(coefficients.ritz_nearest_to_zero());
-            return Ok(end);
+            if run.ends(end, x) {
+                return Ok(end);
+            }
         }
         // z = M⁻¹r,  β = rᵀz / (rᵀz before),  p ← z + β p
         run.solve(r, z);

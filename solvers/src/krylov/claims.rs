@@ -2,8 +2,9 @@
 
 use super::oracle::*;
 use super::*;
-use crate::{Silent, Step};
+use crate::{Observer, Silent, Step};
 use fracas_operators::laws::probe;
+use fracas_operators::vector::norm2;
 use fracas_operators::{Counted, Dense, Identity, LinearOperator, Shape};
 use std::ops::ControlFlow;
 
@@ -240,5 +241,95 @@ fn single_precision_reaches_single_precision() {
             .solve(&system, &until(1e-5, 99), &mut x, &mut Silent)
             .unwrap();
         assert_eq!(report.outcome, Outcome::Converged, "{choice}");
+    }
+}
+
+/// Lets an iteration go on to these relative residuals, one after the other, and then takes x.
+struct Further<'a> {
+    steps: &'a [f64],
+    operator: &'a dyn LinearOperator<f64>,
+    b: &'a [f64],
+    asked: usize,
+}
+
+impl Judge<f64> for Further<'_> {
+    fn judge(&mut self, candidate: &Candidate<'_, f64>, _: &mut dyn Observer) -> Verdict {
+        let mut r = self.b.to_vec();
+        self.operator.apply_add(-1.0, candidate.x, &mut r, &mut []);
+        let relative_residual = norm2(&r) / norm2(self.b);
+        let estimated = candidate.estimated_residual;
+        assert!((relative_residual - estimated).abs() <= 1e-3 * estimated);
+        self.asked += 1;
+        Verdict {
+            relative_residual,
+            further: self.steps.get(self.asked - 1).copied(),
+        }
+    }
+}
+
+#[test]
+fn what_a_judge_lets_go_on_is_the_iteration_to_the_last_residual() {
+    let b = probe(30, 2);
+    let steps = [1e-3, 1e-6, 1e-8];
+    for (choice, a) in methods() {
+        let m = Explicit(spd(30, 3));
+        let (whole, expected) = solve(choice.method(), &a, &m, &b, until(1e-8, 300));
+        let expected = expected.unwrap();
+        let system = System {
+            operator: &a,
+            preconditioner: &m,
+            rhs: &b,
+        };
+        let mut judge = Further {
+            steps: &steps,
+            operator: &a,
+            b: &b,
+            asked: 0,
+        };
+        let watch = Watch {
+            observer: &mut Silent,
+            judge: Some(&mut judge),
+        };
+        let mut x = vec![0.0; 30];
+        let report = (choice.method())
+            .solve_watched(&system, &until(1e-1, 300), &mut x, watch)
+            .unwrap();
+        assert_eq!(judge.asked, 4, "{choice}");
+        // BiCGStab may end after half an iteration
+        assert!(
+            expected.iterations.abs_diff(report.iterations) <= 1,
+            "{choice}: {} and {}",
+            expected.iterations,
+            report.iterations
+        );
+        assert!(report.relative_residual <= 1e-8, "{choice}");
+        assert!(deviation(&x, &whole) < 1e-5, "{choice}");
+    }
+}
+
+#[test]
+fn a_judge_has_no_more_iterations_than_there_are() {
+    let b = probe(30, 2);
+    for (choice, a) in methods() {
+        let system = System {
+            operator: &a,
+            preconditioner: &Identity { n: 30 },
+            rhs: &b,
+        };
+        let mut judge = Further {
+            steps: &[1e-13; 300],
+            operator: &a,
+            b: &b,
+            asked: 0,
+        };
+        let watch = Watch {
+            observer: &mut Silent,
+            judge: Some(&mut judge),
+        };
+        let mut x = vec![0.0; 30];
+        let report = (choice.method())
+            .solve_watched(&system, &until(0.9, 5), &mut x, watch)
+            .unwrap();
+        assert!(report.iterations <= 5, "{choice}");
     }
 }

@@ -3,8 +3,7 @@
 use super::arnoldi::Arnoldi;
 use super::gmres::{RESTART, steps};
 use super::run::{End, Run, drive, work_len};
-use super::{Breakdown, Criteria, KrylovMethod, Report, System};
-use crate::Observer;
+use super::{Breakdown, Criteria, KrylovMethod, Report, System, Watch};
 use fracas_operators::Real;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -46,13 +45,13 @@ impl<R: Real> KrylovMethod<R> for Fgmres {
         system: &System<R>,
         criteria: &Criteria,
         x: &mut [R],
-        observer: &mut dyn Observer,
+        watch: Watch<'_, R>,
         work: &mut [R],
     ) -> Result<Report, Breakdown> {
         let m = steps(self.restart, system, criteria);
         let cycle =
             |run: &mut Run<R>, x: &mut [R], r: &mut [R], work: &mut [R]| cycle(m, run, x, r, work);
-        drive("fgmres", system, criteria, x, observer, work, cycle)
+        drive("fgmres", system, criteria, x, watch, work, cycle)
     }
 }
 
@@ -67,24 +66,26 @@ fn cycle<R: Real>(
     let n = x.len();
     let (z, work) = work.split_at_mut(m * n);
     let mut arnoldi = Arnoldi::new(r, run.start(), m, work);
-    let end = loop {
+    loop {
         // z_k = M_k⁻¹ v_k,  w = A z_k
         let z_k = &mut z[arnoldi.size() * n..][..n];
         let (v, w) = arnoldi.next();
         run.solve(v, z_k);
         run.product(z_k, w);
         let grown = arnoldi.grow(&|sums| run.sum_over_parts(sums));
-        match run.step(grown.residual)? {
-            Some(end) => break end,
-            None if grown.exhausted => break End::Believed,
-            None if arnoldi.size() == m => break End::Restart,
-            None => {}
+        let last = arnoldi.last(&grown);
+        if let Some(end) = run.step(grown.residual)?.or(last) {
+            run.ritz(arnoldi.ritz_nearest_to_zero());
+            // x ← x + Z y
+            arnoldi.combine_onto(z, x);
+            if run.ends(end, x) {
+                return Ok(end);
+            }
+            if let Some(end) = last {
+                return Ok(end);
+            }
         }
-    };
-    run.ritz(arnoldi.ritz_nearest_to_zero());
-    // x ← x + Z y
-    arnoldi.combine_onto(z, x);
-    Ok(end)
+    }
 }
 
 #[cfg(test)]

@@ -2,8 +2,7 @@
 
 use super::arnoldi::Arnoldi;
 use super::run::{End, Run, drive, require_linear, work_len};
-use super::{Breakdown, Criteria, KrylovMethod, Report, System};
-use crate::Observer;
+use super::{Breakdown, Criteria, KrylovMethod, Report, System, Watch};
 use fracas_operators::Real;
 use fracas_operators::vector::axpy;
 use schemars::JsonSchema;
@@ -74,14 +73,14 @@ impl<R: Real> KrylovMethod<R> for Gmres {
         system: &System<R>,
         criteria: &Criteria,
         x: &mut [R],
-        observer: &mut dyn Observer,
+        watch: Watch<'_, R>,
         work: &mut [R],
     ) -> Result<Report, Breakdown> {
         require_linear("gmres", system)?;
         let m = steps(self.restart, system, criteria);
         let cycle =
             |run: &mut Run<R>, x: &mut [R], r: &mut [R], work: &mut [R]| cycle(m, run, x, r, work);
-        drive("gmres", system, criteria, x, observer, work, cycle)
+        drive("gmres", system, criteria, x, watch, work, cycle)
     }
 }
 
@@ -95,24 +94,26 @@ fn cycle<R: Real>(
 ) -> Result<End, Breakdown> {
     let mut arnoldi = Arnoldi::new(r, run.start(), m, work);
     let z = r; // its direction is v_0 now
-    let end = loop {
+    loop {
         // w = A M⁻¹ v_k
         let (v, w) = arnoldi.next();
         run.solve(v, z);
         run.product(z, w);
         let grown = arnoldi.grow(&|sums| run.sum_over_parts(sums));
-        match run.step(grown.residual)? {
-            Some(end) => break end,
-            None if grown.exhausted => break End::Believed,
-            None if arnoldi.size() == m => break End::Restart,
-            None => {}
+        let last = arnoldi.last(&grown);
+        if let Some(end) = run.step(grown.residual)?.or(last) {
+            run.ritz(arnoldi.ritz_nearest_to_zero());
+            // x ← x + M⁻¹ V y
+            run.solve(arnoldi.combine(), z);
+            axpy(R::one(), z, x);
+            if run.ends(end, x) {
+                return Ok(end);
+            }
+            if let Some(end) = last {
+                return Ok(end);
+            }
         }
-    };
-    run.ritz(arnoldi.ritz_nearest_to_zero());
-    // x ← x + M⁻¹ V y
-    run.solve(arnoldi.combine(), z);
-    axpy(R::one(), z, x);
-    Ok(end)
+    }
 }
 
 #[cfg(test)]

@@ -1,8 +1,7 @@
 //! Minimal residuals for symmetric systems.
 
 use super::run::{End, Run, carve, drive, require_linear, work_len};
-use super::{Breakdown, Criteria, Factor, KrylovMethod, Report, System};
-use crate::Observer;
+use super::{Breakdown, Criteria, Factor, KrylovMethod, Report, System, Watch};
 use fracas_operators::Real;
 use fracas_operators::vector::{axpby, axpy, copy, scale};
 use schemars::JsonSchema;
@@ -40,11 +39,11 @@ impl<R: Real> KrylovMethod<R> for Minres {
         system: &System<R>,
         criteria: &Criteria,
         x: &mut [R],
-        observer: &mut dyn Observer,
+        watch: Watch<'_, R>,
         work: &mut [R],
     ) -> Result<Report, Breakdown> {
         require_linear("minres", system)?;
-        drive("minres", system, criteria, x, observer, work, cycle)
+        drive("minres", system, criteria, x, watch, work, cycle)
     }
 }
 
@@ -120,9 +119,13 @@ fn cycle<R: Real>(
             R::zero()
         };
         axpby(share, v, s * s, r);
-        let end = run.step(run.norm2(r))?;
-        if end.is_some() || gamma_next == R::zero() {
-            return Ok(end.unwrap_or(End::Believed));
+        if let Some(end) = run.step(run.norm2(r))?
+            && run.ends(end, x)
+        {
+            return Ok(end);
+        }
+        if gamma_next == R::zero() {
+            return Ok(End::Believed);
         }
         swap(&mut z, &mut t);
         (gamma_old, gamma) = (gamma, gamma_next);

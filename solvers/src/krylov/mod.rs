@@ -22,6 +22,7 @@ mod claims;
 mod fgmres;
 mod fitted;
 mod gmres;
+mod judge;
 mod minres;
 #[cfg(test)]
 pub(crate) mod oracle;
@@ -37,6 +38,7 @@ pub use choice::UnknownMethod;
 pub use fgmres::Fgmres;
 pub use fitted::Fitted;
 pub use gmres::Gmres;
+pub use judge::{Candidate, Judge, Verdict, Watch};
 pub use minres::Minres;
 pub use ritz::least;
 pub use sqmr::Sqmr;
@@ -58,6 +60,7 @@ pub trait KrylovMethod<R: Real>: Debug + Send + Sync {
 
     /// Solves in the caller's memory: `x` holds the start on entry and the last iterate on return, also after a
     /// breakdown (GMRES: of the last full cycle); `work` has arbitrary content and is touched only as far as the iteration gets.
+    /// A [`Judge`] is asked where the residual is small, and may let the method go on from there; then the tolerance is the judge's.
     ///
     /// # Errors
     /// [`Breakdown`] where the arithmetic cannot continue. Not converging is no error: see [`Outcome`].
@@ -66,11 +69,23 @@ pub trait KrylovMethod<R: Real>: Debug + Send + Sync {
         system: &System<R>,
         criteria: &Criteria,
         x: &mut [R],
-        observer: &mut dyn Observer,
+        watch: Watch<'_, R>,
         work: &mut [R],
     ) -> Result<Report, Breakdown>;
 
     /// The same with memory of its own, allocated once.
+    fn solve_watched(
+        &self,
+        system: &System<R>,
+        criteria: &Criteria,
+        x: &mut [R],
+        watch: Watch<'_, R>,
+    ) -> Result<Report, Breakdown> {
+        let mut work = vec![R::zero(); self.work_len(system, criteria)];
+        self.solve_in(system, criteria, x, watch, &mut work)
+    }
+
+    /// The same where residuals alone decide.
     fn solve(
         &self,
         system: &System<R>,
@@ -78,8 +93,7 @@ pub trait KrylovMethod<R: Real>: Debug + Send + Sync {
         x: &mut [R],
         observer: &mut dyn Observer,
     ) -> Result<Report, Breakdown> {
-        let mut work = vec![R::zero(); self.work_len(system, criteria)];
-        self.solve_in(system, criteria, x, observer, &mut work)
+        self.solve_watched(system, criteria, x, Watch::of(observer))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Random dense systems and their direct solution, for the tests of every method.
 
-use super::{Breakdown, Cg, Criteria, KrylovMethod, Outcome, Report, System};
+use super::{Breakdown, Cg, Criteria, KrylovMethod, Outcome, Report, System, Watch};
 use crate::Silent;
 use faer::prelude::Solve;
 use fracas_operators::laws::probe;
@@ -101,7 +101,13 @@ pub(crate) fn solve(
     };
     let mut x = vec![0.0; rhs.len()];
     let mut work = vec![f64::NAN; method.work_len(&system, &criteria)];
-    let report = method.solve_in(&system, &criteria, &mut x, &mut Silent, &mut work);
+    let report = method.solve_in(
+        &system,
+        &criteria,
+        &mut x,
+        Watch::of(&mut Silent),
+        &mut work,
+    );
     (x, report)
 }
 

@@ -1,9 +1,9 @@
 //! What all methods share, and what one of your own may stand on: counting, the stopping test, true residuals and restarts.
 //!
 //! A method is a `cycle` that [`drive`] starts from the true residual: it makes products and solves through its [`Run`], ends every
-//! iteration by [`Run::step`], and hands back where that says so.
+//! iteration by [`Run::step`], and hands back where that says so and [`Run::ends`] agrees.
 
-use super::{Breakdown, Criteria, Outcome, Report, System};
+use super::{Breakdown, Candidate, Criteria, Judge, Outcome, Report, System, Watch};
 use crate::{Observer, Step};
 use fracas_operators::Real;
 use fracas_operators::vector::{copy, norm_inf};
@@ -27,11 +27,16 @@ pub struct Run<'s, R> {
     system: &'s System<'s, R>,
     criteria: &'s Criteria,
     observer: &'s mut dyn Observer,
+    judge: Option<&'s mut dyn Judge<R>>,
     scratch: &'s mut [R],
     /// ‖b‖₂.
     norm_b: f64,
     /// ‖b − A x‖₂ where the running cycle began.
     start: f64,
+    /// Residual norm that counts as converged.
+    target: f64,
+    /// ‖b − A x‖₂ of an x that the judge hands back.
+    judged: Option<f64>,
     /// Recurrence's residual norm over ‖b‖.
     estimate: f64,
     iterations: usize,
@@ -61,19 +66,23 @@ pub fn drive<R: Real>(
     system: &System<R>,
     criteria: &Criteria,
     x: &mut [R],
-    observer: &mut dyn Observer,
+    watch: Watch<'_, R>,
     mut work: &mut [R],
     mut cycle: impl FnMut(&mut Run<R>, &mut [R], &mut [R], &mut [R]) -> Result<End, Breakdown>,
 ) -> Result<Report, Breakdown> {
     system.assert_fits(x);
+    let norm_b = system.norm2(system.rhs).to_f64_exact();
     let mut run = Run {
         method,
         system,
         criteria,
-        observer,
+        observer: watch.observer,
+        judge: watch.judge.map(|judge| -> &mut dyn Judge<R> { judge }),
         scratch: carve(&mut work, system.scratch_len()),
-        norm_b: system.norm2(system.rhs).to_f64_exact(),
+        norm_b,
         start: 0.0,
+        target: criteria.relative_tolerance * norm_b,
+        judged: None,
         estimate: 0.0,
         iterations: 0,
         products: 0,
@@ -88,19 +97,22 @@ pub fn drive<R: Real>(
     let r = carve(&mut work, system.size());
     let mut end = None;
     loop {
-        let rho = run.residual(x, r)?;
+        let rho = match run.judged.take() {
+            Some(rho) if rho <= run.target => rho,
+            _ => run.residual(x, r)?,
+        };
         let relative = rho / run.norm_b;
         if end.is_none() {
             run.estimate = relative;
             end = run.observe().then_some(End::Stopped);
         }
-        if rho <= run.target() {
+        if rho <= run.target {
             return Ok(run.report(Outcome::Converged, relative));
         }
         match end {
             Some(End::Stopped) => return Ok(run.report(Outcome::Stopped, relative)),
             // counted above the target: a cycle that begins close to it cannot halve all of its residual
-            Some(End::Believed) if rho - run.target() > 0.5 * (run.start - run.target()) => {
+            Some(End::Believed) if rho - run.target > 0.5 * (run.start - run.target) => {
                 return Err(Breakdown::Stagnation {
                     method,
                     iteration: run.iterations,
@@ -119,11 +131,6 @@ pub fn drive<R: Real>(
 }
 
 impl<R: Real> Run<'_, R> {
-    /// Residual norm that counts as converged.
-    fn target(&self) -> f64 {
-        self.criteria.relative_tolerance * self.norm_b
-    }
-
     /// Most iterations over all restarts.
     pub fn max_iterations(&self) -> usize {
         self.criteria.max_iterations
@@ -195,6 +202,29 @@ impl<R: Real> Run<'_, R> {
         })
     }
 
+    /// Whether a cycle at x is to hand back, as [`step`](Self::step) said; false where a judge lets it go on to a smaller residual.
+    pub fn ends(&mut self, end: End, x: &[R]) -> bool {
+        let is_met = end == End::Believed && self.estimate * self.norm_b <= self.target;
+        let is_last = self.iterations >= self.criteria.max_iterations;
+        let Some(judge) = self.judge.as_mut().filter(|_| is_met && !is_last) else {
+            return true;
+        };
+        let candidate = Candidate {
+            x,
+            iteration: self.iterations,
+            estimated_residual: self.estimate,
+            smallest_ritz: self.smallest_ritz,
+        };
+        let verdict = judge.judge(&candidate, self.observer);
+        // what is handed back has met what was asked for at first
+        let asked = self.criteria.relative_tolerance;
+        self.target = verdict.further.unwrap_or(asked) * self.norm_b;
+        if verdict.further.is_none() {
+            self.judged = Some(verdict.relative_residual * self.norm_b);
+        }
+        verdict.further.is_none()
+    }
+
     /// Takes note of a Ritz value's modulus.
     pub fn ritz(&mut self, value: Option<R>) {
         if let Some(value) = value.map(|v| v.to_f64_exact()).filter(|v| v.is_finite()) {
@@ -205,7 +235,7 @@ impl<R: Real> Run<'_, R> {
     /// True when a residual norm meets the tolerance, or is what rounding leaves of the cycle's first one.
     pub fn is_small(&self, norm: R) -> bool {
         let rounding = R::epsilon().to_f64_exact() * self.start;
-        norm.to_f64_exact() <= self.target().max(rounding)
+        norm.to_f64_exact() <= self.target.max(rounding)
     }
 
     /// True when the observer wants to stop.
@@ -322,7 +352,7 @@ mod tests {
             &system,
             &criteria,
             &mut [0.0],
-            &mut Silent,
+            Watch::of(&mut Silent),
             &mut work,
             cycle,
         )

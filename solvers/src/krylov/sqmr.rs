@@ -2,8 +2,7 @@
 
 use super::ritz::Coefficients;
 use super::run::{End, Run, carve, drive, require_linear, work_len};
-use super::{Breakdown, Criteria, KrylovMethod, Report, System};
-use crate::Observer;
+use super::{Breakdown, Criteria, KrylovMethod, Report, System, Watch};
 use fracas_operators::Real;
 use fracas_operators::vector::{axpby, axpy, copy, xpby};
 use schemars::JsonSchema;
@@ -41,11 +40,11 @@ impl<R: Real> KrylovMethod<R> for Sqmr {
         system: &System<R>,
         criteria: &Criteria,
         x: &mut [R],
-        observer: &mut dyn Observer,
+        watch: Watch<'_, R>,
         work: &mut [R],
     ) -> Result<Report, Breakdown> {
         require_linear("sqmr", system)?;
-        drive("sqmr", system, criteria, x, observer, work, cycle)
+        drive("sqmr", system, criteria, x, watch, work, cycle)
     }
 }
 
@@ -91,7 +90,9 @@ fn cycle<R: Real>(
         axpby(c_square, r, R::one() - c_square, smooth);
         if let Some(end) = run.step(run.norm2(smooth))? {
             run.ritz(coefficients.ritz_nearest_to_zero());
-            return Ok(end);
+            if run.ends(end, x) {
+                return Ok(end);
+            }
         }
         // β = ρ / (ρ before),  q ← M⁻¹r + β q
         run.solve(r, u);

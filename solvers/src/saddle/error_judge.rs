@@ -15,6 +15,9 @@ const AIM: f64 = 0.5;
 /// Bounds of what a pass lowers the residual by: less is not worth a start, of more nothing is known. Unit: 1.
 const STEP: [f64; 2] = [1e-4, 0.1];
 
+/// The upper one where a pass goes on with what it has: its next look has to tell whether the error falls. Unit: 1.
+const ONWARD: f64 = 0.2;
+
 /// Share by which a pass has to lower the error: else rounding is all that is left. Unit: 1.
 const GAIN: f64 = 0.5;
 
@@ -75,9 +78,18 @@ impl Judged {
 
     /// By how much the next pass is to lower the residual on the way to this tolerance.
     pub fn step(&self, tolerance: f64) -> f64 {
+        self.lowered(tolerance, STEP[1])
+    }
+
+    /// The same where the pass goes on.
+    pub(super) fn step_onward(&self, tolerance: f64) -> f64 {
+        self.lowered(tolerance, ONWARD)
+    }
+
+    fn lowered(&self, tolerance: f64, most: f64) -> f64 {
         (AIM * tolerance / self.estimate)
             .min(self.hidden)
-            .clamp(STEP[0], STEP[1])
+            .clamp(STEP[0], most)
     }
 }
 

@@ -27,6 +27,7 @@ pub(crate) mod oracle;
 mod probe;
 pub mod racp;
 pub mod relaxation;
+mod remainder;
 mod residual;
 #[cfg(test)]
 pub(crate) mod samples;
