@@ -263,6 +263,8 @@ impl<'a> Balance<'a> {
         let through: Vec<usize> = self.network.held_faces().chain(held_faces).collect();
         let mut volume: f64 = through.iter().map(|f| size[*f]).sum();
         let unseen: f64 = through.iter().map(|f| rounding[*f]).sum();
+        // what one face gives and another takes is the same number, and rounds where it is added to others
+        let unseen = unseen + size.iter().sum::<f64>();
         for f in 0..n {
             let a = Fluid::aperture(states[f], jumps[3 * f]);
             let [opening, compression] = self.taken(f, a, p[f], step);

@@ -47,9 +47,10 @@ impl<'s> Accuracy<'s> {
         self.judge = ErrorJudge::new(self.attempt.problem.body().solver.tolerance);
     }
 
-    /// The first iterate, with every closed face in stick, shows what the loads could do, also where the solution bears nothing.
+    /// The first iterate, with every closed face in stick, shows what the loads could do, also where the solution bears nothing; but not
+    /// beside a flow, whose pressures are of any size in fractures that have yet to open.
     pub(super) fn first(&mut self, x: &Iterate) {
-        if !self.seen {
+        if !self.seen && self.attempt.flow.is_none() {
             let whole = self.balanced(x);
             self.widen(&whole);
         }
@@ -67,10 +68,15 @@ impl<'s> Accuracy<'s> {
         whole
     }
 
+    /// Errors are relative to the largest of the iterates judged; beside a flow, of this one and of the steps before.
     fn widen(&mut self, x: &[f64]) {
         let own = self.norms.solution(x);
+        let before = match self.attempt.flow {
+            None => self.size,
+            Some(_) => self.attempt.size,
+        };
         // NaN of an iterate that is lost does not count
-        self.size = (self.size).map(|field, size| size.max(own.get(field).unwrap_or(0.0)));
+        self.size = before.map(|field, size| size.max(own.get(field).unwrap_or(0.0)));
         self.seen = true;
     }
 

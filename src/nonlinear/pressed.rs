@@ -36,6 +36,8 @@ impl PressureSolver {
         flow: &FlowBlocks,
     ) -> Result<(), SetupError> {
         let force = flow.q1.data().iter().fold(0.0, |m: f64, q| m.max(q.abs()));
+        // where no pressure moves anything, any number serves
+        let force = if force > 0.0 { force } else { 1.0 };
         match &mut self.known {
             Some(known) if known.matrix == *system.matrix() => known.force = force,
             _ => {

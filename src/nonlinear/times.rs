@@ -9,6 +9,11 @@ pub(super) const SAME_TIME: f64 = 1e-9;
 /// Halvings beyond which a step has no length left.
 const MAX_HALVINGS: usize = 60;
 
+/// Distance to a time that counts as none [s]: relative to it, or to the nominal step where that is shorter.
+fn apart(time: f64, nominal: f64) -> f64 {
+    SAME_TIME * time.abs().min(nominal)
+}
+
 /// Where a step goes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Target {
@@ -45,14 +50,14 @@ impl Times {
     /// Steps from this time [s] and share of the loads of time 0 to the last time, where none is cut.
     pub(super) fn left(&self, time: f64, loaded: f64) -> usize {
         let (end, nominal) = self.table();
-        let apart = SAME_TIME * nominal;
-        let is_ahead = |t: &f64| *t > time + apart && *t <= end + apart;
+        let apart = |t: f64| apart(t, nominal);
+        let is_ahead = |t: &f64| *t > time + apart(*t) && *t <= end + apart(*t);
         let steps = self.table.map_or(0, |time| time.steps);
         let of_table = (1..=steps).map(|n| end * f64::from(n) / f64::from(steps));
         let mut times: Vec<f64> = of_table.chain(self.corners.iter().copied()).collect();
         times.retain(is_ahead);
         times.sort_by(f64::total_cmp);
-        times.dedup_by(|a, b| *a - *b <= apart);
+        times.dedup_by(|a, b| *a - *b <= apart(*a));
         times.len() + usize::from(loaded < 1.0)
     }
 
@@ -82,24 +87,26 @@ impl Times {
             };
         }
         let (end, nominal) = self.table();
-        let apart = SAME_TIME * nominal;
+        let apart = |t: f64| apart(t, nominal);
         let done = (state.time / nominal + SAME_TIME).floor();
         let steps = self.table.map_or(1.0, |time| f64::from(time.steps));
         // end · n/steps, the last one exactly the end, or a corner before it
         let next = end * ((done + 1.0) / steps).min(1.0);
-        let corner = self.corners.iter().find(|c| **c > state.time + apart);
+        let is_ahead = |c: &&f64| **c > state.time + apart(**c);
+        let corner = self.corners.iter().find(is_ahead);
         let next = corner
             .copied()
-            .filter(|c| *c < next - apart)
+            .filter(|c| *c < next - apart(next))
             .unwrap_or(next);
         let time = state.time + increment;
         // a time of the table that rounding puts before a jump lies behind it
         let behind = |time: f64| {
-            let own = self.jumps.iter().find(|jump| (*jump - time).abs() <= apart);
+            let is_own = |jump: &&f64| (*jump - time).abs() <= apart(**jump);
+            let own = self.jumps.iter().find(is_own);
             own.map_or(time, |jump| time.max(*jump))
         };
         Target {
-            time: if time >= next - apart {
+            time: if time >= next - apart(next) {
                 behind(next)
             } else {
                 time

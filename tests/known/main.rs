@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod analytic;
+mod closed_flow;
 mod crack_table;
 mod creep;
 mod creep_oracle;
