@@ -226,6 +226,13 @@ impl<'a> Balance<'a> {
         [face.area * (a - a0), face.area * (pressed + stored)]
     }
 
+    /// Volume that a pressure presses into a face and its storage [m³].
+    fn pressed(&self, f: usize, a: f64, p: f64) -> f64 {
+        let face = &self.faces[f];
+        let pressed = self.fluid.compressibility * (self.fluid.closed_width(face) + a.abs());
+        face.area * p * (pressed + self.fluid.channel(face).storage)
+    }
+
     /// The equations at normal jumps (three entries per face, as contact has them) and pressures.
     pub fn evaluate(
         &self,
@@ -264,7 +271,7 @@ impl<'a> Balance<'a> {
         let mut volume: f64 = through.iter().map(|f| size[*f]).sum();
         let unseen: f64 = through.iter().map(|f| rounding[*f]).sum();
         // what one face gives and another takes is the same number, and rounds where it is added to others
-        let unseen = unseen + size.iter().sum::<f64>();
+        let mut unseen = unseen + size.iter().sum::<f64>();
         for f in 0..n {
             let a = Fluid::aperture(states[f], jumps[3 * f]);
             let [opening, compression] = self.taken(f, a, p[f], step);
@@ -273,6 +280,11 @@ impl<'a> Balance<'a> {
             residual[f] += opening + compression - step.injected[f];
             size[f] += opening.abs() + compression.abs() + step.injected[f].abs();
             rounding[f] += apart + step.injected[f].abs();
+            // pressures are rounded themselves
+            let pressed = self.pressed(f, a, p[f].abs())
+                + self.pressed(f, step.aperture[f], step.pressure[f].abs());
+            rounding[f] += pressed;
+            unseen += pressed;
         }
         for (edge, y) in self.stabilized(states, step) {
             let [k, l] = edge.faces.map(|f| f as usize);
