@@ -16,6 +16,10 @@ use fracas_solvers::{Observer, Step};
 /// Steps of damped continuation that a round may take.
 const LAGGED_STEPS: usize = 100;
 
+/// Length of Newton steps below which the iterate is lost: 1e-7 and less where the volume of an almost singular system was far too large,
+/// 1e-2 and more elsewhere. Unit: 1.
+const LOST: f64 = 1e-6;
+
 /// How rounds ended.
 pub(super) enum Ended {
     /// No face changes.
@@ -127,6 +131,8 @@ impl Search<'_, '_> {
         // where the errors of u and t stood last
         let mut judged: Option<Judged> = None;
         let weakens = problem.weakens();
+        // where an iterate beside a flow is lost, Newton begins once more here
+        let mut begin = attempt.flow.map(|_| x.clone());
         let mut rounds = Rounds::default();
         let mut h = match fixed {
             None => problem.stabilization(&self.returning.form(&states)),
@@ -151,6 +157,7 @@ impl Search<'_, '_> {
                 true => settings.rounds.loose_steps.min(settings.max_newton),
                 false => 0,
             };
+            let first = log.linear.len();
             let solved = newton(
                 attempt,
                 (&states, fixed.unwrap_or(h.as_ref())),
@@ -178,6 +185,11 @@ impl Search<'_, '_> {
                 }
                 Err(failure) => return Err(failure),
             };
+            let is_lost = log.linear.get(first).is_some_and(|l| l.step_length < LOST);
+            if let Some(begin) = begin.take_if(|_| is_lost && residual > until.residual) {
+                *x = begin;
+                continue;
+            }
             // linear equations that steps do not solve are not solved by other states; rounding may leave a residual, not an error
             if residual > until.residual && attempt.is_linear(&states) && judged.is_none() {
                 let stands = (&states[..], fixed.unwrap_or(h.as_ref()));
