@@ -1,7 +1,7 @@
 //! The model: from a fractured scene to the blocks of its saddle point, to their solution, and through its load steps.
 //!
 //! Rooms, each importing only those before it: `units` ◄ `mesh` ◄ `elasticity` ◄ {`creep`, `contact` ◄ `flow`} ◄ `scene` ◄ `system` ◄ {`undetermined`,
-//! `memory`, `jacobian`, `multigrid` ◄ `matrix_free`} ◄ `nonlinear` ◄ `io` ◄ {`solve`, `run`} ◄ `prelude`; `analytic` knows the
+//! `memory` ◄ `inner`, `jacobian`, `multigrid` ◄ `matrix_free`} ◄ `nonlinear` ◄ `io` ◄ {`solve`, `run`} ◄ `prelude`; `analytic` knows the
 //! answers and imports nothing.
 //!
 //! ```
@@ -18,6 +18,7 @@ pub mod contact;
 pub mod creep;
 pub mod elasticity;
 pub mod flow;
+mod inner;
 pub mod io;
 pub mod jacobian;
 pub mod matrix_free;

@@ -82,6 +82,7 @@ fn rooms_of_the_model_form_a_chain() {
         "system",
         "undetermined",
         "memory",
+        "inner",
         "multigrid",
         "jacobian",
         "matrix_free",

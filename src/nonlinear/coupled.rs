@@ -1,7 +1,7 @@
 //! The linear systems of rock, contact and flow.
 
 use super::jacobian::ContactJacobian;
-use super::krylov::{self, Asked, Ended, Solved};
+use super::krylov::{self, Asked, Solved};
 use super::linear::Linear;
 use super::newton::{Attempt, Iterate};
 use super::pressed::{CoupledJacobian, Pressed, PressureSolver};
@@ -156,36 +156,36 @@ impl Linear {
         observer: &mut dyn Observer,
     ) -> Result<Solved, LinearFailure> {
         let problem = attempt.problem;
-        let setup = self.prepare(problem, jacobian, states, observer)?;
-        let mut work = std::mem::take(&mut self.resources.work);
-        let inverse = self.inverse(problem, jacobian, states)?;
         let pressed = Pressed::new(pressures, flow);
         let q1 = Csr::new(flow.q1.clone());
         let operator = CoupledJacobian::new(jacobian, (&q1, &pressed), attempt.layout());
         let mut rhs = rhs.to_vec();
         pressed.scale(&attempt.layout(), &mut rhs);
         let form = self.settings().flow.form;
-        let q2 = flow.is_coupled().then(|| pressed.q2());
-        let preconditioner = ThreeFieldsInverse::new(inverse, &q1, q2, pressed.unit(), form);
-        let system = System {
-            operator: &operator,
-            preconditioner: &preconditioner,
-            rhs: &rhs,
-        };
-        let asked = Asked {
-            short: None,
-            tolerance,
-            max_iterations: problem.body().solver.max_krylov,
-            patience: None,
-        };
-        correction.fill(0.0);
-        let ended = krylov::solve(&system, asked, correction, observer, &mut work);
-        drop(preconditioner);
-        self.resources.work = work;
-        let Ended::Solved(solved) = ended? else {
-            unreachable!("no patience is set")
-        };
-        self.judge_speed(problem, &solved);
-        Ok(Solved { setup, ..solved })
+        let at = (jacobian, states);
+        self.around(
+            problem,
+            at,
+            observer,
+            |inverse, gives_way, work, observer| {
+                let q2 = flow.is_coupled().then(|| pressed.q2());
+                let preconditioner =
+                    ThreeFieldsInverse::new(inverse, &q1, q2, pressed.unit(), form);
+                let system = System {
+                    operator: &operator,
+                    preconditioner: &preconditioner,
+                    rhs: &rhs,
+                };
+                let asked = Asked {
+                    short: None,
+                    tolerance,
+                    max_iterations: problem.body().solver.max_krylov,
+                    patience: None,
+                    gives_way,
+                };
+                correction.fill(0.0);
+                krylov::solve(&system, asked, correction, observer, work)
+            },
+        )
     }
 }

@@ -267,7 +267,8 @@ impl Failure {
 /// A step that no halving could do; the state before it is still good.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "step {step} from time {time} s by {increment:.3e} {unit} failed after {cuts} halvings: {reason}"
+    "step {step} from time {time} s by {increment:.3e} {unit} failed after {cuts} halvings{}: {reason}",
+    of_planned(*planned, unit)
 )]
 pub struct StepFailure {
     /// Number of the step.
@@ -278,8 +279,10 @@ pub struct StepFailure {
     pub increment: f64,
     /// Its unit: `s`, or `of the loads of time 0`.
     pub unit: &'static str,
-    /// Halvings.
+    /// Halvings in this step.
     pub cuts: usize,
+    /// The increment that was planned, where steps before have halved it already.
+    pub planned: Option<f64>,
     /// Why the last attempt failed.
     pub reason: Failure,
     /// Linear solves of all attempts.
@@ -306,10 +309,19 @@ impl StepFailure {
                 false => "s",
             },
             cuts,
+            planned: target.planned,
             reason,
             linear: log.linear,
             events: log.events,
         })
+    }
+}
+
+/// What halvings of steps before have left to a step.
+fn of_planned(planned: Option<f64>, unit: &str) -> String {
+    match planned {
+        Some(planned) => format!(" beside those of steps before (planned {planned:.3e} {unit})"),
+        None => String::new(),
     }
 }
 

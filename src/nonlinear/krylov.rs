@@ -2,6 +2,7 @@
 
 use super::LinearFailure;
 use super::workspace::{Workspace, fitted};
+use crate::inner::{Hope, Standstill};
 use fracas_solvers::Observer;
 use fracas_solvers::krylov::{Breakdown, Criteria, KrylovChoice, Outcome, System, Watch};
 
@@ -20,6 +21,16 @@ pub(super) struct Asked {
     /// Iterations after which a preconditioner that was made for something else is given up; a breakdown with it is no
     /// failure either.
     pub(super) patience: Option<usize>,
+    /// Another inner solver goes on where the iteration gets nowhere.
+    pub(super) gives_way: bool,
+}
+
+/// An iteration that got nowhere.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stalled {
+    pub(super) krylov: &'static str,
+    pub(super) iterations: usize,
+    pub(super) relative_residual: f64,
 }
 
 /// A solved system.
@@ -46,6 +57,8 @@ pub(super) enum Ended {
     Dropped {
         iterations: usize,
     },
+    /// Another inner solver is to go on.
+    Stalled(Stalled),
 }
 
 /// `x ← A⁻¹ b` from the x at hand with the short recurrence, from zero with GMRES, whose restart fits into memory; `work` grows to
@@ -77,10 +90,17 @@ pub(super) fn solve(
             .unwrap_or(usize::MAX)
             .min(asked.max_iterations),
     };
+    let hope = Hope {
+        tolerance: asked.tolerance,
+        limit: asked.max_iterations,
+    };
+    let mut gave_up = None;
     let mut run = |choice: KrylovChoice, x: &mut [f64]| {
         let method = choice.method();
         let work = work.of(method, system, &criteria);
-        let solved = method.solve_in(system, &criteria, x, Watch::of(observer), work);
+        let mut standstill = Standstill::new(observer, false, asked.gives_way.then_some(hope));
+        let solved = method.solve_in(system, &criteria, x, Watch::of(&mut standstill), work);
+        gave_up = standstill.gave_up;
         (choice.name(), solved)
     };
     let mut spent = 0;
@@ -124,8 +144,14 @@ pub(super) fn solve(
         Err(breakdown) => return Err(breakdown.into()),
     };
     let iterations = spent + iterations;
+    let is_over = outcome == Outcome::IterationLimit || gave_up.is_some();
     match (outcome, asked.patience) {
         (Outcome::IterationLimit, Some(_)) => Ok(Ended::Dropped { iterations }),
+        _ if asked.gives_way && is_over => Ok(Ended::Stalled(Stalled {
+            krylov,
+            iterations,
+            relative_residual,
+        })),
         (Outcome::IterationLimit, None) if relative_residual > USEFUL => {
             Err(LinearFailure::IterationLimit {
                 krylov,
@@ -165,6 +191,7 @@ mod tests {
             tolerance: 1e-10,
             max_iterations: 50,
             patience,
+            gives_way: false,
         }
     }
 
@@ -192,6 +219,25 @@ mod tests {
             solved.iterations
         );
         assert!(x[0].abs() < 1e-12 && (x[1] - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_meets_its_limit_fails_or_gives_way() {
+        let limited = |gives_way| {
+            let asked = Asked {
+                max_iterations: 1,
+                gives_way,
+                ..asked(None, None)
+            };
+            ended(&swap(), asked, &mut [0.0; 2])
+        };
+        let stalled = limited(true).unwrap();
+        assert!(matches!(
+            stalled,
+            Ended::Stalled(Stalled { iterations: 1, .. })
+        ));
+        let failure = limited(false).unwrap_err();
+        assert!(matches!(failure, LinearFailure::IterationLimit { .. }));
     }
 
     /// A preconditioner in f32.
@@ -232,6 +278,7 @@ mod tests {
                 Ok(Ended::Solved(solved)) => solved.krylov,
                 Ok(Ended::Dropped { .. }) => panic!("nothing to drop"),
                 Err(LinearFailure::NoRoom { vectors, n: 30 }) if vectors < 8 => "none",
+                Ok(Ended::Stalled(_)) => unreachable!("gives way to nothing"),
                 Err(other) => panic!("{other}"),
             }
         };

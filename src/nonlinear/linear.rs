@@ -5,7 +5,7 @@ use super::assembled::Assembled;
 use super::chosen::chosen;
 use super::jacobian::FaceTangent;
 use super::kept::{Kept, Ready};
-use super::krylov::{self, Asked, Ended, Solved};
+use super::krylov::{self, Asked, Solved};
 use super::newton::{Attempt, Iterate};
 use super::pressed::PressureSolver;
 use super::stability::{AtLimits, Holding, SOLVED};
@@ -37,15 +37,15 @@ const FAR: f64 = 0.1;
 ///
 /// Without slip J is symmetric on the x that meet the laws of open faces, and RACP maps them into themselves: SQMR does.
 pub(super) struct Linear {
-    settings: Racp,
+    pub(super) settings: Racp,
     max_krylov: usize,
     c: StickC,
-    stick: Option<Ready>,
+    pub(super) stick: Option<Ready>,
     /// That of some states, beside it.
-    present: Kept,
+    pub(super) present: Kept,
     /// Iterations per digit of the first all-stick system.
-    reference: Option<f64>,
-    slow: bool,
+    pub(super) reference: Option<f64>,
+    pub(super) slow: bool,
     /// Ritz value nearest to zero of the systems since states last changed: one of them alone may take too few iterations to
     /// see it.
     smallest_ritz: Option<f64>,
@@ -105,10 +105,13 @@ impl Linear {
     pub(super) fn forget(&mut self, problem: &ContactProblem<'_>) {
         let mut resources = std::mem::take(&mut self.resources);
         resources.fallbacks.forget();
+        let new = Self::new(problem);
         *self = Self {
             wanted: self.wanted,
+            // an inner solver that got nowhere with one A does not with the next
+            settings: [new.settings, self.settings][usize::from(resources.fallbacks.has_stalled())],
             resources,
-            ..Self::new(problem)
+            ..new
         };
     }
 
@@ -138,43 +141,40 @@ impl Linear {
         x: &mut [f64],
         observer: &mut dyn Observer,
     ) -> Result<Solved, LinearFailure> {
-        let setup = self.prepare(problem, jacobian, states, observer)?;
-        let mut work = std::mem::take(&mut self.resources.work);
-        // laws of open faces are met at the start, and every iterate keeps them
         let layout = problem.saddle().layout();
-        x.fill(0.0);
-        if jacobian.is_symmetric() {
-            let open = |f: &usize| states[*f] == ContactState::Open;
-            let ([x_t], [b_t]) = (layout.split_mut([T], x), layout.split([T], rhs));
-            for f in (0..states.len()).filter(open) {
-                for i in 3 * f..3 * f + 3 {
-                    x_t[i] = -b_t[i] / problem.law_entry(f);
+        let max_iterations = self.max_krylov;
+        let at = (jacobian, states);
+        self.around(
+            problem,
+            at,
+            observer,
+            |inverse, gives_way, work, observer| {
+                // laws of open faces are met at the start, and every iterate keeps them
+                x.fill(0.0);
+                if jacobian.is_symmetric() {
+                    let open = |f: &usize| states[*f] == ContactState::Open;
+                    let ([x_t], [b_t]) = (layout.split_mut([T], x), layout.split([T], rhs));
+                    for f in (0..states.len()).filter(open) {
+                        for i in 3 * f..3 * f + 3 {
+                            x_t[i] = -b_t[i] / problem.law_entry(f);
+                        }
+                    }
                 }
-            }
-        }
-        let inverse = self.inverse(problem, jacobian, states)?;
-        let system = System {
-            operator: jacobian,
-            preconditioner: &inverse,
-            rhs,
-        };
-        let asked = Asked {
-            short: jacobian
-                .is_symmetric()
-                .then_some(KrylovChoice::Sqmr(Sqmr {})),
-            tolerance,
-            max_iterations: self.max_krylov,
-            patience: None,
-        };
-        let ended = krylov::solve(&system, asked, x, observer, &mut work);
-        drop(inverse);
-        self.resources.work = work;
-        let solved = match ended? {
-            Ended::Solved(solved) => Solved { setup, ..solved },
-            Ended::Dropped { .. } => unreachable!("no patience is set"),
-        };
-        self.judge_speed(problem, &solved);
-        Ok(solved)
+                let system = System {
+                    operator: jacobian,
+                    preconditioner: &inverse,
+                    rhs,
+                };
+                let asked = Asked {
+                    short: (jacobian.is_symmetric()).then_some(KrylovChoice::Sqmr(Sqmr {})),
+                    tolerance,
+                    max_iterations,
+                    patience: None,
+                    gives_way,
+                };
+                krylov::solve(&system, asked, x, observer, work)
+            },
+        )
     }
 
     /// Whether a preconditioner for the states at hand is worth its set-up.
@@ -265,9 +265,7 @@ impl Linear {
         let faces = states.len();
         let first = self.stick.is_none();
         if first {
-            let all_stick = vec![ContactState::Stick; faces];
-            let c = |c: &StickC| c_of(&c.rules(|_| FaceTangent::STICK, None));
-            self.stick = Some(self.build(problem, all_stick, c, observer)?);
+            self.prepare_stick(problem, observer)?;
         }
         if let Some(Prepared { states, c }) = self.present.pending.take() {
             self.present.ready = Some(self.build(problem, states, |_| c.clone(), observer)?);
@@ -313,7 +311,7 @@ impl Linear {
     }
 
     /// S̃_u for C per face, which follows from that in stick.
-    fn build(
+    pub(super) fn build(
         &mut self,
         problem: &ContactProblem<'_>,
         states: Vec<ContactState>,
@@ -321,13 +319,13 @@ impl Linear {
         observer: &mut dyn Observer,
     ) -> Result<Ready, LinearFailure> {
         let (mut settings, served) = (self.settings, self.stick.is_some());
+        let mut left = (self.resources.fallbacks.others(problem, settings)).into_iter();
         let (c, inverse, stage) = loop {
             match self.attempt(problem, settings, &c) {
                 Ok(built) => break built,
                 Err(failure) => {
-                    let tried = (self.settings, settings, served);
-                    let fallbacks = &mut self.resources.fallbacks;
-                    settings = fallbacks.instead(problem, tried, failure)?
+                    let tried = (self.settings, served);
+                    settings = (self.resources.fallbacks).instead(&mut left, tried, failure)?
                 }
             }
         };

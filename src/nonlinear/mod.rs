@@ -31,6 +31,7 @@ mod faults;
 mod fields;
 mod flow;
 mod followed;
+mod giving_way;
 mod jacobian;
 mod judge;
 mod kept;

@@ -141,11 +141,11 @@ pub enum Event {
         /// What f32 would lose.
         reason: String,
     },
-    /// An inner solver that nobody asked for by name could not be set up, and another took its place.
+    /// An inner solver that nobody asked for by name could not be set up, or got nowhere, and another took its place.
     Inner {
-        /// Why it could not.
+        /// Why it was given up.
         reason: String,
-        /// The other: `amg` or `exact`.
+        /// The other: `geometric`, `amg` or `exact`.
         now: &'static str,
     },
     /// Whether slip runs away at the states of the step could not be computed; the step itself is solved and accepted.

@@ -93,7 +93,7 @@ impl<'a> Simulation<'a> {
         self.resources().fallbacks.count
     }
 
-    /// Times that an inner solver could not be set up and another took its place; [`Event::Inner`] says why.
+    /// Times that an inner solver could not be set up, or got nowhere, and another took its place; [`Event::Inner`] says why.
     pub fn inner_fallbacks(&self) -> usize {
         self.resources().fallbacks.inner
     }
@@ -208,7 +208,7 @@ impl<'a> Simulation<'a> {
                     let settled = runs_away.filter(|_| stops && is_shown(&runaways));
                     let patch = tried.or(settled.filter(|_| reason.is_of_states()));
                     // where f64 has no digits to set up the stuck body, failing says nothing of what slipping faces hold
-                    let is_firm = self.inner_fallbacks() == 0;
+                    let is_firm = !self.resources().fallbacks.lacks_digits();
                     let reason = reason.explained(self.problem.body(), &log.states, is_firm);
                     let reason = match (reason, patch) {
                         // what open faces let go is free whatever slips

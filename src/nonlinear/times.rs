@@ -19,6 +19,8 @@ fn apart(time: f64, nominal: f64) -> f64 {
 pub(super) struct Target {
     pub(super) time: f64,
     pub(super) loaded: f64,
+    /// The increment that was planned, where steps before have halved it: time [s] or share of the loads of time 0.
+    pub(super) planned: Option<f64>,
 }
 
 /// Times that steps land on.
@@ -80,13 +82,16 @@ impl Times {
 
     /// The state after `increment`, not beyond the next time of the table or corner of a history.
     pub(super) fn target(&self, state: &State, increment: f64) -> Target {
+        let (end, nominal) = self.table();
+        let whole = [1.0, nominal][usize::from(state.loaded >= 1.0)];
+        let planned = (state.next < (1.0 - SAME_TIME) * whole).then_some(whole);
         if state.loaded < 1.0 {
             return Target {
                 time: 0.0,
                 loaded: (state.loaded + increment).min(1.0),
+                planned,
             };
         }
-        let (end, nominal) = self.table();
         let apart = |t: f64| apart(t, nominal);
         let done = (state.time / nominal + SAME_TIME).floor();
         let steps = self.table.map_or(1.0, |time| f64::from(time.steps));
@@ -112,6 +117,7 @@ impl Times {
                 time
             },
             loaded: 1.0,
+            planned,
         }
     }
 
@@ -143,5 +149,36 @@ pub(super) fn length(state: &State, target: Target) -> f64 {
     match state.loaded < 1.0 {
         true => target.loaded - state.loaded,
         false => target.time - state.time,
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::super::active_set::Log;
+    use super::super::{Failure, StepFailure};
+    use super::*;
+    use crate::scene::named;
+
+    #[test]
+    fn a_step_that_halvings_before_have_shortened_knows_what_was_planned() {
+        let scene = named("cycle").unwrap().small_scene().unwrap();
+        let body = scene.build().unwrap();
+        let simulation = Simulation::new(&body).unwrap();
+        let mut state = simulation.initial_state();
+        let nominal = simulation.times.table().1;
+        for (loaded, whole) in [(0.0, 1.0), (1.0, nominal)] {
+            state.loaded = loaded;
+            for (share, planned) in [(1.0, None), (0.25, Some(whole))] {
+                state.next = share * whole;
+                let target = simulation.times.target(&state, state.next);
+                assert_eq!(target.planned, planned);
+                let reason = Failure::Stopped;
+                let failure = StepFailure::new(&state, target, 0, reason, Log::default());
+                let told = failure.to_string();
+                let beside = told.contains("after 0 halvings beside those of steps before");
+                assert_eq!(beside, planned.is_some(), "{told}");
+            }
+        }
     }
 }

@@ -59,6 +59,11 @@ impl Workspace {
         })
     }
 
+    /// Memory that can still be taken [bytes], where there is a limit.
+    pub(super) fn available(&self) -> Option<u64> {
+        (self.free)()
+    }
+
     /// Scratch for `method`, of arbitrary content.
     pub(super) fn of(
         &mut self,

@@ -3,17 +3,21 @@
 use super::precision;
 use super::set_up::SetUp;
 use super::solver::{Equations, Names, Solver};
-use super::{Finding, Loaded, Problem, SolveError};
+use super::{Finding, Loaded, Problem, Rounding, SolveError};
 use crate::elasticity::FreeStiffness;
+use crate::scene::Body;
 use crate::undetermined::blamed;
-use fracas_solvers::saddle::{HalvedBlocks, SaddleBlocks, SaddleMethod};
+use fracas_solvers::saddle::{HalvedBlocks, InnerChoice, Ready, SaddleBlocks, SaddleMethod};
 use fracas_solvers::{SetupError, Silent};
 use std::sync::Arc;
 use std::time::Instant;
 
+/// M⁻¹ of assembled blocks, and what f32 lost.
+pub(super) type Set = (Ready, Option<Rounding>);
+
 impl SetUp<'_> {
     /// From assembled blocks.
-    pub(super) fn assembled(mut self, mut method: SaddleMethod) -> Result<Solver, SolveError> {
+    pub(super) fn assembled(mut self, method: SaddleMethod) -> Result<Solver, SolveError> {
         let loaded = self.problem.load(self.observer)?;
         self.observer.say(&loaded.sizes());
         let Loaded {
@@ -37,30 +41,15 @@ impl SetUp<'_> {
             None => None,
         };
         let mut equations = self.equations(&method, blocks, stiffness)?;
-        let (ready, lost) = loop {
-            match precision::ready(&method, &equations) {
-                Ok(ready) => break ready,
-                Err(error) => {
-                    let name = match self.problem {
-                        Problem::Body(body) => Some(body.name.as_str()),
-                        _ => None,
-                    };
-                    let error = blamed(error, name, body.as_deref());
-                    method = self.instead(error.into())?;
-                    if method.matrix_free().is_some() {
-                        drop(equations);
-                        return self.by(method);
-                    }
-                    if let Equations::Halved { .. } = equations {
-                        drop(equations);
-                        let blocks = in_unit(self.problem.load(&mut Silent)?.blocks, unit);
-                        equations = Equations::Assembled {
-                            blocks,
-                            stiffness: None,
-                        };
-                    }
-                }
-            }
+        let name = match self.problem {
+            Problem::Body(body) => Some(body.name.as_str()),
+            _ => None,
+        };
+        let blame = (name, body.as_deref());
+        let (method, ready) = self.until_ready(method, (&mut equations, unit), Some(blame))?;
+        let Some((ready, lost)) = ready else {
+            drop(equations);
+            return self.by(method);
         };
         findings.append(&mut self.findings);
         self.findings = findings;
@@ -69,13 +58,10 @@ impl SetUp<'_> {
             self.found(Finding::Precision(lost));
         }
         Ok(Solver {
-            names: match in_f64 {
-                true => Names {
-                    inner: precision::name_in_double(&method),
-                    ..Names::of(&method)
-                },
-                false => Names::of(&method),
-            },
+            gives_way: self.gives_way(),
+            otherwise: self.otherwise.collect(),
+            problem: self.problem.clone(),
+            names: Names::of_ready(&method, in_f64),
             double: precision::in_double(&method),
             method,
             equations,
@@ -89,6 +75,37 @@ impl SetUp<'_> {
             replaced: self.replaced,
             settings: self.settings.clone(),
         })
+    }
+
+    /// The method, or what takes its place, ready for these equations, and what f32 lost; one without an assembled A is handed back as it is.
+    ///
+    /// # Errors
+    /// The failure of the last one, where nothing takes its place; `blame` is the scene and its body.
+    pub(super) fn until_ready(
+        &mut self,
+        mut method: SaddleMethod,
+        (equations, unit): (&mut Equations, f64),
+        blame: Option<(Option<&str>, Option<&Body>)>,
+    ) -> Result<(SaddleMethod, Option<Set>), SolveError> {
+        loop {
+            let needs_all = !matches!(method.inner(), Some(InnerChoice::Amg(_)));
+            if let (Equations::Halved { .. }, true) = (&*equations, needs_all) {
+                let blocks = in_unit(self.problem.load(&mut Silent)?.blocks, unit);
+                *equations = Equations::Assembled {
+                    blocks,
+                    stiffness: None,
+                };
+            }
+            let error = match precision::ready(&method, equations) {
+                Ok(ready) => return Ok((method, Some(ready))),
+                Err(error) => error,
+            };
+            let (name, body) = blame.unwrap_or_default();
+            method = self.instead(blamed(error, name, body).into())?;
+            if method.matrix_free().is_some() {
+                return Ok((method, None));
+            }
+        }
     }
 
     /// The blocks, those of a folder with half of A where the method needs no more.

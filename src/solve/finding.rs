@@ -23,6 +23,22 @@ pub enum Finding {
         /// Why the one before could not.
         failure: String,
     },
+    /// An inner solver goes on from where another one got nowhere.
+    GaveWay {
+        /// Its name.
+        inner: String,
+        /// The one before.
+        first: String,
+        /// Relative residual that the one before left. Unit: 1.
+        residual: f64,
+        /// Iterations around the one before.
+        iterations: usize,
+    },
+    /// An inner solver gets nowhere, and no other can be set up.
+    NoOther {
+        /// Why not.
+        failure: String,
+    },
     /// f32 and f64.
     Precision(Rounding),
     /// Memory decided on the iteration.
@@ -91,6 +107,18 @@ impl fmt::Display for Finding {
                     f,
                     "inner: {inner} instead, because the set-up failed: {failure}"
                 )
+            }
+            Self::GaveWay {
+                inner,
+                first,
+                residual,
+                iterations,
+            } => write!(
+                f,
+                "inner: {inner} goes on from {first}, which leaves a residual of {residual:.1e} in {iterations} iterations"
+            ),
+            Self::NoOther { failure } => {
+                write!(f, "inner: no other can be set up: {failure}")
             }
             Self::Precision(rounding) => write!(f, "precision: {rounding}"),
             Self::Krylov { reason } => write!(f, "krylov: {reason}"),

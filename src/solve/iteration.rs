@@ -1,9 +1,11 @@
 //! One iteration around what is set up: in stages, judged, recorded.
 
-use super::precision::{self, Watch, is_single};
+use super::giving_way::Before;
+use super::precision::{self, is_single};
 use super::solver::{Double, Solver};
 use super::stages::Stages;
 use super::{End, Finding, RightHandSide, SolveError, Solved};
+use crate::inner::{Hope, Standstill};
 use crate::memory;
 use fracas_operators::Preconditioner;
 use fracas_solvers::Observer;
@@ -18,21 +20,6 @@ fn number(value: f64) -> Option<f64> {
 }
 
 impl Solver {
-    /// Iterates from 0, judges, records; what took the place of f32 stays for the next solve.
-    ///
-    /// # Errors
-    /// [`SolveError`]; not converging is a value.
-    pub fn solve(&mut self, observer: &mut dyn Observer) -> Result<Solved, SolveError> {
-        let (solved, double) = self
-            .equations
-            .with(|equations| self.iterate(equations, observer))?;
-        if let Some(Double { ready, inner }) = double {
-            self.ready = ready;
-            self.names.inner = Some(inner);
-        }
-        Ok(solved)
-    }
-
     /// The iteration that was asked for, or the one that fits.
     fn krylov(
         &self,
@@ -58,13 +45,15 @@ impl Solver {
         Ok((fitted.choice, fitted.reason))
     }
 
-    fn iterate(
+    /// Iterates from where the inner solvers `before` ended; one that `may_give_way` does where the iteration gets nowhere.
+    pub(super) fn iterate(
         &self,
         equations: &dyn SaddleSystem,
+        (before, may_give_way): (&Before, bool),
         observer: &mut dyn Observer,
     ) -> Result<(Solved, Option<Double>), SolveError> {
         let (krylov, reason) = self.krylov(equations)?;
-        let mut findings = self.findings.clone();
+        let mut findings = before.findings(self);
         let mut found = |observer: &mut dyn Observer, finding: Finding| {
             observer.say(&finding);
             findings.push(finding);
@@ -82,33 +71,50 @@ impl Solver {
         };
         let criteria = Criteria {
             relative_tolerance: settings.tolerance,
-            max_iterations: settings.max_iterations,
+            max_iterations: before.left(settings),
         };
-        let mut x = vec![0.0; self.b.len()];
+        let layout = equations.layout();
+        let mut x = match before.x.len() {
+            0 => vec![0.0; self.b.len()],
+            _ => before.x.clone(),
+        };
+        let stresses = layout.length(U)..;
+        (x[stresses.clone()].iter_mut()).for_each(|t| *t /= self.unit);
         let own = self.rhs == RightHandSide::System;
         let norms = equations.norms(own);
-        let layout = equations.layout();
         let measure = settings.measure;
-        let mut watch = Watch::new(observer, is_single(self));
+        let hope = may_give_way.then_some(Hope {
+            tolerance: settings.tolerance,
+            limit: criteria.max_iterations,
+        });
+        let mut standstill = Standstill::new(observer, is_single(self), hope);
         let judged = (measure, &norms);
         let method = krylov.method();
-        let mut stages = Stages::begin(method, criteria, judged, &system, &mut x, &mut watch);
-        let flat = watch.flat;
+        let mut stages = Stages::begin(method, criteria, judged, &system, &mut x, &mut standstill);
+        let mut gave_up = standstill.gave_up;
         let (mut setup_s, mut double) = (self.setup_s, None);
         let start = Instant::now();
-        let ended = (&stages.last.result, flat);
+        let ended = (&stages.last.result, gave_up.map(|at| at.residual));
         let again = precision::again(self, operator, ended, &mut x, observer);
         setup_s += start.elapsed().as_secs_f64();
         if let Some(again) = again {
             found(observer, Finding::Precision(again.rounding));
             double = again.double;
-            // what only stood still goes on, be it with f32
-            if double.is_some() || flat.is_some() {
+            // what only stood still goes on, be it with f32, unless another inner solver does
+            let goes_on = gave_up.take_if(|at| double.is_some() || !at.hopeless);
+            if double.is_some() || goes_on.is_some() {
                 let system = System {
                     preconditioner: self.inverse(&double),
                     ..system
                 };
-                stages.go_on(&norms, &system, &mut x, observer);
+                let hope = hope.map(|hope| Hope {
+                    limit: (hope.limit)
+                        .saturating_sub(precision::iterations_of(&stages.last.result)),
+                    ..hope
+                });
+                let mut standstill = Standstill::new(observer, false, hope);
+                stages.go_on(&norms, &system, &mut x, &mut standstill);
+                gave_up = standstill.gave_up;
             }
         }
         let start = Instant::now();
@@ -142,7 +148,7 @@ impl Solver {
         };
         let Stages {
             last: Accurate { result, error, .. },
-            before,
+            before: stages_before,
             refinements,
             solve_s,
             ..
@@ -164,7 +170,6 @@ impl Solver {
         let cost = Cost::new(operator, self.inverse(&double));
         let sharp = norms.entries().filter(|_| refinements > 0);
         let residual = equations.residual(&x, b, sharp);
-        let stresses = layout.length(U)..;
         (x[stresses].iter_mut()).for_each(|t| *t *= self.unit);
         let names = self.names.clone();
         let mut solved = Solved {
@@ -213,7 +218,13 @@ impl Solver {
             breakdown: None,
             x,
         };
-        solved.record(&result, before, |iterations| cost.c_s(iterations, &krylov));
+        solved.record(&result, stages_before, |iterations| {
+            cost.c_s(iterations, &krylov)
+        });
+        if gave_up.is_some() && solved.outcome == End::Stopped {
+            // nobody else wanted so
+            solved.outcome = End::IterationLimit;
+        }
         Ok((solved, double))
     }
 

@@ -48,6 +48,9 @@ impl SetUp<'_> {
         // the operators carry what they need: the mesh has done its work
         drop(body);
         Ok(Solver {
+            gives_way: self.gives_way(),
+            otherwise: self.otherwise.collect(),
+            problem: self.problem.clone(),
             names: Names {
                 method: "racp".into(),
                 augmentation: Some(racp.augmentation.to_string()),

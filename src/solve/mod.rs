@@ -7,6 +7,7 @@
 //! | `set_up` | everything before a right-hand side |
 //! | `iteration` | the iteration that fits into memory, in stages |
 //! | `precision` | f64 where f32 fails |
+//! | `giving_way` | another inner solver where the iteration gets nowhere |
 //! | `over_ranks` | the same by rows over the ranks of `mpirun`, with the feature `petsc` |
 //! | `spectrum` | the same problem's eigenvalues |
 //! | `solved` | outcome, residuals, errors, counts, times |
@@ -32,6 +33,7 @@
 mod assembled;
 mod error;
 mod finding;
+mod giving_way;
 mod iteration;
 mod matrix_free;
 #[cfg(feature = "petsc")]

@@ -2,18 +2,15 @@
 
 use super::Rounding;
 use super::solver::{Double, Equations, Solver};
+use crate::inner::PLATEAU;
 use fracas_operators::vector::norm2;
 use fracas_operators::{LinearOperator, Preconditioner};
 use fracas_solvers::krylov::{Breakdown, Outcome, Report};
 use fracas_solvers::saddle::{Ready, SaddleMethod};
-use fracas_solvers::{Observer, SetupError, Step};
-use std::ops::ControlFlow;
+use fracas_solvers::{Observer, SetupError};
 
 /// Difference of `M⁻¹r` in f32 and in f64, relative to the latter, from which f32 is to blame. Unit: 1.
 const LOST: f64 = 1e-2;
-
-/// Iterations in which a residual that falls at all halves: at less than that the default limit is not enough for four digits.
-const PLATEAU: usize = 100;
 
 /// What is done after an iteration that failed around f32.
 pub(super) struct Again {
@@ -72,51 +69,6 @@ fn of_single(mut error: SetupError) -> SetupError {
         "it is the rounding of f32, in f64 it is not".clone_into(advice);
     }
     error
-}
-
-/// Watches an iteration around f32, and stops it where its residual does not fall.
-pub(super) struct Watch<'a> {
-    observer: &'a mut dyn Observer,
-    /// Whether to stop it.
-    may_stop: bool,
-    /// Smallest residual so far, the one that it has to halve, and the iteration of that one.
-    best: f64,
-    mark: (f64, usize),
-    /// The residual that did not fall.
-    pub(super) flat: Option<f64>,
-}
-
-impl<'a> Watch<'a> {
-    pub(super) fn new(observer: &'a mut dyn Observer, may_stop: bool) -> Self {
-        Self {
-            observer,
-            may_stop,
-            best: f64::INFINITY,
-            mark: (f64::INFINITY, 0),
-            flat: None,
-        }
-    }
-}
-
-impl Observer for Watch<'_> {
-    fn observe(&mut self, step: &Step) -> ControlFlow<()> {
-        self.observer.observe(step)?;
-        let Step::Krylov {
-            iteration,
-            relative_residual,
-        } = *step
-        else {
-            return ControlFlow::Continue(());
-        };
-        self.best = self.best.min(relative_residual);
-        if self.best <= 0.5 * self.mark.0 {
-            self.mark = (self.best, iteration);
-        } else if self.may_stop && iteration >= self.mark.1 + PLATEAU {
-            self.flat = Some(self.best);
-            return ControlFlow::Break(());
-        }
-        ControlFlow::Continue(())
-    }
 }
 
 /// Iterations made.
@@ -206,37 +158,4 @@ fn difference(
     a.iter_mut().zip(&b).for_each(|(a, b)| *a -= b);
     let off = norm2(&a) / norm2(&b);
     if off.is_nan() { f64::INFINITY } else { off }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use fracas_solvers::Silent;
-
-    /// The iteration at which these residuals are given up.
-    fn stops(may_stop: bool, residual: impl Fn(usize) -> f64) -> Option<usize> {
-        let mut silent = Silent;
-        let mut watch = Watch::new(&mut silent, may_stop);
-        (0..1000).find(|iteration| {
-            let step = Step::Krylov {
-                iteration: *iteration,
-                relative_residual: residual(*iteration),
-            };
-            watch.observe(&step).is_break()
-        })
-    }
-
-    #[test]
-    fn only_a_residual_that_stands_still_is_given_up() {
-        let rate = |halved_in: f64| move |k: usize| 0.5_f64.powf(k as f64 / halved_in);
-        assert_eq!(stops(true, rate(98.0)), None);
-        assert!(stops(true, rate(150.0)).is_some());
-        // falls by 2¹⁰ and stays
-        let floor = |k: usize| rate(5.0)(k).max(0.5_f64.powi(10));
-        assert_eq!(stops(true, floor), Some(50 + PLATEAU));
-        assert_eq!(stops(false, floor), None);
-        // jumps up and down on its way
-        let uneven = |k: usize| rate(20.0)(k) * if k.is_multiple_of(2) { 1.0 } else { 1e3 };
-        assert_eq!(stops(true, uneven), None);
-    }
 }

@@ -1,10 +1,9 @@
 //! Which method solves a system, and what takes its place.
 
 use super::InnerRule;
-use crate::multigrid::Geometric;
+use crate::inner::{amg, geometric, others};
 use crate::scene::FACTORIZED;
 use fracas_solvers::SetupError;
-use fracas_solvers::amg::Amg;
 use fracas_solvers::saddle::{InnerChoice, Racp, SaddleMethod};
 
 /// What a system is, as far as it decides on the inner solver.
@@ -27,7 +26,7 @@ pub struct Route {
     pub method: SaddleMethod,
     /// Its inner solver and why, where that was left to be chosen.
     pub reason: Option<String>,
-    /// What takes its place, in turn, where it cannot be set up.
+    /// What takes its place, in turn, where it cannot be set up, and where an iteration gets nowhere with one that the program chose.
     pub otherwise: Vec<SaddleMethod>,
 }
 
@@ -92,12 +91,8 @@ impl Route {
         if rule == InnerRule::Fixed || kind == SystemKind::Matrices {
             return Ok(chosen);
         }
-        let is_local = racp(method).is_some_and(|racp| racp.augmentation.is_local());
-        let grid = (is_local && kind == SystemKind::Grid).then(geometric);
         Ok(Self {
-            otherwise: (grid.into_iter().chain([amg()]))
-                .filter_map(|inner| with(method, inner))
-                .collect(),
+            otherwise: in_place_of(own, method, kind),
             ..chosen
         })
     }
@@ -115,15 +110,12 @@ impl Route {
             }
             (SystemKind::Grid, Some(_)) => String::new(),
         };
-        let (reason, mut inners) = match because.as_str() {
+        let (reason, first) = match because.as_str() {
             "" => (
                 "geometric, because the mesh of the scene is a grid".to_owned(),
-                vec![geometric(), amg(), InnerChoice::default()],
+                geometric(),
             ),
-            because => (
-                format!("amg, because {because}"),
-                vec![amg(), InnerChoice::default()],
-            ),
+            because => (format!("amg, because {because}"), amg()),
         };
         // with the entries at hand a factorization is what serves every C
         let factorized = match (few, kind) {
@@ -133,18 +125,14 @@ impl Route {
             (None, SystemKind::Entries(_)) => Some(because),
             (None, _) => None,
         };
-        let reason = match factorized {
-            Some(because) => {
-                inners.rotate_right(1);
-                format!("exact, because {because}")
-            }
-            None => reason,
+        let (reason, first) = match factorized {
+            Some(because) => (format!("exact, because {because}"), InnerChoice::default()),
+            None => (reason, first),
         };
-        let mut methods = inners.into_iter().filter_map(|inner| with(method, inner));
         Self {
-            method: methods.next().unwrap_or(*method),
+            method: with(method, first).unwrap_or(*method),
             reason: Some(reason),
-            otherwise: methods.collect(),
+            otherwise: in_place_of(first, method, kind),
         }
     }
 }
@@ -167,17 +155,16 @@ fn racp(method: &SaddleMethod) -> Option<&Racp> {
     }
 }
 
+/// The method with what takes the place of this inner solver.
+fn in_place_of(first: InnerChoice, method: &SaddleMethod, kind: SystemKind) -> Vec<SaddleMethod> {
+    let is_local = racp(method).is_some_and(|racp| racp.augmentation.is_local());
+    let inners = others(first, is_local && kind == SystemKind::Grid).into_iter();
+    inners.filter_map(|inner| with(method, inner)).collect()
+}
+
 /// The method with this inner solver, where it has one.
 fn with(method: &SaddleMethod, inner: InnerChoice) -> Option<SaddleMethod> {
     method.with_parts(None, Some(inner)).ok()
-}
-
-fn amg() -> InnerChoice {
-    InnerChoice::Amg(Amg::default())
-}
-
-fn geometric() -> InnerChoice {
-    InnerChoice::Geometric(Geometric::default())
 }
 
 #[cfg(test)]

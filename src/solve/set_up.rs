@@ -1,6 +1,6 @@
 //! From settings and a problem to a solver that is ready.
 
-use super::{Finding, Problem, RightHandSide, Route, Solve, SolveError, Solver};
+use super::{Finding, InnerRule, Problem, RightHandSide, Route, Solve, SolveError, Solver};
 use fracas_solvers::Observer;
 use fracas_solvers::saddle::SaddleMethod;
 
@@ -9,9 +9,9 @@ pub(super) struct SetUp<'a> {
     pub(super) settings: &'a Solve,
     pub(super) problem: &'a Problem,
     /// What takes the place of an inner solver that cannot be set up, in turn.
-    otherwise: std::vec::IntoIter<SaddleMethod>,
+    pub(super) otherwise: std::vec::IntoIter<SaddleMethod>,
     pub(super) findings: Vec<Finding>,
-    /// Inner solvers that could not be set up.
+    /// Inner solvers that could not be set up, or got nowhere.
     pub(super) replaced: usize,
     pub(super) observer: &'a mut dyn Observer,
 }
@@ -42,6 +42,11 @@ pub(super) fn set_up(
 }
 
 impl SetUp<'_> {
+    /// Whether an inner solver with which the iteration gets nowhere gives way: one that nobody asked for.
+    pub(super) fn gives_way(&self) -> bool {
+        self.settings.inner == InnerRule::Auto || self.replaced > 0
+    }
+
     /// By this method: without an assembled A, or with one.
     pub(super) fn by(self, method: SaddleMethod) -> Result<Solver, SolveError> {
         match (method.matrix_free(), self.problem) {

@@ -20,7 +20,7 @@ pub struct Solve {
     pub measure: Measure,
     /// Relative to what the measure says. Unit: 1.
     pub tolerance: f64,
-    /// Iterations over all restarts.
+    /// Iterations over all restarts, of each inner solver.
     pub max_iterations: usize,
     /// What tractions are counted in while iterating [Pa]; by default balanced for a scene and its export, 1 for matrices of other codes.
     pub traction_unit: Option<f64>,
@@ -56,7 +56,8 @@ pub enum InnerRule {
     #[default]
     OrElse,
     /// What fits the system: a factorization of up to 5,000 displacements; beyond, in turn, geometric multigrid on a grid,
-    /// algebraic multigrid, a factorization.
+    /// algebraic multigrid, a factorization. One with which the iteration gets nowhere gives way to a factorization that fits into memory,
+    /// else to the next one.
     Auto,
 }
 

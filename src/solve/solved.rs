@@ -134,7 +134,7 @@ pub struct Solved {
     pub findings: Vec<Finding>,
     /// Times that a preconditioner in f32 gave way to one in f64; why is among the findings.
     pub precision_fallbacks: usize,
-    /// Times that an inner solver could not be set up and another took its place; why is among the findings.
+    /// Times that an inner solver could not be set up, or got nowhere, and another took its place; why is among the findings.
     pub inner_fallbacks: usize,
     /// Where it was asked for.
     pub explain: Option<Explanation>,

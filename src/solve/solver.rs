@@ -15,6 +15,10 @@ use std::sync::Arc;
 /// `𝒜` and `M⁻¹`, ready; it owns all that it needs.
 pub struct Solver {
     pub(super) settings: Solve,
+    /// What takes the place of an inner solver that gets nowhere, where it `gives_way`, in turn; made from the problem.
+    pub(super) otherwise: Vec<SaddleMethod>,
+    pub(super) gives_way: bool,
+    pub(super) problem: Problem,
     pub(super) method: SaddleMethod,
     /// The same in f64, where it may take the place of f32.
     pub(super) double: Option<SaddleMethod>,
@@ -29,7 +33,7 @@ pub struct Solver {
     pub(super) findings: Vec<Finding>,
     /// Times that f32 gave way to f64.
     pub(super) fallbacks: usize,
-    /// Inner solvers that could not be set up.
+    /// Inner solvers that could not be set up, or got nowhere.
     pub(super) replaced: usize,
 }
 
@@ -47,6 +51,17 @@ impl Names {
             method: method.to_string(),
             augmentation: method.augmentation().map(|c| c.to_string()),
             inner: method.inner().map(|inner| inner.to_string()),
+        }
+    }
+
+    /// Of a method that is ready, be it in f64 in place of f32.
+    pub(super) fn of_ready(method: &SaddleMethod, in_f64: bool) -> Self {
+        match in_f64 {
+            true => Self {
+                inner: precision::name_in_double(method),
+                ..Self::of(method)
+            },
+            false => Self::of(method),
         }
     }
 }
@@ -88,6 +103,15 @@ impl Equations {
                     .map(|a| -> StrainNorm<'_> { Box::new(move |u| a.strain_norm(u)) });
                 work(&Assembled::new(blocks, strain))
             }
+        }
+    }
+
+    /// False where they are spread over ranks.
+    pub(super) fn is_here(&self) -> bool {
+        match self {
+            #[cfg(feature = "petsc")]
+            Self::Spread(_) => false,
+            _ => true,
         }
     }
 

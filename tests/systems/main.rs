@@ -5,6 +5,7 @@ mod accuracy;
 mod exact_schur;
 mod foreign_accuracy;
 mod foreign_systems;
+mod giving_way;
 mod library;
 mod reference;
 mod theorems;

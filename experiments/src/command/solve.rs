@@ -31,7 +31,7 @@ pub(super) struct Solve {
     /// Relative to what --measure says.
     #[arg(long, value_name = "TOL", default_value = "1e-8", allow_negative_numbers = true, value_parser = tolerance)]
     tolerance: f64,
-    /// Iterations over all restarts.
+    /// Iterations over all restarts, of each inner solver.
     #[arg(long, value_name = "N", default_value_t = 1000)]
     max_iterations: usize,
     /// Unit of the tractions while iterating, so that the residual sees the contact rows; default: balanced for a scene

@@ -104,10 +104,10 @@ impl SpringLinear {
             self.kept.ready = Some(self.prepare(problem, pending, stiffness, resources)?);
         }
         let short = symmetric.then_some(KrylovChoice::Cg(Cg {}));
-        let mut spent = 0;
+        let (mut spent, mut fresh) = (0, false);
         loop {
             let (ready, made) = match self.kept.ready.take() {
-                Some(ready) => (ready, false),
+                Some(ready) => (ready, fresh),
                 None => {
                     let of = wanted(problem, springs, stiffness);
                     (self.prepare(problem, of, stiffness, resources)?, true)
@@ -118,15 +118,38 @@ impl SpringLinear {
                 preconditioner: ready.inverse.as_ref(),
                 rhs,
             };
+            let available = resources.work.available();
+            let next = (resources.fallbacks).without_stagnation(problem, self.settings, available);
             let asked = Asked {
                 short,
                 tolerance,
                 max_iterations: self.max_krylov,
                 patience: (!made).then_some(PATIENCE),
+                gives_way: made && next.is_some(),
             };
             x.fill(0.0);
             match krylov::solve(&system, asked, x, observer, &mut resources.work)? {
                 Ended::Dropped { iterations } => spent += iterations,
+                Ended::Stalled(stalled) => {
+                    spent += stalled.iterations;
+                    let Some(next) = next else {
+                        unreachable!("gives way to nothing");
+                    };
+                    let before = std::mem::replace(&mut self.settings, next);
+                    let reason = stalled.reason(before.inner);
+                    resources.fallbacks.give_way(before, next, reason);
+                    (self.chosen, self.served, fresh) = (next, false, true);
+                    match self.prepare(problem, ready.of.clone(), stiffness, resources) {
+                        Ok(other) => self.kept.ready = Some(other),
+                        Err(_) => {
+                            // it goes on to its limit
+                            (self.chosen, self.settings) = (before, before);
+                            self.kept.ready = Some(ready);
+                            resources.fallbacks.take_back(before);
+                        }
+                    }
+                    self.other_springs();
+                }
                 Ended::Solved(solved) => {
                     self.kept.ready = Some(ready);
                     if made {
@@ -198,6 +221,7 @@ impl SpringLinear {
                 tolerance: TRUSTED * ritz.abs().max(f64::EPSILON),
                 max_iterations: self.max_krylov,
                 patience: None,
+                gives_way: false,
             };
             let mut solved = vec![0.0; u.len()];
             let ended = krylov::solve(&system, asked, &mut solved, observer, &mut resources.work);
@@ -221,12 +245,13 @@ impl SpringLinear {
         resources: &mut Resources,
     ) -> Result<Ready, LinearFailure> {
         let mut settings = self.settings;
+        let mut left = resources.fallbacks.others(problem, settings).into_iter();
         let inverse = loop {
             match self.inverse(problem, settings, &of.c, stiffness, resources) {
                 Ok(inverse) => break inverse,
                 Err(failure) => {
-                    let tried = (self.settings, settings, self.served);
-                    settings = resources.fallbacks.instead(problem, tried, failure)?
+                    let tried = (self.settings, self.served);
+                    settings = resources.fallbacks.instead(&mut left, tried, failure)?
                 }
             }
         };

@@ -143,6 +143,9 @@ impl Solve {
         }
         let mut solver = Solver {
             settings,
+            otherwise: Vec::new(),
+            gives_way: false,
+            problem: problem.clone(),
             names: Names::of(&method),
             double: None,
             method,

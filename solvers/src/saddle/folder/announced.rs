@@ -3,11 +3,14 @@
 use super::{FolderError, Manifest};
 use crate::saddle::SaddleBlocks;
 use fracas_operators::sparse::SparseMatrix;
+use std::path::Path;
 
 /// Stops where the manifest contradicts the files: sizes, states, blocks that it lists and that are lost, or that its list leaves out and
 /// that are there, right-hand sides that it lists and that are lost, a stabilization that
-/// it says and that is lost, or that it denies and that is there. An H of zeros contradicts nothing.
+/// it says and that is lost, or that it denies and that is there; and where a list is empty beside files of its sort. An H of zeros contradicts
+/// nothing.
 pub(super) fn contradictions(
+    folder: &Path,
     manifest: &Manifest,
     blocks: &SaddleBlocks,
     exists: &dyn Fn(&str) -> Result<bool, FolderError>,
@@ -37,6 +40,7 @@ pub(super) fn contradictions(
         }
     }
     states(manifest, blocks.n_t())?;
+    empty_lists(folder, manifest, exists)?;
     for name in ["H", "B2", "Q1", "Q2", "T"] {
         let file = format!("{name}.mtx");
         if manifest.lists(name) == Some(true) && !exists(&file)? {
@@ -88,6 +92,34 @@ pub(super) fn contradictions(
         }),
         _ => Ok(()),
     }
+}
+
+/// A list without names tells nothing of the files that are there.
+fn empty_lists(
+    folder: &Path,
+    manifest: &Manifest,
+    exists: &dyn Fn(&str) -> Result<bool, FolderError>,
+) -> Result<(), FolderError> {
+    let sides = ["rhs_u.mtx", "rhs_t.mtx", "rhs_p.mtx"];
+    // no folder is one without A
+    for (key, files) in [
+        (Manifest::BLOCKS, &["A.mtx"][..]),
+        (Manifest::SIDES, &sides),
+    ] {
+        if manifest.names(key).is_none_or(|names| !names.is_empty()) {
+            continue;
+        }
+        for file in files {
+            if exists(file)? {
+                return Err(FolderError::EmptyList {
+                    folder: folder.into(),
+                    key,
+                    file,
+                });
+            }
+        }
+    }
+    Ok(())
 }
 
 /// `key = value`, as written.

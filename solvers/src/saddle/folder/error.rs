@@ -159,6 +159,18 @@ pub enum FolderError {
         /// Its entries.
         entries: usize,
     },
+    /// The manifest has an empty list beside files that belong into it.
+    #[error(
+        "{}/manifest.json says {key} = [], but {file} is there: name what the folder holds, or leave {key} out", folder.display()
+    )]
+    EmptyList {
+        /// The folder.
+        folder: PathBuf,
+        /// `blocks` or `right_hand_sides`.
+        key: &'static str,
+        /// The first file that belongs into the list.
+        file: &'static str,
+    },
     /// States that are not those of the faces.
     #[error(
         "manifest.json gives {states} states of faces, but B1.mtx has {n_t} columns: {expected}"

@@ -128,7 +128,7 @@ pub fn read_folder(folder: &Path) -> Result<Imported, FolderError> {
         flow,
     };
     let exists = |file: &str| Ok(reader.present(file)?.is_some());
-    announced::contradictions(&manifest, &blocks, &exists)?;
+    announced::contradictions(folder, &manifest, &blocks, &exists)?;
     Ok(Imported {
         blocks,
         manifest,

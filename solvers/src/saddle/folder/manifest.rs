@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 ///
 /// Of these [`read_folder`](super::read_folder) holds against the files, where they are there: the sizes; `stabilization` (the
 /// factor of H, or true or false: whether there is an H, as matrices do not tell which factor it has); `blocks` (names such as
-/// `["A", "B1", "H"]`, in both directions); `right_hand_sides` (names such as `["rhs_u"]`, that none is lost); `states`. `scene`, `step`,
-/// `newton` and `units` are what the writer says: matrices do not tell.
+/// `["A", "B1", "H"]`, in both directions); `right_hand_sides` (names such as `["rhs_u"]`, that none is lost); `states`. Neither list is empty
+/// beside files that belong into it. `scene` and `units` (text), `step` and `newton` (numbers from 0) are what the writer says: matrices do not tell.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
     /// Program and version that wrote the folder.

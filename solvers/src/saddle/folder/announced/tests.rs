@@ -80,6 +80,21 @@ fn a_stabilization_that_is_said_and_lost_or_denied_and_there_is_an_error() {
         ),
         (
             system(),
+            r#"{"blocks": []}"#,
+            "/manifest.json says blocks = [], but A.mtx is there",
+        ),
+        (
+            system(),
+            r#"{"right_hand_sides": []}"#,
+            "/manifest.json says right_hand_sides = [], but rhs_u.mtx is there",
+        ),
+        (
+            system(),
+            r#"{"scene": 7}"#,
+            "invalid type: integer `7`, expected a string",
+        ),
+        (
+            system(),
             r#"{"n_p": 2}"#,
             "n_p = 2, but a folder without T.mtx gives 0",
         ),
@@ -117,6 +132,21 @@ fn a_stabilization_that_is_said_and_lost_or_denied_and_there_is_an_error() {
         (system(), r#"{"states": [0, 0, 0]}"#),
     ] {
         assert_eq!(with_manifest(&blocks, manifest), Ok(()), "{manifest}");
+    }
+}
+
+#[test]
+fn an_empty_list_of_right_hand_sides_is_true_where_there_are_none() {
+    let folder = folder("no-sides");
+    write_folder(&folder, &system(), &Manifest::default()).unwrap();
+    std::fs::write(folder.join("manifest.json"), r#"{"right_hand_sides": []}"#).unwrap();
+    for (file, next) in [("rhs_u.mtx", Some("rhs_t.mtx")), ("rhs_t.mtx", None)] {
+        std::fs::remove_file(folder.join(file)).unwrap();
+        let said = read_folder(&folder).map(|_| ()).map_err(|e| e.to_string());
+        match next {
+            Some(next) => assert!(said.unwrap_err().contains(next)),
+            None => assert_eq!(said, Ok(())),
+        }
     }
 }
 
