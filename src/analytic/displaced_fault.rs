@@ -95,6 +95,17 @@ pub struct FaultLine {
     pub elements: usize,
 }
 
+/// An element that carries more than it can before production.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LooseElement {
+    /// Its number.
+    pub element: usize,
+    /// |τ| [Pa].
+    pub shear: f64,
+    /// τ_L [Pa].
+    pub limit: f64,
+}
+
 /// A state of the fault.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FaultState {
@@ -181,6 +192,24 @@ impl DisplacedFault {
     pub fn tractions(&self, share: f64) -> impl Iterator<Item = [f64; 2]> + '_ {
         (self.initial.iter().zip(&self.change))
             .map(move |(a, b)| [0, 1].map(|k| a[k] + share * b[k]))
+    }
+
+    /// The element that is furthest beyond its limit before production: slip would not be due to pressure alone. A billionth of the
+    /// tractions is rounding.
+    pub fn loose(&self, strength: FaultStrength) -> Option<LooseElement> {
+        let largest = self
+            .initial
+            .iter()
+            .flatten()
+            .fold(0.0f64, |m, t| m.max(t.abs()));
+        let of = |(element, [normal, shear]): (usize, &[f64; 2])| LooseElement {
+            element,
+            shear: shear.abs(),
+            limit: strength.under(*normal).peak,
+        };
+        let all = self.initial.iter().enumerate().map(of);
+        all.filter(|e| e.shear - e.limit > 1e-9 * largest)
+            .max_by(|a, b| (a.shear - a.limit).total_cmp(&(b.shear - b.limit)))
     }
 
     /// The fault before production, under this friction, on its way through growing shares of the change of pressure.

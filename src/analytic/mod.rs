@@ -21,11 +21,12 @@ pub use crack_network::{CrackNetwork, NetworkCrack, StraightCrack};
 pub use depletion::Depletion;
 pub use displaced_fault::{
     DisplacedFault, FarStress, FaultLine, FaultPath, FaultPressure, FaultState, FaultStrength,
+    LooseElement,
 };
 pub use fault_friction::{FaultFriction, NoState, Strength};
 pub use inclined_crack::InclinedCrack;
 pub use line_crack::LineCrack;
 pub use nucleation::{LinearWeakening, RESOLVED, nucleation_half_length};
 pub use penny_crack::PennyCrack;
-pub use polygons::displaced_blocks;
+pub use polygons::{displaced_blocks, meeting_edges, shared_area, signed_area};
 pub use rock::Rock;

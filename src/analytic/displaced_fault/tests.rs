@@ -1,31 +1,43 @@
 use super::*;
 use crate::analytic::displaced_blocks;
 use fracas_operators::random::Random;
+use std::f64::consts::FRAC_PI_2;
 
-/// Verification data of vertical displaced faults: b = 150 m, a = 75 m.
-fn vertical(elements: usize) -> DisplacedFault {
-    let rock = Rock {
-        young: 2.0 * 6.5e9 * 1.15,
-        poisson: 0.15,
-    };
-    let right = std::f64::consts::FRAC_PI_2;
+const ROCK: Rock = Rock {
+    young: 2.0 * 6.5e9 * 1.15,
+    poisson: 0.15,
+};
+
+/// An upright fault through blocks, between heights ± this, under isotropic stress [Pa].
+fn upright(
+    (blocks, change): (&[Vec<[f64; 2]>], f64),
+    (height, elements): (f64, usize),
+    stress: f64,
+    acting: FaultPressure,
+) -> DisplacedFault {
     let change = Depletion {
-        poisson: 0.15,
+        poisson: ROCK.poisson,
         biot: 0.9,
-        pressure_change: -25e6,
+        pressure_change: change,
     };
     let line = FaultLine {
-        dip: right,
-        heights: [-600.0, 600.0],
+        dip: FRAC_PI_2,
+        heights: [-height, height],
         elements,
     };
     let far = FarStress {
-        vertical: [-60e6, 0.0],
-        horizontal: [-60e6, 0.0],
+        vertical: [stress, 0.0],
+        horizontal: [stress, 0.0],
         pressure: [0.0; 2],
     };
-    let blocks = displaced_blocks(right, 225.0, -75.0, 2e7);
-    DisplacedFault::new(rock, line, far, (&blocks, change), FaultPressure::Nowhere)
+    DisplacedFault::new(ROCK, line, far, (blocks, change), acting)
+}
+
+/// Verification data of vertical displaced faults: b = 150 m, a = 75 m.
+fn vertical(elements: usize) -> DisplacedFault {
+    let blocks = displaced_blocks(FRAC_PI_2, 225.0, -75.0, 2e7);
+    let given = (&blocks[..], -25e6);
+    upright(given, (600.0, elements), -60e6, FaultPressure::Nowhere)
 }
 
 const FRICTIONLESS: FaultStrength = FaultStrength {
@@ -150,26 +162,9 @@ fn where_slip_runs_away_does_not_depend_on_the_steps() {
 
 #[test]
 fn pressure_acts_where_it_is_said_to() {
-    let right = std::f64::consts::FRAC_PI_2;
-    let blocks = displaced_blocks(right, 200.0, 100.0, 1e3);
+    let blocks = displaced_blocks(FRAC_PI_2, 200.0, 100.0, 1e3);
     let with = |acting| {
-        let base = vertical(120);
-        let change = Depletion {
-            poisson: 0.15,
-            biot: 0.9,
-            pressure_change: -10e6,
-        };
-        let line = FaultLine {
-            dip: right,
-            heights: [-300.0, 300.0],
-            elements: 120,
-        };
-        let far = FarStress {
-            vertical: [0.0; 2],
-            horizontal: [0.0; 2],
-            pressure: [0.0; 2],
-        };
-        let fault = DisplacedFault::new(base.rock, line, far, (&blocks, change), acting);
+        let fault = upright((&blocks, -10e6), (300.0, 120), 0.0, acting);
         let normal = |z: f64| {
             let i = ((z + 300.0) / 5.0) as usize;
             fault.tractions(1.0).nth(i).map(|t| t[0]).unwrap()
@@ -274,35 +269,14 @@ fn sums_do_not_depend_on_where_elements_meet_corners() {
 
 #[test]
 fn pressure_acts_on_the_share_of_an_element_that_it_touches() {
-    // fault x = 0, one block of heights ±z on its right: pressure acts on min(1, …) of the element that holds its end
+    // fault x = 0, one block of heights ±z on its right: pressure acts on the part of an element below its top and above its base
     for seed in 0..50 {
         let r = &mut Random::new(seed);
         let z = r.between(10.0, 90.0);
         let blocks = [vec![[0.0, -z], [500.0, -z], [500.0, z], [0.0, z]]];
-        let fault = |acting| {
-            let base = vertical(2);
-            let change = Depletion {
-                poisson: 0.15,
-                biot: 0.9,
-                pressure_change: -10e6,
-            };
-            let line = FaultLine {
-                dip: base.dip,
-                heights: [-100.0, 100.0],
-                elements: 20,
-            };
-            let far = FarStress {
-                vertical: [0.0; 2],
-                horizontal: [0.0; 2],
-                pressure: [0.0; 2],
-            };
-            DisplacedFault::new(base.rock, line, far, (&blocks, change), acting)
-        };
-        let of = |acting| {
-            fault(acting)
-                .tractions(1.0)
-                .map(|t| t[0])
-                .collect::<Vec<_>>()
+        let of = |acting| -> Vec<f64> {
+            let fault = upright((&blocks, -10e6), (100.0, 20), 0.0, acting);
+            fault.tractions(1.0).map(|t| t[0]).collect()
         };
         let bare = of(FaultPressure::Nowhere);
         for (acting, share) in [
