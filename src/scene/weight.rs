@@ -73,7 +73,7 @@ impl WeightStress {
         for (k, [mass, volume]) in sums.iter().enumerate().rev() {
             let rock = mass / volume;
             if rock < fluid * (1.0 - CLOSE) {
-                let (from, to) = (lines[k], lines[k + 1]);
+                let [from, to] = [k, k + 1].map(|k| (1e3 * lines[k]).round() / 1e3);
                 let lifted = Problem::Lifted {
                     from,
                     to,
