@@ -194,20 +194,18 @@ type Points = Vec<(Measure<Duration>, Measure<PorePressure>)>;
 /// Times and one column of a CSV file, unit by unit; cells may be quoted, a mark of byte order may come first.
 fn rows(path: &Path, file: &str, column: &str) -> Result<Points, TableProblem> {
     let file = || file.to_string();
-    let unreadable = |error: csv::Error| TableProblem::Unreadable {
+    let unreadable = |reason: String| TableProblem::Unreadable {
         file: file(),
-        reason: error.to_string(),
+        reason,
     };
+    let text = std::fs::read(path).map_err(|error| unreadable(error.to_string()))?;
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)
         .trim(csv::Trim::All)
-        .from_path(path)
-        .map_err(unreadable)?;
-    let records: Vec<csv::StringRecord> = reader
-        .records()
-        .collect::<Result<_, _>>()
-        .map_err(unreadable)?;
+        .from_reader(&text[..]);
+    let records: Vec<csv::StringRecord> = (reader.records().collect::<Result<_, _>>())
+        .map_err(|error| unreadable(error.to_string()))?;
     let mut filled = (records.iter()).filter(|record| record.iter().any(|cell| !cell.is_empty()));
     let heading = filled.next().ok_or(TableProblem::Empty { place: file() })?;
     let names: Vec<(&str, &str)> = (heading.iter())
@@ -247,7 +245,7 @@ fn rows(path: &Path, file: &str, column: &str) -> Result<Points, TableProblem> {
     let mut lines = Vec::new();
     let mut points = Points::new();
     for record in filled {
-        let row = record.position().map_or(0, |at| at.line() as usize);
+        let row = row_of(record, &text);
         if record.len() > names.len() {
             return Err(TableProblem::Surplus {
                 file: file(),
@@ -283,6 +281,14 @@ fn rows(path: &Path, file: &str, column: &str) -> Result<Points, TableProblem> {
     }
     increasing(&points, file, |k| lines[k])?;
     Ok(points)
+}
+
+/// Row of a record, from 1. Its position lies before the empty rows that it follows.
+fn row_of(record: &csv::StringRecord, text: &[u8]) -> usize {
+    let from = record.position().map_or(0, |at| at.byte() as usize);
+    let ends = |byte: &&u8| matches!(byte, b'\r' | b'\n');
+    let start = from + text[from..].iter().take_while(ends).count();
+    1 + text[..start].iter().filter(|byte| **byte == b'\n').count()
 }
 
 /// A number with a unit, or why it makes no sense.
