@@ -1,6 +1,7 @@
 //! A straight fault through reservoirs whose pressure changes: its tractions, its slip, where it runs away.
 
 use super::fault_friction::{LARGEST_STEP, Sliding};
+use super::polygons::{contains, crossings};
 use super::sliding_factor::SlidingFactor;
 use super::{Depletion, FaultFriction, NoState, Rock, Strength};
 
@@ -16,6 +17,19 @@ pub enum FaultPressure {
     Both,
     /// Nowhere: the fault keeps its pressure.
     Nowhere,
+}
+
+impl FaultPressure {
+    /// Share of the change of pressure in the fault, by whether its sides lie in a block.
+    fn share(self, sides: [bool; 2]) -> f64 {
+        let [either, both] = [sides[0] || sides[1], sides[0] && sides[1]].map(f64::from);
+        match self {
+            Self::Either => either,
+            Self::Mean => 0.5 * (either + both),
+            Self::Both => both,
+            Self::Nowhere => 0.0,
+        }
+    }
 }
 
 /// Effective stress before production, linear in height, plane strain; tension positive.
@@ -42,13 +56,17 @@ pub struct FaultStrength {
     pub critical_slip: f64,
 }
 
+/// Distance from the fault at which its sides are told, as a share of the element. Unit: 1.
+const BESIDE: f64 = 1e-6;
+
 /// A straight fault of equal elements through (0, 0) in the plane (x, z), z upwards, in a homogeneous full space.
 ///
 /// Tangent t = (cos δ, sin δ) up the dip δ, normal n = (sin δ, −cos δ). Glide leaves the normal traction alone, so that
 /// ```text
 /// t(λ) = R (σ0 + λ Δσ) n        σ'_N = t_N + p_0 + λ Δp_f        L(γ) = c − min(σ'_N, 0) f(γ)
 /// ```
-/// with the share λ of the change of pressure; Δσ of [`Depletion`], slip of [`FaultFriction`].
+/// with the share λ of the change of pressure; Δσ of [`Depletion`], slip of [`FaultFriction`]. Tractions are means over the elements:
+/// at corners of blocks shear grows like ln r, and a value at one point of an element would depend on where that point lies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DisplacedFault {
     /// The rock.
@@ -60,7 +78,7 @@ pub struct DisplacedFault {
     pub h: f64,
     /// Distance of the middles of the elements from (0, 0), up the dip [m].
     pub along: Vec<f64>,
-    /// (σ'_N, τ) before production [Pa].
+    /// Means of (σ'_N, τ) before production [Pa].
     initial: Vec<[f64; 2]>,
     /// Their change for λ = 1 [Pa].
     change: Vec<[f64; 2]>,
@@ -75,6 +93,17 @@ pub struct FaultLine {
     pub heights: [f64; 2],
     /// Elements.
     pub elements: usize,
+}
+
+/// An element that carries more than it can before production.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LooseElement {
+    /// Its number.
+    pub element: usize,
+    /// |τ| [Pa].
+    pub shear: f64,
+    /// τ_L [Pa].
+    pub limit: f64,
 }
 
 /// A state of the fault.
@@ -106,6 +135,7 @@ impl DisplacedFault {
         let along: Vec<f64> = (0..line.elements)
             .map(|i| low + h * (i as f64 + 0.5))
             .collect();
+        let at = |s: f64| [s * t[0], s * t[1]];
         let on_fault = |[xx, zz, xz]: [f64; 3]| {
             let pull = [xx * n[0] + xz * n[1], xz * n[0] + zz * n[1]];
             [
@@ -120,21 +150,31 @@ impl DisplacedFault {
                 [normal + at(far.pressure), shear]
             })
             .collect();
+        let meets = crossings(blocks, t, BESIDE * h);
         let change = (along.iter())
             .map(|s| {
-                let beside = |e: f64| [s * t[0] + e * n[0], s * t[1] + e * n[1]];
+                let ends = [s - 0.5 * h, s + 0.5 * h];
                 // the traction passes the fault: either side tells it
-                let e = 1e-6 * h;
-                let [normal, shear] = on_fault(change.stress_change(blocks, beside(e)));
-                let sides = [-e, e].map(|e| blocks.iter().any(|block| contains(block, beside(e))));
-                let share = match (acting, sides) {
-                    (FaultPressure::Nowhere, _) | (_, [false, false]) => 0.0,
-                    (_, [true, true]) => 1.0,
-                    (FaultPressure::Either, _) => 1.0,
-                    (FaultPressure::Mean, _) => 0.5,
-                    (FaultPressure::Both, _) => 0.0,
-                };
-                [normal + share * change.pressure_change, shear]
+                let mean = change.mean_stress_change(blocks, ends.map(at));
+                let [normal, shear] = on_fault(mean);
+                let inner = meets
+                    .iter()
+                    .copied()
+                    .filter(|m| ends[0] < *m && *m < ends[1]);
+                let cuts: Vec<f64> = [ends[0]]
+                    .into_iter()
+                    .chain(inner)
+                    .chain([ends[1]])
+                    .collect();
+                let shares = cuts.windows(2).map(|cut| {
+                    let middle = at(0.5 * (cut[0] + cut[1]));
+                    let sides = [-BESIDE * h, BESIDE * h].map(|e| {
+                        let beside = [middle[0] + e * n[0], middle[1] + e * n[1]];
+                        blocks.iter().any(|block| contains(block, beside))
+                    });
+                    (cut[1] - cut[0]) / h * acting.share(sides)
+                });
+                [normal + shares.sum::<f64>() * change.pressure_change, shear]
             })
             .collect();
         Self {
@@ -152,6 +192,24 @@ impl DisplacedFault {
     pub fn tractions(&self, share: f64) -> impl Iterator<Item = [f64; 2]> + '_ {
         (self.initial.iter().zip(&self.change))
             .map(move |(a, b)| [0, 1].map(|k| a[k] + share * b[k]))
+    }
+
+    /// The element that is furthest beyond its limit before production: slip would not be due to pressure alone. A billionth of the
+    /// tractions is rounding.
+    pub fn loose(&self, strength: FaultStrength) -> Option<LooseElement> {
+        let largest = self
+            .initial
+            .iter()
+            .flatten()
+            .fold(0.0f64, |m, t| m.max(t.abs()));
+        let of = |(element, [normal, shear]): (usize, &[f64; 2])| LooseElement {
+            element,
+            shear: shear.abs(),
+            limit: strength.under(*normal).peak,
+        };
+        let all = self.initial.iter().enumerate().map(of);
+        all.filter(|e| e.shear - e.limit > 1e-9 * largest)
+            .max_by(|a, b| (a.shear - a.limit).total_cmp(&(b.shear - b.limit)))
     }
 
     /// The fault before production, under this friction, on its way through growing shares of the change of pressure.
@@ -201,6 +259,12 @@ impl FaultPath<'_> {
     /// # Errors
     /// [`NoState`]; then the state is the last one before.
     pub fn advance(&mut self, to: f64) -> Result<FaultState, NoState> {
+        let allowed = LARGEST_STEP * self.strength.critical_slip;
+        let most = if allowed > 0.0 {
+            allowed
+        } else {
+            f64::INFINITY
+        };
         let whole = to - self.share;
         let mut step = whole;
         let mut was_cut = false;
@@ -210,16 +274,10 @@ impl FaultPath<'_> {
             } else {
                 to
             };
-            let allowed = LARGEST_STEP * self.strength.critical_slip;
-            let tried = self.at(next).and_then(|sliding| {
-                let (moved, largest) = sliding.weakening_since(&self.sliding);
-                match allowed > 0.0 && largest > allowed {
-                    true => Err(NoState::Runaway { sliding: moved }),
-                    false => Ok((sliding, largest)),
-                }
-            });
+            let tried = self.at(next, most);
             match tried {
-                Ok((sliding, largest)) => {
+                Ok(sliding) => {
+                    let (_, largest) = sliding.weakening_since(&self.sliding);
                     (self.sliding, self.share) = (sliding, next);
                     // where slip runs away every step is half of the one before
                     step *= match (was_cut, largest <= 0.5 * allowed) {
@@ -239,11 +297,11 @@ impl FaultPath<'_> {
         Ok(self.state())
     }
 
-    fn at(&mut self, share: f64) -> Result<Sliding, NoState> {
+    fn at(&mut self, share: f64, most: f64) -> Result<Sliding, NoState> {
         let [normal, shear] = self.fault.loaded(share);
         let limits = self.limits(&normal);
         let friction = &self.fault.friction;
-        friction.next(&mut self.factor, &self.sliding, &shear, &limits)
+        friction.next(&mut self.factor, &self.sliding, (&shear, &limits), most)
     }
 
     fn limits(&self, normal: &[f64]) -> Vec<Strength> {
@@ -306,232 +364,5 @@ impl FaultState {
     }
 }
 
-/// True for points inside a polygon.
-fn contains(polygon: &[[f64; 2]], x: [f64; 2]) -> bool {
-    let mut inside = false;
-    for (k, a) in polygon.iter().enumerate() {
-        let b = polygon[(k + 1) % polygon.len()];
-        if (a[1] > x[1]) != (b[1] > x[1]) {
-            let crossing = a[0] + (x[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
-            inside ^= x[0] < crossing;
-        }
-    }
-    inside
-}
-
-/// Two blocks of one reservoir on both sides of a fault through (0, 0): each so thick and so wide [m], that on the side of n lower by
-/// the throw, their middles at heights ± throw/2.
-pub fn displaced_blocks(dip: f64, thickness: f64, throw: f64, width: f64) -> Vec<Vec<[f64; 2]>> {
-    let slope = dip.cos() / dip.sin();
-    let fault = |z: f64| [z * slope, z];
-    let [low, high] = [-0.5 * thickness, 0.5 * thickness];
-    let up = 0.5 * throw;
-    vec![
-        vec![
-            [-width, low + up],
-            fault(low + up),
-            fault(high + up),
-            [-width, high + up],
-        ],
-        vec![
-            fault(low - up),
-            [width, low - up],
-            [width, high - up],
-            fault(high - up),
-        ],
-    ]
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use fracas_operators::random::Random;
-
-    /// Verification data of vertical displaced faults: b = 150 m, a = 75 m.
-    fn vertical(elements: usize) -> DisplacedFault {
-        let rock = Rock {
-            young: 2.0 * 6.5e9 * 1.15,
-            poisson: 0.15,
-        };
-        let right = std::f64::consts::FRAC_PI_2;
-        let change = Depletion {
-            poisson: 0.15,
-            biot: 0.9,
-            pressure_change: -25e6,
-        };
-        let line = FaultLine {
-            dip: right,
-            heights: [-600.0, 600.0],
-            elements,
-        };
-        let far = FarStress {
-            vertical: [-60e6, 0.0],
-            horizontal: [-60e6, 0.0],
-            pressure: [0.0; 2],
-        };
-        let blocks = displaced_blocks(right, 225.0, -75.0, 2e4);
-        DisplacedFault::new(rock, line, far, (&blocks, change), FaultPressure::Nowhere)
-    }
-
-    const FRICTIONLESS: FaultStrength = FaultStrength {
-        cohesion: 0.0,
-        static_friction: 0.0,
-        dynamic_friction: 0.0,
-        critical_slip: 0.0,
-    };
-
-    #[test]
-    fn slip_without_friction_is_the_known_trapezoid() {
-        // |δ(z)| = ((1−2ν) α |Δp|/G) clamp(b − |z|, 0, b − a): 0.181731 m for |z| < 75 m
-        let slope = 0.7 * 0.9 * 25e6 / 6.5e9;
-        let (mut before, mut peak) = (f64::INFINITY, 0.0);
-        for elements in [160, 320, 640] {
-            let fault = vertical(elements);
-            let state = fault.path(FRICTIONLESS).advance(1.0).unwrap();
-            let (mut error, mut size) = (0.0f64, 0.0f64);
-            for (z, d) in fault.along.iter().zip(&state.slip) {
-                let exact = slope * (150.0 - z.abs()).clamp(0.0, 75.0);
-                error += (d.abs() - exact).powi(2);
-                size += exact * exact;
-            }
-            let relative = (error / size).sqrt();
-            assert!(
-                relative < 0.62 * before,
-                "{elements}: {relative} after {before}"
-            );
-            before = relative;
-            peak = state.largest_slip();
-        }
-        assert!(before < 1e-2, "{before}");
-        assert!((peak - 0.181_731).abs() < 0.01 * 0.181_731, "{peak}");
-    }
-
-    #[test]
-    fn states_keep_the_law_and_grow_with_the_load() {
-        let fault = vertical(400);
-        let strength = FaultStrength {
-            static_friction: 0.03,
-            dynamic_friction: 0.03,
-            ..FRICTIONLESS
-        };
-        let mut before = 0.0;
-        let mut path = fault.path(strength);
-        for share in [0.2, 0.5, 1.0] {
-            let state = path.advance(share).unwrap();
-            let now = state.slip_integral(fault.h);
-            assert!(now > before, "{now} after {before}");
-            before = now;
-            assert!(state.criticality.iter().all(|chi| *chi < 1.0 + 1e-9));
-            assert!(state.longest_patch(fault.h) <= state.slipping_length(fault.h));
-        }
-    }
-
-    #[test]
-    fn a_fault_that_weakens_runs_away_sooner_the_faster_it_weakens() {
-        let fault = vertical(400);
-        let weak = |critical_slip| FaultStrength {
-            static_friction: 0.05,
-            dynamic_friction: 0.01,
-            critical_slip,
-            ..FRICTIONLESS
-        };
-        let at = |critical| {
-            let mut path = fault.path(weak(critical));
-            let ended = path.advance(2.0);
-            (ended.is_ok(), path.share())
-        };
-        let [(fast_ends, fast), (slow_ends, slow)] = [0.002, 0.004].map(at);
-        assert!(!fast_ends && !slow_ends && fast < slow, "{fast} {slow}");
-        assert_eq!(at(1.0), (true, 2.0));
-        // steps of one's own find the same
-        let mut path = fault.path(weak(0.004));
-        let found = (1..=200).find(|k| path.advance(0.01 * f64::from(*k)).is_err());
-        assert!(found.is_some());
-        assert!(
-            (path.share() - slow).abs() < 1e-3,
-            "{} {slow}",
-            path.share()
-        );
-    }
-
-    /// Whatever the strength, steps of one's own end where those of the path end: elements that begin to slide one at a time make no
-    /// jump that depends on them.
-    #[test]
-    fn where_slip_runs_away_does_not_depend_on_the_steps() {
-        let fault = vertical(300);
-        let (mut gone, mut safe) = (0, 0);
-        for seed in 0..24 {
-            let r = &mut Random::new(seed);
-            let static_friction = r.between(0.03, 0.09);
-            let strength = FaultStrength {
-                static_friction,
-                dynamic_friction: r.between(0.3, 0.95) * static_friction,
-                critical_slip: r.scale(3e-3, 0.2),
-                ..FRICTIONLESS
-            };
-            let ends = |steps: u32| {
-                let mut path = fault.path(strength);
-                let ended = (1..=steps)
-                    .try_for_each(|k| path.advance(f64::from(k) / f64::from(steps)).map(drop));
-                assert_ne!(ended, Err(NoState::Unsettled), "seed {seed}, {strength:?}");
-                let slip = path.state().slip_integral(fault.h);
-                (ended.is_ok(), path.share(), slip)
-            };
-            let [one, many] = [1, 150].map(ends);
-            assert_eq!(one.0, many.0, "seed {seed}: {one:?} {many:?}, {strength:?}");
-            let of = if one.0 { one.2 } else { 1.0 };
-            assert!(
-                (one.1 - many.1).abs() < 2e-3,
-                "seed {seed}: {one:?} {many:?}"
-            );
-            assert!(
-                !one.0 || (one.2 - many.2).abs() <= 1e-8 * of,
-                "seed {seed}: {one:?} {many:?}"
-            );
-            if one.0 { safe += 1 } else { gone += 1 }
-        }
-        assert!(gone >= 5 && safe >= 5, "{gone} run away, {safe} do not");
-    }
-
-    #[test]
-    fn pressure_acts_where_it_is_said_to() {
-        let right = std::f64::consts::FRAC_PI_2;
-        let blocks = displaced_blocks(right, 200.0, 100.0, 1e3);
-        let with = |acting| {
-            let base = vertical(120);
-            let change = Depletion {
-                poisson: 0.15,
-                biot: 0.9,
-                pressure_change: -10e6,
-            };
-            let line = FaultLine {
-                dip: right,
-                heights: [-300.0, 300.0],
-                elements: 120,
-            };
-            let far = FarStress {
-                vertical: [0.0; 2],
-                horizontal: [0.0; 2],
-                pressure: [0.0; 2],
-            };
-            let fault = DisplacedFault::new(base.rock, line, far, (&blocks, change), acting);
-            let normal = |z: f64| {
-                let i = ((z + 300.0) / 5.0) as usize;
-                fault.tractions(1.0).nth(i).map(|t| t[0]).unwrap()
-            };
-            // outside, one side, both
-            [200.0, 100.0, 0.0].map(normal)
-        };
-        let bare = with(FaultPressure::Nowhere);
-        for (acting, shares) in [
-            (FaultPressure::Either, [0.0, 1.0, 1.0]),
-            (FaultPressure::Mean, [0.0, 0.5, 1.0]),
-            (FaultPressure::Both, [0.0, 0.0, 1.0]),
-        ] {
-            for (k, normal) in with(acting).iter().enumerate() {
-                let expected = bare[k] - shares[k] * 10e6;
-                assert!((normal - expected).abs() < 1.0, "{acting:?} {k}");
-            }
-        }
-    }
-}
+mod tests;

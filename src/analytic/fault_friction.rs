@@ -24,7 +24,8 @@ const ROUNDING: f64 = 1e-12;
 /// τ_i = τ0_i − Σ_j k_|i−j| δ_j      k_m = G/(2π(1−ν)h) / (¼ − m²) · (−1)      |τ_i| ≤ L_i(|δ_i|)      δ_i ≠ 0 only along |τ_i| = L_i
 /// L(γ) = max(L_s − W γ, L_d)
 /// ```
-/// so that k_0 > 0 and all others < 0. While slip is stable, `k − W` on what slides is a symmetric M-matrix: sets that only grow
+/// so that k_0 > 0 and all others < 0; τ_i is taken at the middle of an element, τ0_i as its mean, as slip of constant pieces has no finite
+/// mean traction on its own element. While slip is stable, `k − W` on what slides is a symmetric M-matrix: sets that only grow
 /// from nothing end at the smallest slip, which does not depend on the path of a load that grows. Where `k − W` is no longer
 /// positive definite slip runs away.
 ///
@@ -150,17 +151,21 @@ impl FaultFriction {
         tau
     }
 
-    /// The smallest slip δ [m] under a shear traction [Pa], from none.
+    /// The smallest slip δ [m] under a shear traction [Pa], from none and in one step: where friction weakens it may lie beyond a jump,
+    /// which [`super::FaultPath`] finds step by step.
     ///
     /// # Errors
     /// As [`FaultFriction::next`].
     pub fn slip(&self, shear: &[f64], strength: &[Strength]) -> Result<Vec<f64>, NoState> {
         let rest = Sliding::none(self.stiffness.len());
         let mut factor = SlidingFactor::default();
-        Ok(self.next(&mut factor, &rest, shear, strength)?.slip)
+        let given = (shear, strength);
+        let state = self.next(&mut factor, &rest, given, f64::INFINITY)?;
+        Ok(state.slip)
     }
 
-    /// What slides under a shear traction [Pa] that differs little from that of a state; `factor` is that of the call before, or none.
+    /// What slides under a shear traction [Pa] that differs little from that of a state; `factor` is that of the call before, or none. Slip
+    /// runs away, too, where what may weaken slips by more than `most` [m].
     ///
     /// # Cost
     /// O(n m + m² r) per round with m of n elements that slide and r that begin to, or whose slope is another; a handful of rounds.
@@ -171,8 +176,8 @@ impl FaultFriction {
         &self,
         factor: &mut SlidingFactor,
         start: &Sliding,
-        shear: &[f64],
-        strength: &[Strength],
+        (shear, strength): (&[f64], &[Strength]),
+        most: f64,
     ) -> Result<Sliding, NoState> {
         let n = self.stiffness.len();
         assert!(
@@ -184,8 +189,9 @@ impl FaultFriction {
         let largest = strength.iter().fold(0.0f64, |m, s| m.max(s.peak));
         let mut state = start.clone();
         self.balance_or_grow(factor, &mut state, start, (shear, strength))?;
-        for round in 0..ROUNDS {
-            let Sliding { slip, signs, spent } = &mut state;
+        let mut sets = 0;
+        for _ in 0..ROUNDS {
+            let Sliding { slip, signs, spent } = &state;
             let tau = self.shear_after(shear, slip);
             // what was pulled along and turns back lets go; with one sign of shear there is none
             let lets_go = |i: usize| signs[i] != 0.0 && slip[i] * signs[i] < 0.0;
@@ -195,13 +201,27 @@ impl FaultFriction {
                 let critical = strength[i].critical_slip;
                 critical > 0.0 && signs[i] != 0.0 && spent[i] != (slip[i].abs() > critical)
             };
-            let changes = |i: &usize| lets_go(*i) || breaks(*i) || softens(*i);
-            // all at once; where that goes in circles, the first alone, which ends
-            let most = if round < AT_ONCE { n } else { 1 };
-            let changed: Vec<usize> = (0..n).filter(changes).take(most).collect();
+            // slopes first: with those of less slip than there is, slip is too large, and too much would begin to slide
+            let slopes: Vec<usize> = (0..n).filter(|i| softens(*i)).collect();
+            let changed: Vec<usize> = match slopes.is_empty() {
+                true => {
+                    // what slides only grows from here, and slip with it
+                    let (moved, largest) = state.weakening_since(start);
+                    if largest > most {
+                        return Err(NoState::Runaway { sliding: moved });
+                    }
+                    let changes = |i: &usize| lets_go(*i) || breaks(*i);
+                    // all at once; where that goes in circles, the first alone, which ends
+                    let count = if sets < AT_ONCE { n } else { 1 };
+                    sets += 1;
+                    (0..n).filter(changes).take(count).collect()
+                }
+                false => slopes,
+            };
             if changed.is_empty() {
                 return Ok(state);
             }
+            let Sliding { slip, signs, spent } = &mut state;
             for i in changed {
                 match (signs[i] != 0.0, slip[i] * signs[i] < 0.0) {
                     (false, _) => signs[i] = tau[i].signum(),

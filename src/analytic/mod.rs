@@ -12,6 +12,7 @@ mod inclined_crack;
 mod line_crack;
 mod nucleation;
 mod penny_crack;
+mod polygons;
 mod rock;
 mod sliding_factor;
 
@@ -20,11 +21,12 @@ pub use crack_network::{CrackNetwork, NetworkCrack, StraightCrack};
 pub use depletion::Depletion;
 pub use displaced_fault::{
     DisplacedFault, FarStress, FaultLine, FaultPath, FaultPressure, FaultState, FaultStrength,
-    displaced_blocks,
+    LooseElement,
 };
 pub use fault_friction::{FaultFriction, NoState, Strength};
 pub use inclined_crack::InclinedCrack;
 pub use line_crack::LineCrack;
 pub use nucleation::{LinearWeakening, RESOLVED, nucleation_half_length};
 pub use penny_crack::PennyCrack;
+pub use polygons::{displaced_blocks, meeting_edges, shared_area, signed_area};
 pub use rock::Rock;

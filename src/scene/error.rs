@@ -69,6 +69,20 @@ pub enum Problem {
         "the initial stress of weight needs [gravity] along z alone, and elements whose tops and bottoms are level (no map that tilts or distorts them)"
     )]
     NoWeight,
+    /// Rock that floats.
+    #[error(
+        "between z = {from} m and {to} m the rock weighs {rock:.4} kg/m3 and the fluid {fluid} kg/m3: it would be lifted, and its effective stress be a tension; `density` of a material is that of rock and pores together, not below that of `fluid`"
+    )]
+    Lifted {
+        /// Lower end of the level of the mesh [m].
+        from: f64,
+        /// Upper end [m].
+        to: f64,
+        /// Mean density of the rock [kg/m³].
+        rock: f64,
+        /// Density of the fluid [kg/m³].
+        fluid: f64,
+    },
     /// Keys that are needed together.
     #[error(
         "[mesh.{axis}] needs `from`, `to` and `cells`, or `from`, `to`, `size`, `growth` and `near` or `fine`, or `lines` alone"

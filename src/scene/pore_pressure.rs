@@ -90,6 +90,48 @@ pub enum TableProblem {
         /// What stands there.
         found: String,
     },
+    /// More cells than the heading has columns: a decimal comma, say.
+    #[error(
+        "{file}, row {row} has {found} cells and the heading {columns}: cell {found} is `{surplus}`; write decimals with a point, and one cell per column"
+    )]
+    Surplus {
+        /// The file.
+        file: String,
+        /// Its row, from 1.
+        row: usize,
+        /// Cells of the row.
+        found: usize,
+        /// Columns of the heading.
+        columns: usize,
+        /// The last cell.
+        surplus: String,
+    },
+    /// Two columns of one name.
+    #[error(
+        "{file}, row 1: columns {first} and {second} are both named `{column}`; give each a name of its own"
+    )]
+    TwoColumns {
+        /// The file.
+        file: String,
+        /// Their name.
+        column: String,
+        /// Number of the first, from 1.
+        first: usize,
+        /// That of the other.
+        second: usize,
+    },
+    /// A number that makes no sense with its unit.
+    #[error("{file}, row {row}, column `{column}`: {reason}")]
+    Senseless {
+        /// The file.
+        file: String,
+        /// Its row, from 1.
+        row: usize,
+        /// The column.
+        column: String,
+        /// Why.
+        reason: String,
+    },
     /// Times that go back.
     #[error(
         "{place}, row {row}: time {time} s does not come after {before} s; sort the rows by time"
@@ -103,18 +145,6 @@ pub enum TableProblem {
         time: f64,
         /// That of the row before [s].
         before: f64,
-    },
-    /// Less than nothing.
-    #[error(
-        "{place}, row {row}: a pore pressure of {value} Pa is negative; give absolute pressures"
-    )]
-    Negative {
-        /// File or table.
-        place: String,
-        /// Its row, from 1.
-        row: usize,
-        /// That value [Pa].
-        value: f64,
     },
     /// No row at all.
     #[error("{place} has no row; give a [time, pressure] at least")]
@@ -161,99 +191,139 @@ pub(super) fn read_files(sections: &mut SceneSections, folder: &Path) -> Result<
 
 type Points = Vec<(Measure<Duration>, Measure<PorePressure>)>;
 
-/// Times and one column of a CSV file, unit by unit.
+/// Times and one column of a CSV file, unit by unit; cells may be quoted, a mark of byte order may come first.
 fn rows(path: &Path, file: &str, column: &str) -> Result<Points, TableProblem> {
     let file = || file.to_string();
-    let text = std::fs::read_to_string(path).map_err(|error| TableProblem::Unreadable {
+    let unreadable = |reason: String| TableProblem::Unreadable {
         file: file(),
-        reason: error.to_string(),
-    })?;
-    let mut lines = text
-        .lines()
-        .enumerate()
-        .filter(|(_, line)| !line.trim().is_empty());
-    let (_, heading) = lines.next().ok_or(TableProblem::Empty { place: file() })?;
-    let names: Vec<(&str, &str)> = heading
-        .split(',')
-        .map(|cell| match cell.trim().split_once('[') {
+        reason,
+    };
+    let text = std::fs::read(path).map_err(|error| unreadable(error.to_string()))?;
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .trim(csv::Trim::All)
+        .from_reader(&text[..]);
+    let records: Vec<csv::StringRecord> = (reader.records().collect::<Result<_, _>>())
+        .map_err(|error| unreadable(error.to_string()))?;
+    let mut filled = (records.iter()).filter(|record| record.iter().any(|cell| !cell.is_empty()));
+    let heading = filled.next().ok_or(TableProblem::Empty { place: file() })?;
+    let names: Vec<(&str, &str)> = (heading.iter())
+        .map(|cell| match cell.split_once('[') {
             Some((name, unit)) => (name.trim(), unit.trim_end().trim_end_matches(']').trim()),
-            None => (cell.trim(), ""),
+            None => (cell, ""),
         })
         .collect();
     let wrong = |k: usize| TableProblem::Heading {
         file: file(),
         column: k + 1,
-        found: heading
-            .split(',')
-            .nth(k)
-            .unwrap_or_default()
-            .trim()
-            .to_string(),
+        found: heading[k].to_string(),
     };
-    if names[0].0 != "time" || measured::<Duration>("1", names[0].1).is_none() {
+    if names[0].0 != "time" || measured::<Duration>("1", names[0].1).is_err() {
         return Err(wrong(0));
     }
-    let place = names.iter().skip(1).position(|(name, _)| *name == column);
-    let place = place.ok_or_else(|| TableProblem::NoColumn {
+    let mut named = (1..names.len()).filter(|k| names[*k].0 == column);
+    let place = named.next().ok_or_else(|| TableProblem::NoColumn {
         file: file(),
         column: column.into(),
-        known: names
+        known: names[1..]
             .iter()
-            .skip(1)
-            .map(|(name, _)| (*name).to_string())
+            .map(|(name, _)| name.to_string())
             .collect(),
-    })? + 1;
-    if measured::<PorePressure>("1", names[place].1).is_none() {
+    })?;
+    if let Some(second) = named.next() {
+        return Err(TableProblem::TwoColumns {
+            file: file(),
+            column: column.into(),
+            first: place + 1,
+            second: second + 1,
+        });
+    }
+    if measured::<PorePressure>("1", names[place].1).is_err() {
         return Err(wrong(place));
     }
-    lines
-        .map(|(n, line)| {
-            let cells: Vec<&str> = line.split(',').map(str::trim).collect();
-            let cell = |k: usize| cells.get(k).copied().unwrap_or_default();
-            let number = |k: usize| match cell(k).parse::<f64>() {
-                Ok(value) if value.is_finite() => Ok(value),
+    let mut lines = Vec::new();
+    let mut points = Points::new();
+    for record in filled {
+        let row = row_of(record, &text);
+        if record.len() > names.len() {
+            return Err(TableProblem::Surplus {
+                file: file(),
+                row,
+                found: record.len(),
+                columns: names.len(),
+                surplus: record[record.len() - 1].to_string(),
+            });
+        }
+        let number = |k: usize| {
+            let cell = record.get(k).unwrap_or_default();
+            match cell.parse::<f64>() {
+                Ok(value) if value.is_finite() => Ok(value.to_string()),
                 _ => Err(TableProblem::NoNumber {
                     file: file(),
-                    row: n + 1,
+                    row,
                     column: names[k].0.into(),
-                    found: cell(k).into(),
+                    found: cell.into(),
                 }),
-            };
-            let (time, pressure) = (number(0)?, number(place)?);
-            let negative = |value: f64| TableProblem::Negative {
-                place: file(),
-                row: n + 1,
-                value,
-            };
-            let time = measured(&time.to_string(), names[0].1).ok_or_else(|| wrong(0))?;
-            let written = pressure.to_string();
-            let pressure = measured(&written, names[place].1).ok_or_else(|| negative(pressure))?;
-            Ok((time, pressure))
-        })
-        .collect()
+            }
+        };
+        let senseless = |k: usize, reason: String| TableProblem::Senseless {
+            file: file(),
+            row,
+            column: names[k].0.into(),
+            reason,
+        };
+        let time = measured(&number(0)?, names[0].1).map_err(|why| senseless(0, why))?;
+        let pressure = measured(&number(place)?, names[place].1);
+        let pressure = pressure.map_err(|why| senseless(place, why))?;
+        points.push((time, pressure));
+        lines.push(row);
+    }
+    increasing(&points, file, |k| lines[k])?;
+    Ok(points)
 }
 
-/// A number with a unit, where both make sense.
-fn measured<K: Kind>(number: &str, unit: &str) -> Option<Measure<K>> {
-    format!("{number} {unit}").parse().ok()
+/// Row of a record, from 1. Its position lies before the empty rows that it follows.
+fn row_of(record: &csv::StringRecord, text: &[u8]) -> usize {
+    let from = record.position().map_or(0, |at| at.byte() as usize);
+    let ends = |byte: &&u8| matches!(byte, b'\r' | b'\n');
+    let start = from + text[from..].iter().take_while(ends).count();
+    1 + text[..start].iter().filter(|byte| **byte == b'\n').count()
+}
+
+/// A number with a unit, or why it makes no sense.
+fn measured<K: Kind>(number: &str, unit: &str) -> Result<Measure<K>, String> {
+    let read = format!("{number} {unit}").parse();
+    read.map_err(|error: <Measure<K> as std::str::FromStr>::Err| error.to_string())
+}
+
+/// Times that increase; `row` is the number of a point for a message.
+fn increasing(
+    points: &[(Measure<Duration>, Measure<PorePressure>)],
+    place: impl Fn() -> String,
+    row: impl Fn(usize) -> usize,
+) -> Result<(), TableProblem> {
+    let times: Vec<f64> = points.iter().map(|(time, _)| time.si()).collect();
+    match times.windows(2).position(|pair| pair[0] >= pair[1]) {
+        None => Ok(()),
+        Some(k) => Err(TableProblem::Unsorted {
+            place: place(),
+            row: row(k + 1),
+            time: times[k + 1],
+            before: times[k],
+        }),
+    }
 }
 
 impl PorePressureSection {
     /// The change since time 0 against time [Pa].
     pub(super) fn history(&self, name: &str) -> Result<History, TableProblem> {
         let place = || format!("`pore_pressure` of material \"{name}\"");
-        let points: Vec<(f64, f64)> = (self.points.iter().flatten())
+        let given = self.points.as_deref().unwrap_or_default();
+        increasing(given, place, |k| k + 1)?;
+        let points: Vec<(f64, f64)> = (given.iter())
             .map(|(time, pressure)| (time.si(), pressure.si()))
             .collect();
-        let back = points.windows(2).position(|pair| pair[0].0 >= pair[1].0);
-        if let Some(row) = back {
-            return Err(TableProblem::Unsorted {
-                place: place(),
-                row: row + 2,
-                time: points[row + 1].0,
-                before: points[row].0,
-            });
-        }
         let history = match self.between {
             Between::Linear => History::through(points.clone()),
             Between::Steps => History::in_steps(points.clone()),

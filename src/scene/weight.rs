@@ -71,7 +71,18 @@ impl WeightStress {
         let mut levels = vec![(lines[lines.len() - 1], 0.0)];
         let mut stress = 0.0;
         for (k, [mass, volume]) in sums.iter().enumerate().rev() {
-            stress += (mass / volume - fluid) * gravity[2] * (lines[k + 1] - lines[k]);
+            let rock = mass / volume;
+            if rock < fluid * (1.0 - CLOSE) {
+                let [from, to] = [k, k + 1].map(|k| (1e3 * lines[k]).round() / 1e3);
+                let lifted = Problem::Lifted {
+                    from,
+                    to,
+                    rock,
+                    fluid,
+                };
+                return Err(at(&["initial_stress", "weight", "fluid"], lifted));
+            }
+            stress += (rock - fluid) * gravity[2] * (lines[k + 1] - lines[k]);
             levels.push((lines[k], stress));
         }
         levels.reverse();
@@ -80,7 +91,7 @@ impl WeightStress {
     }
 }
 
-/// Share of the height of an element within which two heights are one. Unit: 1.
+/// Share of the height of an element within which two heights are one, and of a density within which two are. Unit: 1.
 const CLOSE: f64 = 1e-6;
 
 /// Lowest and highest z of an element [m].

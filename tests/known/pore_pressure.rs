@@ -2,6 +2,7 @@
 
 use fracas::nonlinear::Simulation;
 use fracas::scene::Scene;
+use fracas_operators::random::Random;
 use fracas_solvers::Silent;
 
 /// Moduli and Biot's coefficients of the two layers, 4 m above 6 m.
@@ -112,6 +113,68 @@ fn a_column_settles_by_the_pressures_of_its_layers() {
     }
 }
 
+/// A random table: points, and how a program might write them.
+fn written(r: &mut Random) -> (Vec<[f64; 2]>, Vec<String>, String) {
+    let mut time = 0.0;
+    let points: Vec<[f64; 2]> = (0..2 + r.below(8))
+        .map(|_| {
+            time += r.between(0.1, 3.0);
+            [time, r.between(0.0, 300.0)]
+        })
+        .collect();
+    let is_quoted = r.chance(0.5);
+    let cell = |text: String| match is_quoted {
+        true => format!("\"{text}\""),
+        false => format!(" {text} "),
+    };
+    let place = r.below(3);
+    let row = |own: String, other: &str| {
+        let mut cells = vec![cell(other.to_owned()); 2];
+        cells.insert(place, cell(own));
+        cells.join(",")
+    };
+    let heads = row("clay [bar]".into(), "other [bar]");
+    let mut lines = vec![format!("{},{heads}", cell("time [day]".into()))];
+    for [t, p] in &points {
+        lines.push(format!(
+            "{},{}",
+            cell(t.to_string()),
+            row(p.to_string(), "1")
+        ));
+    }
+    let end = r.one_of(&["\n", "\r\n", "\n\n"]);
+    let mark = if r.chance(0.5) { "\u{feff}" } else { "" };
+    (points, lines, format!("{mark}|{end}"))
+}
+
+#[test]
+fn tables_are_read_however_they_are_written() {
+    for seed in 0..60 {
+        let r = &mut Random::new(seed);
+        let (points, mut lines, style) = written(r);
+        let (mark, end) = style.split_once('|').unwrap();
+        let file = |lines: &[String]| format!("{mark}{}{end}", lines.join(end));
+        let own = "{ points = [['0 s', '1 bar']] }";
+        let folder = Folder::new(&format!("styles-{seed}"), &file(&lines));
+        let scene = folder.scene("{ file = 'blocks.csv' }", own);
+        let list: Vec<String> = (points.iter())
+            .map(|[t, p]| format!("['{t} day', '{p} bar']"))
+            .collect();
+        let list = format!("{{ points = [{}] }}", list.join(", "));
+        let expected = folder.scene(&list, own).unwrap();
+        assert_eq!(scene.unwrap().sections(), expected.sections(), "{seed}");
+        // one cell too many somewhere
+        let k = 1 + r.below(points.len());
+        lines[k] += ",5";
+        let row = 1 + k * end.matches('\n').count();
+        let folder = Folder::new(&format!("surplus-{seed}"), &file(&lines));
+        let text = folder.scene("{ file = 'blocks.csv' }", own).unwrap_err();
+        let expected =
+            format!("blocks.csv, row {row} has 5 cells and the heading 4: cell 5 is `5`");
+        assert!(text.contains(&expected), "{seed}: {text}");
+    }
+}
+
 #[test]
 fn tables_are_refused_with_their_row() {
     let own = "{ points = [['0 s', '1 bar']] }";
@@ -131,7 +194,7 @@ fn tables_are_refused_with_their_row() {
         ),
         (
             "time [day],clay [bar]\n0,1\n2,-1\n",
-            "blocks.csv, row 3: a pore pressure of -1 Pa",
+            "blocks.csv, row 3, column `clay`: a pore pressure is \"-1 bar\", but it must be zero or positive",
         ),
         (
             "time [day],clay [bar]\n0,1\n2,nan\n",
@@ -147,6 +210,26 @@ fn tables_are_refused_with_their_row() {
             "blocks.csv has no column `clay`; it has: mud",
         ),
         ("", "blocks.csv has no row"),
+        (
+            "time [day],clay [bar]\n0,1\n\n-2,1\n",
+            "blocks.csv, row 4, column `time`: ",
+        ),
+        (
+            "time [day],clay [bar]\n0,1\n\n3,1\n2,1\n",
+            "blocks.csv, row 5: time 172800 s does not come after 259200 s",
+        ),
+        (
+            "time [day],clay [bar],clay [bar]\n0,1,2\n",
+            "blocks.csv, row 1: columns 2 and 3 are both named `clay`",
+        ),
+        (
+            "time [day],clay [bar]\n0,1\n2,1,5\n",
+            "blocks.csv, row 3 has 3 cells and the heading 2: cell 3 is `5`",
+        ),
+        (
+            "time [day],clay [bar]\n0,\"1,5\"\n",
+            "blocks.csv, row 2: column `clay` is `1,5`, which is no number",
+        ),
     ] {
         let folder = Folder::new("bad-table", csv);
         let text = folder.scene(file, own).unwrap_err();

@@ -2,6 +2,7 @@
 
 use fracas::nonlinear::Simulation;
 use fracas::scene::Scene;
+use fracas_operators::random::Random;
 use fracas_solvers::Silent;
 
 fn scene(more: &str) -> String {
@@ -66,5 +67,35 @@ fn weight_without_direction_or_level_layers_is_refused() {
             text.contains("the initial stress of weight needs") && text.contains("s.toml:"),
             "{text}"
         );
+    }
+}
+
+#[test]
+fn rock_that_would_float_is_refused() {
+    for seed in 0..20 {
+        let r = &mut Random::new(seed);
+        let fluid = r.between(500.0, 2900.0).round();
+        let toml = scene(&format!(
+            "[initial_stress]\nweight = {{ horizontal = [0.7, 0.8], fluid = '{fluid} kg/m3' }}\n"
+        ));
+        let built = Scene::from_toml(&toml, "s.toml").unwrap().build();
+        // the lightest layer is the upper one, then the middle, and levels are met from the top down
+        let light = [
+            (1800.0, "-200 m and 0 m"),
+            (2100.0, "-450 m and -200 m"),
+            (2600.0, "-1000 m and -700 m"),
+        ];
+        match (built, light.iter().find(|(rock, _)| *rock < fluid)) {
+            (Ok(_), None) => {}
+            (Err(error), Some((rock, place))) => {
+                let text = error.to_string();
+                let expected = format!(
+                    "between z = {place} the rock weighs {rock:.4} kg/m3 and the fluid {fluid} kg/m3"
+                );
+                assert!(text.contains(&expected), "{text}");
+                assert!(text.contains("s.toml:"), "{text}");
+            }
+            (built, light) => panic!("seed {seed}: {light:?}, built {}", built.is_ok()),
+        }
     }
 }

@@ -160,6 +160,15 @@ impl Case {
         format!("layer {layer}")
     }
 
+    /// A fault whose throw moves no top: those between the top and the bottom of the box.
+    fn idle(&mut self) -> Option<&mut Fault> {
+        let inner = &self.levels[1..self.levels.len() - 1];
+        self.faults.iter_mut().find(|f| {
+            let cuts = |top: &f64| (f.z[0]..=f.z[1]).contains(top);
+            f.throw != 0.0 && !inner.iter().any(cuts)
+        })
+    }
+
     /// True where some block has a layer of no height.
     fn is_eaten(&self) -> bool {
         let points = |axis: usize| {
@@ -224,10 +233,17 @@ fn random_geologies_are_those_of_their_lists() {
         std::env::var(name).map_or(default, |value| value.parse().unwrap())
     };
     let (first, runs) = (number("FRACAS_SEED", 0), number("FRACAS_RUNS", RUNS));
-    let (mut built, mut eaten, mut crossing, mut leaning) = (0, 0, 0, 0);
+    let (mut built, mut eaten, mut crossing, mut leaning, mut idle) = (0, 0, 0, 0, 0);
     for seed in first..first + runs {
-        let case = Case::new(seed);
-        let text = case.toml();
+        let mut case = Case::new(seed);
+        let mut text = case.toml();
+        while let Some(fault) = case.idle() {
+            fault.throw = 0.0;
+            idle += 1;
+            let error = Scene::from_toml(&text, "g.toml").unwrap_err().to_string();
+            assert!(error.contains("moves no top"), "seed {seed}: {error}");
+            text = case.toml();
+        }
         match Scene::from_toml(&text, "g.toml").and_then(|scene| scene.build()) {
             Ok(body) => {
                 assert!(!case.is_eaten(), "seed {seed}");
@@ -248,10 +264,10 @@ fn random_geologies_are_those_of_their_lists() {
         }
     }
     println!(
-        "{built} built, {leaning} of them with dips, {eaten} with a layer eaten, {crossing} with faults that cross"
+        "{built} built, {leaning} of them with dips, {eaten} with a layer eaten, {crossing} with faults that cross; {idle} throws moved no top"
     );
     assert!(4 * built >= runs && 10 * leaning as u64 >= runs);
-    assert!(eaten > 0);
+    assert!(eaten > 0 && idle > 0);
 }
 
 /// The scene `storage` in layers and faults.

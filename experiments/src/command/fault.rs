@@ -3,6 +3,7 @@
 use super::{Status, output};
 use crate::fault::{FaultFile, curve, findings, sample};
 use crate::report::{Formats, Sheet};
+use anyhow::Context;
 use clap::Args;
 use fracas::analytic::RESOLVED;
 use std::io::Write;
@@ -22,10 +23,10 @@ pub(super) struct Fault {
 impl Fault {
     pub(super) fn run(&self, out: &mut dyn Write) -> anyhow::Result<Status> {
         let file = FaultFile::load(&self.file)?;
+        let curve = curve(&file).with_context(|| self.file.display().to_string())?;
         if let Some(folder) = &self.out {
             output::folder(folder)?;
         }
-        let curve = curve(&file)?;
         let sampled = (file.sampling.as_ref())
             .map(|sampling| sample(&file, sampling))
             .transpose()?;
@@ -108,6 +109,7 @@ impl Fault {
                     100.0 * sampled.share_before(f64::INFINITY)
                 ),
             ));
+            rows.extend(sampled.left_out().into_iter().map(|why| ("note", why)));
         }
         output::pairs(out, &rows)?;
         if let Some(folder) = &self.out {

@@ -55,10 +55,11 @@ const PROFILES: usize = 4;
 /// The curve of a file.
 ///
 /// # Errors
-/// A fault on which elements never settle.
+/// A fault that is not in equilibrium before the pressure changes, or on which elements never settle.
 pub fn curve(file: &FaultFile) -> anyhow::Result<Curve> {
     let given = file.given()?;
     let fault = file.build(&given)?;
+    file.rest(&fault, given.strength)?;
     let steps = file.pressure.steps;
     let (mut points, mut states, mut runaway) = (Vec::new(), Vec::new(), None);
     let mut path = fault.path(given.strength);

@@ -1,5 +1,6 @@
 //! Slip of a displaced fault without a mesh: a file in, curves over the change of pressure out.
 
+mod blocks;
 mod curve;
 mod file;
 mod page;

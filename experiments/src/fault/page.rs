@@ -28,16 +28,11 @@ pub fn findings(
     if let Some(sampled) = sampled {
         findings.figures.push(share(file, sampled));
         findings.tables.push(quantiles(sampled));
-        if sampled.unsettled > 0 {
-            findings.notes.push(format!(
-                "{} samples did not settle and are left out.",
-                sampled.unsettled
-            ));
-        }
+        findings.notes.extend(sampled.left_out());
     }
     findings.notes.push(
-        "Shear traction is singular at the corners of the blocks: the first slip and the largest criticality depend on the elements; lengths and \
-         sums do not."
+        "Shear traction is singular at the corners of the blocks: the first slip and the largest criticality move with the \
+         logarithm of the length of the elements; lengths and sums do not."
             .into(),
     );
     Ok(findings)

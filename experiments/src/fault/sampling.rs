@@ -24,6 +24,14 @@ pub struct Sampled {
     pub samples: Vec<Sample>,
     /// Faults whose elements did not settle; they are left out.
     pub unsettled: usize,
+    /// Faults that are not in equilibrium before the pressure changes; they are left out.
+    pub loose: usize,
+}
+
+/// Why a sample is left out.
+enum LeftOut {
+    Unsettled,
+    Loose,
 }
 
 /// Draws the samples of a file; each from a seed of its own, so that they do not depend on threads.
@@ -32,32 +40,39 @@ pub struct Sampled {
 /// None once the file was read.
 pub fn sample(file: &FaultFile, sampling: &SamplingSection) -> anyhow::Result<Sampled> {
     let given = file.given()?;
-    let one = |number: u64| -> anyhow::Result<Option<Sample>> {
+    let one = |number: u64| -> anyhow::Result<Result<Sample, LeftOut>> {
         let mut random = Random::new(sampling.seed.wrapping_mul(SPREAD).wrapping_add(number));
         let drawn = sampling.drawn(&given, || random.between(0.0, 1.0));
         let fault = file.build(&drawn)?;
+        if fault.loose(drawn.strength).is_some() {
+            return Ok(Err(LeftOut::Loose));
+        }
         let mut path = fault.path(drawn.strength);
         let ended = path.advance(1.0);
         let state = path.state();
         let runaway = match ended {
             Ok(_) => None,
             Err(NoState::Runaway { .. }) => Some(path.share() * file.change()),
-            Err(NoState::Unsettled) => return Ok(None),
+            Err(NoState::Unsettled) => return Ok(Err(LeftOut::Unsettled)),
         };
-        Ok(Some(Sample {
+        Ok(Ok(Sample {
             runaway,
             length: state.slipping_length(fault.h),
             moment: fault.rock.shear() * state.slip_integral(fault.h),
         }))
     };
-    let all: Vec<Option<Sample>> = (0..sampling.samples as u64)
+    let all: Vec<Result<Sample, LeftOut>> = (0..sampling.samples as u64)
         .into_par_iter()
         .map(one)
         .collect::<anyhow::Result<_>>()?;
-    let samples: Vec<Sample> = all.iter().copied().flatten().collect();
+    let left_out = |of: fn(&LeftOut) -> bool| {
+        let reasons = all.iter().filter_map(|sample| sample.as_ref().err());
+        reasons.filter(|reason| of(reason)).count()
+    };
     Ok(Sampled {
-        unsettled: all.len() - samples.len(),
-        samples,
+        unsettled: left_out(|reason| matches!(reason, LeftOut::Unsettled)),
+        loose: left_out(|reason| matches!(reason, LeftOut::Loose)),
+        samples: all.into_iter().flatten().collect(),
     })
 }
 
@@ -65,6 +80,20 @@ pub fn sample(file: &FaultFile, sampling: &SamplingSection) -> anyhow::Result<Sa
 const SPREAD: u64 = 6_364_136_223_846_793_005;
 
 impl Sampled {
+    /// A sentence per reason for which samples are left out.
+    pub fn left_out(&self) -> Vec<String> {
+        let reasons = [
+            (self.unsettled, "did not settle"),
+            (
+                self.loose,
+                "are not in equilibrium before the pressure changes",
+            ),
+        ];
+        let some = reasons.into_iter().filter(|(count, _)| *count > 0);
+        some.map(|(count, why)| format!("{count} samples {why} and are left out."))
+            .collect()
+    }
+
     /// Share of samples in which slip has run away at a change of pressure of this size [Pa].
     pub fn share_before(&self, change: f64) -> f64 {
         let gone = |s: &&Sample| s.runaway.is_some_and(|at| at.abs() <= change.abs());

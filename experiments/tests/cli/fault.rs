@@ -49,6 +49,88 @@ fn the_file_of_the_page_runs_and_writes_its_folder() {
     assert!(one.join("report.html").is_file());
 }
 
+const RESERVOIR: &str = "[reservoir]\nthickness = \"200 m\"\nthrow = \"75 m\"\n";
+
+const SQUARE: &str = "[0, -100], [5000, -100], [5000, 100], [0, 100]";
+
+/// Blocks of corners in metres.
+fn blocks(all: &[&str]) -> String {
+    let block = |corners: &&str| {
+        let numbers = corners.split_inclusive(|c: char| "[], ".contains(c));
+        let quoted: String = numbers
+            .map(|piece| {
+                let number = piece.trim_end_matches(['[', ']', ',', ' ']);
+                match number.is_empty() {
+                    true => piece.to_owned(),
+                    false => format!("\"{number} m\"{}", &piece[number.len()..]),
+                }
+            })
+            .collect();
+        format!("[[block]]\ncorners = [{quoted}]\n")
+    };
+    all.iter().map(block).collect()
+}
+
+/// The number after a name in the lines of a fault.
+fn number_after(lines: &str, name: &str) -> f64 {
+    let (_, after) = lines.split_once(name).unwrap_or_else(|| panic!("{lines}"));
+    after.split_whitespace().next().unwrap().parse().unwrap()
+}
+
+#[test]
+fn sums_are_those_of_many_elements_whatever_the_throw() {
+    let folder = scratch("fault-throws");
+    let file = folder.join("fault.toml");
+    let (shown, _) = shown()
+        .split_once("[sampling]")
+        .map(|(a, b)| (a.to_owned(), b.to_owned()))
+        .unwrap();
+    let weakens = "dynamic = 0.45\ncritical_slip = \"5 mm\"\n";
+    let text = shown.replace(weakens, "").replace("-35 MPa", "-25 MPa");
+    // at even throws the middle of one of 400 elements meets a corner
+    for throw in [40, 57, 74, 75, 92, 118] {
+        let with = |elements: &str| {
+            let text = text.replace("throw = \"75 m\"", &format!("throw = \"{throw} m\""));
+            write(
+                &file,
+                &text.replace("to = \"400 m\"", &format!("to = \"400 m\"\n{elements}")),
+            );
+            let ran = fracas(&["fault", file.to_str().unwrap()]);
+            assert_eq!(ran.status, 0, "{}", ran.stderr);
+            number_after(&ran.stdout, "∫|δ| = ")
+        };
+        let [found, fine] = ["", "elements = 5000"].map(with);
+        assert!(
+            fine > 1e-3 && (found / fine - 1.0).abs() < 0.04,
+            "{throw} m: {found} {fine}"
+        );
+    }
+}
+
+#[test]
+fn blocks_may_touch_and_samples_out_of_equilibrium_are_said() {
+    let folder = scratch("fault-touch");
+    let file = folder.join("fault.toml");
+    let ran = |old: &str, new: &str| {
+        let text = shown().replace("samples = 1000", "samples = 60");
+        assert!(text.contains(old), "{old}");
+        write(&file, &text.replacen(old, new, 1));
+        let ran = fracas(&["fault", file.to_str().unwrap()]);
+        assert_eq!(ran.status, 0, "{}", ran.stderr);
+        ran.stdout
+    };
+    let right = "[37, 100], [37, -100], [5000, -100], [5000, 100]";
+    let left = "[37, -100], [37, 100], [-5000, 100], [-5000, -100]";
+    ran(RESERVOIR, &blocks(&[right, left]));
+    let lines = ran("static = [0.5, 0.65]", "static = [0.0, 0.65]");
+    assert!(
+        lines.contains(
+            "samples are not in equilibrium before the pressure changes and are left out"
+        ),
+        "{lines}"
+    );
+}
+
 #[test]
 fn what_is_wrong_is_one_sentence() {
     let folder = scratch("fault-bad");
@@ -93,6 +175,40 @@ fn what_is_wrong_is_one_sentence() {
             "not above the second",
         ),
         ("samples = 1000", "samples = 0", "take one or more"),
+        (
+            "throw = \"75 m\"",
+            "throw = \"75 m\"\nwidth = \"10 m\"",
+            "reservoir.width = 10 m: the fault leans over 50.0 m",
+        ),
+        (
+            "horizontal_ratio = 0.74",
+            "horizontal_ratio = 0.3",
+            "not in equilibrium before the pressure changes: at a height of -399",
+        ),
+        (
+            RESERVOIR,
+            &blocks(&[SQUARE, SQUARE]),
+            "blocks 1 and 2 overlap by 1.0000e6 m^2",
+        ),
+        (
+            RESERVOIR,
+            &blocks(&[
+                SQUARE,
+                "[5000, 100], [6000, 100], [6000, 0], [5000, 0]",
+                "[4000, 50], [7000, 90], [7000, 150]",
+            ]),
+            "blocks 1 and 3 overlap by",
+        ),
+        (
+            RESERVOIR,
+            &blocks(&["[0, -100], [5000, 100], [5000, -100], [0, 200]"]),
+            "block 1: its edges from corner 1 to 2 and from corner 3 to 4 meet",
+        ),
+        (
+            RESERVOIR,
+            &blocks(&[SQUARE, "[-9, 0], [-8, 0]"]),
+            "block 2: a block is a polygon",
+        ),
     ]
     .into_iter()
     .enumerate()

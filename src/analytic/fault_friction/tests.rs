@@ -151,8 +151,12 @@ fn slip_runs_away_at_the_universal_length() {
         let (mut stable, mut gone, mut half) = (12e6, 16e6, 0.0);
         while gone - stable > 1e2 {
             let middle = 0.5 * (stable + gone);
-            match plane.slip(&shear(middle), &vec![strength; n]) {
-                Ok(slip) => {
+            // slip past the critical one is a state beyond the jump
+            let given = (&shear(middle)[..], &vec![strength; n][..]);
+            let rest = Sliding::none(n);
+            let factor = &mut SlidingFactor::default();
+            match plane.next(factor, &rest, given, strength.critical_slip) {
+                Ok(Sliding { slip, .. }) => {
                     let sliding = slip.iter().filter(|d| **d > 0.0).count();
                     half = 0.5 * sliding as f64 * length / n as f64;
                     assert!(slip.iter().all(|d| *d < 20e-3), "still on the slope");

@@ -85,6 +85,18 @@ impl Fault {
                 GeologyProblem::NoHeight { name, from, to }.into(),
             ));
         }
+        let tops = &layers.levels[1..layers.levels.len() - 1];
+        if throw != 0.0 && !tops.iter().any(|top| (cut[0]..=cut[1]).contains(top)) {
+            let tops = tops.to_vec();
+            let idle = GeologyProblem::IdleThrow {
+                name,
+                throw,
+                from,
+                to,
+                tops,
+            };
+            return Err(here("throw", idle.into()));
+        }
         let positions = positions.si();
         let spans: [Vec<f64>; 2] =
             [&fracture.x, &fracture.y].map(|span| span.iter().flatten().map(Measure::si).collect());

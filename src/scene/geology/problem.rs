@@ -98,6 +98,22 @@ pub enum GeologyProblem {
         /// The key.
         key: &'static str,
     },
+    /// A throw that moves nothing.
+    #[error(
+        "fracture \"{name}\" has a throw of {throw} m and moves no top: none between the top and the bottom of the box is written from {from} m to {to} m{}; let its depth range reach one, or leave `throw` out", tops.iter().map(|top| format!("{top} m")).reduce(|a, b| format!("{a}, {b}")).map_or(String::new(), |tops| format!(", they are at {tops}"))
+    )]
+    IdleThrow {
+        /// Its name.
+        name: String,
+        /// As written [m].
+        throw: f64,
+        /// Lower end of its depth range [m].
+        from: f64,
+        /// Upper end [m].
+        to: f64,
+        /// Tops that could move [m].
+        tops: Vec<f64>,
+    },
     /// An angle too flat.
     #[error(
         "fracture \"{name}\" dips by {dip:.4} deg; the grid follows dips of 30 to 150 deg (90 is upright)"
