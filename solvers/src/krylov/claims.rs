@@ -267,41 +267,45 @@ impl Judge<f64> for Further<'_> {
     }
 }
 
+/// The solve that such a judge lets go on, and how often it was asked.
+fn going_on(
+    method: &dyn KrylovMethod<f64>,
+    system: &System<f64>,
+    (steps, criteria): (&[f64], Criteria),
+) -> (Vec<f64>, Report, usize) {
+    let mut judge = Further {
+        steps,
+        operator: system.operator,
+        b: system.rhs,
+        asked: 0,
+    };
+    let watch = Watch {
+        observer: &mut Silent,
+        judge: Some(&mut judge),
+    };
+    let mut x = vec![0.0; system.size()];
+    let report = method.solve_watched(system, &criteria, &mut x, watch);
+    (x, report.unwrap(), judge.asked)
+}
+
 #[test]
 fn what_a_judge_lets_go_on_is_the_iteration_to_the_last_residual() {
     let b = probe(30, 2);
-    let steps = [1e-3, 1e-6, 1e-8];
     for (choice, a) in methods() {
-        let m = Explicit(spd(30, 3));
-        let (whole, expected) = solve(choice.method(), &a, &m, &b, until(1e-8, 300));
-        let expected = expected.unwrap();
         let system = System {
             operator: &a,
-            preconditioner: &m,
+            preconditioner: &Explicit(spd(30, 3)),
             rhs: &b,
         };
-        let mut judge = Further {
-            steps: &steps,
-            operator: &a,
-            b: &b,
-            asked: 0,
-        };
-        let watch = Watch {
-            observer: &mut Silent,
-            judge: Some(&mut judge),
-        };
-        let mut x = vec![0.0; 30];
-        let report = (choice.method())
-            .solve_watched(&system, &until(1e-1, 300), &mut x, watch)
-            .unwrap();
-        assert_eq!(judge.asked, 4, "{choice}");
+        let m = system.preconditioner;
+        let (whole, expected) = solve(choice.method(), &a, m, &b, until(1e-8, 300));
+        let asked = (&[1e-3, 1e-6, 1e-8][..], until(1e-1, 300));
+        let (x, report, times) = going_on(choice.method(), &system, asked);
+        let iterations = [expected.unwrap().iterations, report.iterations];
         // BiCGStab may end after half an iteration
-        assert!(
-            expected.iterations.abs_diff(report.iterations) <= 1,
-            "{choice}: {} and {}",
-            expected.iterations,
-            report.iterations
-        );
+        let [alone, judged] = iterations;
+        assert!(alone.abs_diff(judged) <= 1, "{choice}: {iterations:?}");
+        assert_eq!(times, 4, "{choice}");
         assert!(report.relative_residual <= 1e-8, "{choice}");
         assert!(deviation(&x, &whole) < 1e-5, "{choice}");
     }
@@ -316,20 +320,8 @@ fn a_judge_has_no_more_iterations_than_there_are() {
             preconditioner: &Identity { n: 30 },
             rhs: &b,
         };
-        let mut judge = Further {
-            steps: &[1e-13; 300],
-            operator: &a,
-            b: &b,
-            asked: 0,
-        };
-        let watch = Watch {
-            observer: &mut Silent,
-            judge: Some(&mut judge),
-        };
-        let mut x = vec![0.0; 30];
-        let report = (choice.method())
-            .solve_watched(&system, &until(0.9, 5), &mut x, watch)
-            .unwrap();
+        let asked = (&[1e-13; 300][..], until(0.9, 5));
+        let (_, report, _) = going_on(choice.method(), &system, asked);
         assert!(report.iterations <= 5, "{choice}");
     }
 }
