@@ -79,6 +79,7 @@ pub(super) fn fluid(
         sources.push(Source {
             place,
             given,
+            level: source.level.as_ref().map(Measure::si),
             history,
         });
     }

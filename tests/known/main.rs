@@ -22,3 +22,4 @@ mod pore_pressure;
 mod tips;
 mod volume_control;
 mod weight;
+mod wells;
