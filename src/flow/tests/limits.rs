@@ -169,9 +169,8 @@ fn wells_with_limits_do_what_all_other_choices_of_their_states_contradict() {
                 .for_each(|well| well.rate = -well.rate);
         }
     }
-    println!("rate, limit, shut: {seen:?}, refused {refused}, most solutions {most}");
     assert!(
-        seen.iter().all(|count| *count > 50) && refused > 20,
-        "{seen:?} {refused}"
+        seen.iter().all(|count| *count > 50) && refused > 20 && most <= 40,
+        "{seen:?} {refused} {most}"
     );
 }

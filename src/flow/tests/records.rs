@@ -111,7 +111,6 @@ fn flow_lies_in_the_plane_of_its_face_and_none_is_told_of_a_well_in_the_middle()
 /// Pressures and rates of any kind on closed networks whose conductivities differ by 14 orders, as far as f64 tells their storage beside them.
 #[test]
 fn closed_networks_keep_their_volume_at_any_conductivity() {
-    let mut worst = (0.0, 0);
     for seed in 0..300 {
         let r = &mut Random::new(seed + 5_000);
         let mut planes = vec![PlaneFracture::through("F", 2, 2.0)];
@@ -159,15 +158,11 @@ fn closed_networks_keep_their_volume_at_any_conductivity() {
         let record = balance.record(&states, &jumps, &p, &step);
         let moved = record.injected + record.out + record.stored_compression.abs();
         let loss = record.error.abs() / moved;
-        if loss > worst.0 {
-            worst = (loss, seed);
-        }
         assert!(loss <= 1e-10, "seed {seed}: {record:?}");
         // given rates are told as they are given
         let wells = balance.wells(&states, &jumps, &p, &step);
         assert_eq!(wells[0].rate, step.wells[0].rate);
     }
-    println!("largest loss {:.1e} (seed {})", worst.0, worst.1);
 }
 
 #[test]
