@@ -2,9 +2,9 @@
 
 use super::network::Network;
 use super::pattern::pattern;
-use super::sealed::closable;
+use super::sealed::connected;
 use super::well::Driven;
-use super::{FlowPoint, FlowStep, Fluid, Given, Place, WellGiven, WellStep};
+use super::{Control, FlowPoint, FlowStep, Fluid, Given, Place, WellGiven, WellStep};
 use crate::contact::{ContactState, JumpStabilization, face_compliance};
 use crate::elasticity::Elastic;
 use crate::mesh::{FractureEdge, FractureFace, FractureMesh, HexMesh};
@@ -12,7 +12,7 @@ use fracas_operators::sparse::{Pattern, SparseMatrix};
 use fracas_operators::vector::norm2;
 
 /// Roundings of a sum that are no error. Unit: 1.
-const ROUNDINGS: f64 = 32.0;
+pub(super) const ROUNDINGS: f64 = 32.0;
 
 /// Backward Euler per face, volumes at the density of p = 0 [m³]:
 /// ```text
@@ -24,7 +24,8 @@ const ROUNDINGS: f64 = 32.0;
 /// prescribed pressure has `ω A (p − P)` as its row.
 ///
 /// A sealed part of closed faces has a pressure up to a constant. The row of its first face then holds the mean where it was,
-/// `R + ω Σ A (p − p₀)`: the limit of a storage that goes to nothing. Whatever must open, opens ([`Sealed`](super::Sealed)).
+/// `R + ω Σ A (p − p₀)`: the limit of a storage that goes to nothing. Whatever must open, opens ([`Sealed`](super::Sealed)). A well at its
+/// limit gives the part its pressure instead.
 ///
 /// # Source
 /// M. Ferronato, SNA'25 lecture (conductivity, two-point fluxes, stabilization of the same form as that of tractions); increments in
@@ -41,7 +42,9 @@ pub struct Balance<'a> {
     weights: Vec<f64>,
     /// ω per face [m/Pa].
     pub(super) compliance: Vec<f64>,
-    /// Connected parts that are sealed where all their faces are closed.
+    /// Connected parts.
+    pub(super) parts: Vec<Vec<u32>>,
+    /// Those that are sealed where all their faces are closed: none of their faces stores fluid or has a pressure of its own.
     pub(super) closable: Vec<Vec<u32>>,
     pattern: Pattern,
 }
@@ -101,7 +104,9 @@ impl<'a> Balance<'a> {
         edges.for_each(|f| open_ended[f] = true);
         let meetings = network.meetings();
         let meetings = meetings.map(|arms| arms.iter().map(|arm| arm.face).collect());
-        let closable = closable(faces, meetings, |f| open_ended[f]);
+        let parts = connected(faces.len(), meetings);
+        let sealed = |part: &&Vec<u32>| !part.iter().any(|f| open_ended[*f as usize]);
+        let closable: Vec<Vec<u32>> = parts.iter().filter(sealed).cloned().collect();
         let n = |face: u32| faces[face as usize].frame[0];
         let weights = stabilization.edge_weights(mesh, fractures, materials);
         let normal = |(edge, y): (&FractureEdge, [f64; 3])| {
@@ -120,6 +125,7 @@ impl<'a> Balance<'a> {
             faces,
             network,
             held_middles,
+            parts,
             closable,
         }
     }
@@ -142,6 +148,7 @@ impl<'a> Balance<'a> {
             pressure,
             aperture,
             injected: vec![0.0; self.faces.len()],
+            sources: Vec::new(),
             held: vec![None; self.faces.len()],
             held_edges: Vec::new(),
             wells: Vec::new(),
@@ -156,12 +163,12 @@ impl<'a> Balance<'a> {
                         * rate
                         * (factor(well.history, times[0]) + factor(well.history, times[1])),
                     pressure: limit.map(|p| p - head),
-                    by_rate: true,
+                    control: Control::Rate,
                 },
                 WellGiven::Pressure(p) => WellStep {
                     rate: 0.0,
                     pressure: Some(p * factor(well.history, times[1]) - head),
-                    by_rate: false,
+                    control: Control::Pressure,
                 },
             });
         }
@@ -173,17 +180,24 @@ impl<'a> Balance<'a> {
                         0.5 * (factor(source.history, times[0]) + factor(source.history, times[1]));
                     let area = |f: &u32| self.faces[*f as usize].area;
                     let whole: f64 = faces.iter().map(area).sum();
+                    step.sources.push(step.dt * rate * mean);
                     for f in faces {
                         step.injected[*f as usize] += step.dt * rate * mean * area(f) / whole;
                     }
                 }
                 (Place::Faces(faces), Given::Pressure(p)) => {
                     let p = p * factor(source.history, times[1]);
-                    faces.iter().for_each(|f| step.held[*f as usize] = Some(p));
+                    for f in faces.iter().map(|f| *f as usize) {
+                        let weight = self.fluid.weight(self.faces[f].center, source.level);
+                        step.held[f] = Some(p + weight);
+                    }
                 }
                 (Place::Edges(edges), Given::Pressure(p)) => {
                     let p = p * factor(source.history, times[1]);
-                    step.held_edges.extend(edges.iter().map(|_| p));
+                    let first = step.held_edges.len();
+                    let middles = self.held_middles[first..].iter().take(edges.len());
+                    let of = |x: &[f64; 3]| p + self.fluid.weight(*x, source.level);
+                    step.held_edges.extend(middles.map(of));
                 }
                 // no scene has it
                 (Place::Edges(_), Given::Rate(_)) => {}
@@ -295,7 +309,7 @@ impl<'a> Balance<'a> {
         for faces in self
             .closable
             .iter()
-            .filter(|faces| self.is_sealed(faces, states))
+            .filter(|faces| self.is_sealed(faces, states, step))
         {
             let first = faces[0] as usize;
             let rise: f64 = faces
@@ -305,6 +319,7 @@ impl<'a> Balance<'a> {
                 .sum();
             residual[first] += self.compliance[first] * rise;
             size[first] += self.compliance[first] * rise.abs();
+            volume += self.compliance[first] * rise.abs();
         }
         let free = residual.iter().zip(&step.held);
         let lost: f64 = free
@@ -402,7 +417,7 @@ impl<'a> Balance<'a> {
         for faces in self
             .closable
             .iter()
-            .filter(|faces| self.is_sealed(faces, states))
+            .filter(|faces| self.is_sealed(faces, states, step))
         {
             let first = faces[0] as usize;
             for f in faces.iter().map(|f| *f as usize) {

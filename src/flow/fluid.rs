@@ -39,6 +39,8 @@ pub struct Source {
     pub place: Place,
     /// What, at the factor 1 of its history.
     pub given: Given,
+    /// Level z at which a pressure holds, in equilibrium with the weight of the fluid above and below; none: it is the same everywhere [m].
+    pub level: Option<f64>,
     /// Number of its history.
     pub history: usize,
 }
@@ -78,8 +80,12 @@ impl Fluid {
 
     /// The initial pressure of a face: in equilibrium with its own weight [Pa].
     pub fn initial_pressure(&self, face: &FractureFace) -> f64 {
-        let [x, y, z] = face.center;
-        self.channel(face).initial_pressure + self.head([x, y, z - self.reference])
+        self.channel(face).initial_pressure + self.weight(face.center, Some(self.reference))
+    }
+
+    /// What the weight of the fluid adds at a point to the pressure that holds at a level; nothing without a level [Pa].
+    pub fn weight(&self, [x, y, z]: [f64; 3], level: Option<f64>) -> f64 {
+        level.map_or(0.0, |level| self.head([x, y, z - level]))
     }
 
     /// What a face adds to its closed width: g_N where open, 0 where closed [m].

@@ -7,10 +7,12 @@
 //! | volume per face: aperture, compression, flux, sources | `balance` |
 //! | what of it is rounding | `point` |
 //! | wells, `2π/ln(r_e/r_w)` | `well` |
+//! | which wells are at their rate, at their limit, or shut | `control` |
 //! | open faces as a surface that pressures open | `surface` |
 //! | pressure jumps held down | `balance`, weights of [`JumpStabilization`](crate::contact::JumpStabilization) |
 
 mod balance;
+mod control;
 mod fluid;
 mod front;
 mod network;
@@ -30,7 +32,7 @@ pub use point::FlowPoint;
 pub use sealed::Sealed;
 pub use step::{FlowRecord, FlowStep};
 pub use surface::surface;
-pub use well::{Well, WellGiven, WellRecord, WellStep};
+pub use well::{Control, Well, WellGiven, WellRecord, WellStep};
 
 #[cfg(test)]
 mod tests;

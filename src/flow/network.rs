@@ -49,6 +49,8 @@ pub(super) struct EdgeFlow<'n> {
     pub(super) tau: &'n [f64],
     /// Σ τ.
     pub(super) total: f64,
+    /// Φ_e where nothing comes in or goes out [Pa].
+    pub(super) shut: f64,
     /// Φ_e [Pa].
     pub(super) potential: f64,
     /// Its pressure is prescribed.
@@ -79,13 +81,6 @@ impl EdgeFlow<'_> {
             .zip(self.tau)
             .filter(|_| self.inflow != 0.0);
         arms.map(|(arm, tau)| (arm.face as usize, self.inflow * tau / self.total))
-    }
-
-    /// What leaves through a well or an edge of prescribed pressure, all together [m³/s].
-    pub(super) fn outflow(&self, potential: &[f64]) -> f64 {
-        let arms = self.arms.iter().zip(self.tau);
-        arms.map(|(arm, tau)| tau * (potential[arm.face as usize] - self.potential))
-            .sum()
     }
 }
 
@@ -185,14 +180,14 @@ impl Network {
                 (None, Some(number)) => driven.wells[number].potential(mean, total),
                 (None, None) => (mean, false),
             };
-            let inflow = match edge.well {
-                Some(number) if !held => driven.wells[number].rate,
-                _ => 0.0,
-            };
+            let inflow = edge
+                .well
+                .map_or(0.0, |number| driven.wells[number].inflow());
             visit(&EdgeFlow {
                 arms,
                 tau: &tau,
                 total,
+                shut: mean,
                 potential,
                 held,
                 inflow,

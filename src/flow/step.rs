@@ -11,6 +11,8 @@ pub struct FlowStep {
     pub aperture: Vec<f64>,
     /// Volume that rates bring to each face, `∫ q dt` [m³].
     pub injected: Vec<f64>,
+    /// The same of every source with a rate [m³].
+    pub sources: Vec<f64>,
     /// Pressure of faces whose pressure is prescribed, at the end [Pa].
     pub held: Vec<Option<f64>>,
     /// Pressure per edge of prescribed pressure, at the end [Pa].
@@ -32,15 +34,17 @@ impl FlowStep {
 }
 
 /// Where the fluid of a step went: a line of `flow.csv`.
+///
+/// Every source, well, face and edge of prescribed pressure counts by what it brings or takes over the step as a whole.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FlowRecord {
-    /// Brought in by rates above 0 [m³].
+    /// Brought in by all that bring fluid; never negative [m³].
     pub injected: f64,
     /// Taken by the opening of fractures [m³].
     pub stored_opening: f64,
     /// Taken by compression and storage [m³].
     pub stored_compression: f64,
-    /// Taken out by rates below 0, or left through prescribed pressures [m³].
+    /// Taken out by all that take fluid; never negative [m³].
     pub out: f64,
     /// `injected − out − stored_opening − stored_compression` [m³].
     pub error: f64,

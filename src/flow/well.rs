@@ -1,6 +1,7 @@
 //! Wells: lines that join the faces they cross.
 
 use super::FlowStep;
+use std::borrow::Cow;
 
 /// A well with the faces that it cuts; they meet in it as on an edge of the [`Network`](super::Network).
 ///
@@ -37,10 +38,27 @@ pub enum WellGiven {
 pub struct WellStep {
     /// Mean rate over the step, 0 where pressure controls it [m³/s].
     pub rate: f64,
-    /// What its pressure is, or is limited by [Pa].
+    /// Potential that it has, or that limits it [Pa].
     pub pressure: Option<f64>,
-    /// It is rate that is given.
-    pub by_rate: bool,
+    /// What holds of it.
+    pub control: Control,
+}
+
+/// What holds of a well: with a limit Φ_L, the sign s of its rate Q and what it brings, q,
+/// ```text
+/// q = Q, s (Φ_L − Φ_w) ≥ 0      or      Φ_w = Φ_L, 0 ≤ s q ≤ s Q      or      q = 0, s (Φ_L − Φ_w) ≤ 0
+/// ```
+/// so that a limit throttles a well down to nothing and never turns it round.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Control {
+    /// Its pressure is prescribed.
+    Pressure,
+    /// It brings its rate.
+    Rate,
+    /// It is at its limit of pressure and brings a part of its rate.
+    Limit,
+    /// It brings nothing: the pressure of the fractures is beyond its limit.
+    Shut,
 }
 
 /// What a well did in a step: its columns of `flow.csv`.
@@ -66,21 +84,62 @@ pub(super) struct Driven {
 impl WellStep {
     /// Potential of a well for the one at which it lets nothing out and the sum of its τ, and whether pressure controls it.
     pub(super) fn potential(&self, shut: f64, total: f64) -> (f64, bool) {
-        let free = shut + self.rate / total;
-        match (self.pressure, self.by_rate) {
-            (Some(p), false) => (p, true),
-            (Some(most), true) if self.rate > 0.0 && free > most => (most, true),
-            (Some(least), true) if self.rate < 0.0 && free < least => (least, true),
-            _ => (free, false),
+        match (self.control, self.pressure) {
+            (Control::Pressure | Control::Limit, Some(p)) => (p, true),
+            _ => (shut + self.inflow() / total, false),
         }
+    }
+
+    /// The rate at which it is known to bring fluid, 0 where pressure controls it [m³/s].
+    pub(super) fn inflow(&self) -> f64 {
+        match self.control {
+            Control::Rate => self.rate,
+            Control::Pressure | Control::Limit | Control::Shut => 0.0,
+        }
+    }
+
+    /// Its limit, where it has one that its rate may meet [Pa].
+    pub(super) fn limit(&self) -> Option<f64> {
+        let limited = self.control != Control::Pressure && self.rate != 0.0;
+        self.pressure.filter(|_| limited)
     }
 }
 
 impl FlowStep {
-    /// Volume that wells bring to a part of the fractures if no limit stops them [m³].
-    pub(super) fn well_volume(&self, wells: &[Well], faces: &[u32]) -> f64 {
+    /// What holds of every well.
+    pub fn controls(&self) -> Vec<Control> {
+        self.wells.iter().map(|well| well.control).collect()
+    }
+
+    /// The same with these controls.
+    pub(crate) fn controlled(&self, controls: &[Control]) -> Cow<'_, Self> {
+        let now = self.wells.iter().map(|well| well.control);
+        if now.eq(controls.iter().copied()) {
+            return Cow::Borrowed(self);
+        }
+        let mut step = self.clone();
+        for (well, control) in step.wells.iter_mut().zip(controls) {
+            well.control = *control;
+        }
+        Cow::Owned(step)
+    }
+
+    /// Number of wells that may meet a limit.
+    pub(crate) fn limited(&self) -> usize {
+        let limits = self.wells.iter().filter_map(WellStep::limit);
+        limits.count()
+    }
+
+    /// The wells that cut a part of the fractures, by their numbers.
+    pub(super) fn wells_in<'s>(
+        &'s self,
+        wells: &'s [Well],
+        faces: &'s [u32],
+    ) -> impl Iterator<Item = (usize, &'s WellStep)> {
         let here = |well: &Well| (well.cuts.first()).is_some_and(|(f, _)| faces.contains(f));
-        let volumes = wells.iter().zip(&self.wells).filter(|(well, _)| here(well));
-        volumes.map(|(_, step)| self.dt * step.rate).sum()
+        let numbered = wells.iter().zip(&self.wells).enumerate();
+        numbered
+            .filter(move |(_, (well, _))| here(well))
+            .map(|(i, (_, step))| (i, step))
     }
 }

@@ -92,7 +92,7 @@ pub(super) fn active_set(
     observer: &mut dyn Observer,
 ) -> Result<Settled, Failure> {
     let problem = attempt.problem;
-    let states = attempt.opened(states);
+    let states = attempt.opened(states, &x);
     let most = problem.body().solver.max_active;
     let settings = problem.body().solver.rounds;
     let mut judge = Judge::new(attempt, states.len());

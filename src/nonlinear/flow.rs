@@ -16,6 +16,9 @@ use fracas_solvers::saddle::{EnergyNorms, FlowBlocks, P, PressureSchur, SaddleBl
 /// How much more strictly lost volume is judged than residuals: a run adds the losses of its steps up. Unit: 1.
 const STRICT: f64 = 1e3;
 
+/// Newton steps per well that do not count as wells switch: twice from its rate over its limit to shut all at once, and then alone. Unit: 1.
+const SWITCHES: usize = 8;
+
 impl ContactProblem<'_> {
     /// Pressure per face before anything flows, of which a share is applied; empty without a fluid [Pa].
     pub(super) fn initial_pressures(&self, share: f64) -> Vec<f64> {
@@ -176,6 +179,7 @@ impl Attempt<'_> {
         };
         let pushed = problem.pressure_forces(&x.p, 1.0);
         axpy(1.0, &pushed, &mut at.residual[..pushed.len()]);
+        let step = &step.controlled(&x.wells);
         let point = balance.evaluate(states, &at.jumps, &x.p, step);
         let point = point.beyond(balance.unseen(states, self.traction));
         let unit = problem.saddle().unit();
@@ -212,7 +216,34 @@ impl Attempt<'_> {
     /// True where the equations at these states are linear.
     pub(super) fn is_linear(&self, states: &[ContactState]) -> bool {
         let widens = |s: &ContactState| self.flow.is_some() && *s == ContactState::Open;
-        states.iter().all(|s| s.is_linear() && !widens(s))
+        states.iter().all(|s| s.is_linear() && !widens(s)) && self.switches() == 0
+    }
+
+    /// Newton steps that wells may take to come to their controls, beside those that are counted.
+    pub(super) fn switches(&self) -> usize {
+        SWITCHES * self.flow.map_or(0, FlowStep::limited)
+    }
+
+    /// The equations at an iterate, after its wells have switched where its pressures ask for it, or the first of them `alone`; true where
+    /// one has.
+    pub(super) fn controlled(
+        &self,
+        (states, h): (&[ContactState], Option<&Csr<f64>>),
+        at: Evaluation,
+        x: &mut Iterate,
+        alone: bool,
+    ) -> (Evaluation, bool) {
+        let (Some(step), Some(balance)) = (self.flow, self.problem.balance()) else {
+            return (at, false);
+        };
+        let now = step.controlled(&x.wells);
+        match balance.switched(states, &at.jumps, &x.p, &now, alone) {
+            Some(wells) => {
+                x.wells = wells;
+                (self.evaluate(states, h, x), true)
+            }
+            None => (at, false),
+        }
     }
 
     /// The Jacobian and `−r` of all fields, tractions and pressures in Pa.
@@ -253,18 +284,27 @@ impl Attempt<'_> {
         at: &Evaluation,
         x: &Iterate,
     ) -> Option<(FlowBlocks, SparseMatrix<f64>)> {
-        let step = self.flow?;
-        self.problem.flow_blocks(b, (states, at, &x.p), step)
+        let step = self.flow?.controlled(&x.wells);
+        self.problem.flow_blocks(b, (states, at, &x.p), &step)
     }
 
-    /// The states at which the active set begins: where fluid has to go into sealed fractures, what it reaches first is open.
-    pub(super) fn opened(&self, mut states: Vec<ContactState>) -> Vec<ContactState> {
-        if let (Some(step), Some(balance)) = (self.flow, self.problem.balance()) {
-            let full = balance.sealed(&states, step);
-            for part in full.iter().filter(|part| part.excess > 0.0) {
-                for f in balance.to_open(part, step) {
-                    states[f as usize] = ContactState::Open;
-                }
+    /// The states at which the active set begins: where fluid has to go into sealed fractures, or goes before a well meets its limit, what
+    /// it reaches first is open.
+    pub(super) fn opened(&self, mut states: Vec<ContactState>, x: &Iterate) -> Vec<ContactState> {
+        let (Some(step), Some(balance)) = (self.flow, self.problem.balance()) else {
+            return states;
+        };
+        for part in balance.sealed(&states, step) {
+            let fed = balance.to_open(&part, step);
+            // what a closed face carries, and the fluid in it, hold it shut
+            let gives_way = |f: &u32| {
+                let f = *f as usize;
+                part.reach + balance.fluid().head(self.problem.faces()[f].center)
+                    > x.p[f] - x.t[3 * f]
+            };
+            if part.excess > 0.0 || part.asked > 0.0 && fed.iter().any(gives_way) {
+                fed.iter()
+                    .for_each(|f| states[*f as usize] = ContactState::Open);
             }
         }
         states
@@ -309,6 +349,7 @@ impl Attempt<'_> {
         match (self.flow, problem.balance()) {
             (Some(step), Some(balance)) => {
                 let step = &step.joining(&settled.joined);
+                let step = &step.controlled(&settled.x.wells);
                 let jumps = problem.jumps(&settled.x.u, self.load);
                 let record = balance.record(&settled.states, &jumps, &settled.x.p, step);
                 settled.flow = Some(record);

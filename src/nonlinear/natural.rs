@@ -360,6 +360,7 @@ mod tests {
                     .map(|i| 1e7 * signed(1000 * seed + i as u64))
                     .collect(),
                 p: Vec::new(),
+                wells: Vec::new(),
             };
             let stick = vec![ContactState::Stick; faces];
             let h = problem.stabilization(&stick);

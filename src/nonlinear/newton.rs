@@ -9,7 +9,7 @@ use super::{
 };
 use crate::contact::ContactState;
 use crate::elasticity::Constraints;
-use crate::flow::FlowStep;
+use crate::flow::{Control, FlowStep};
 use fracas_operators::sparse::Csr;
 use fracas_operators::vector::{axpy, norm2};
 use fracas_operators::{Fields, Layout};
@@ -29,9 +29,21 @@ pub(super) struct Iterate {
     pub(super) t: Vec<f64>,
     /// Empty where nothing flows.
     pub(super) p: Vec<f64>,
+    /// What holds of every well.
+    pub(super) wells: Vec<Control>,
 }
 
 impl Iterate {
+    /// At u, t and p, wells as they begin a step.
+    pub(super) fn new([u, t, p]: [&[f64]; 3], flow: Option<&FlowStep>) -> Self {
+        Self {
+            u: u.to_vec(),
+            t: t.to_vec(),
+            p: p.to_vec(),
+            wells: flow.map_or(Vec::new(), FlowStep::controls),
+        }
+    }
+
     /// `x ← y + α δ` in the fields of `layout`, which δ has; others stay as they are.
     pub(super) fn step(&mut self, from: &Self, alpha: f64, layout: &Layout, correction: &[f64]) {
         let fields = [
@@ -159,7 +171,8 @@ pub(super) fn newton(
     // damped continuation may have to pass a larger residual
     let mut damping = (until.lagged && problem.weakens()).then(Damping::default);
     let mut correction = vec![0.0; layout.len()];
-    let (mut at, mut before) = (evaluate(x), f64::INFINITY);
+    let (mut at, _) = attempt.controlled((states, h), evaluate(x), x, false);
+    let (mut before, mut switches) = (f64::INFINITY, attempt.switches());
     let mut iteration = 0;
     loop {
         let size = norm2(&at.residual);
@@ -262,7 +275,13 @@ pub(super) fn newton(
         }
         before = size;
         records.push(record.solved(&solved, length));
-        iteration += 1;
+        let switched;
+        let alone = 2 * switches < attempt.switches();
+        (at, switched) = attempt.controlled((states, h), at, x, alone);
+        match switched && switches > 0 {
+            true => (before, switches) = (f64::INFINITY, switches - 1),
+            false => iteration += 1,
+        }
     }
 }
 

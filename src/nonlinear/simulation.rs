@@ -303,11 +303,7 @@ impl<'a> Simulation<'a> {
                 attempt: *attempts,
             };
             *attempts += 1;
-            let x = Iterate {
-                u: state.u.clone(),
-                t: t.clone(),
-                p: state.p.clone(),
-            };
+            let x = Iterate::new([&state.u, &t, &state.p], flow.as_ref());
             let from = states.clone();
             let settled = match &mut self.springs {
                 Some(springs) => stable(&attempt, from, x, springs, log, observer),

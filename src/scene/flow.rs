@@ -3,6 +3,7 @@
 use super::flow_sections::SourceSection;
 use super::history::Histories;
 use super::located::{Located, at};
+use super::outline::{Outline, dot, minus};
 use super::sections::{SceneSections, SideName};
 use super::wells::wells;
 use super::{FlowProblem, Problem};
@@ -13,9 +14,6 @@ use crate::units::Measure;
 
 /// Share of the extent of a fracture within which edges are on one side of it. Unit: 1.
 const SAME_SIDE: f64 = 1e-6;
-
-/// Share of the radius of a face by which a point may lie beside it. Unit: 1.
-const ON_FACE: f64 = 1e-6;
 
 /// The fluid of a scene, if it has one; `section_of` tells the section of every fracture.
 pub(super) fn fluid(
@@ -81,6 +79,7 @@ pub(super) fn fluid(
         sources.push(Source {
             place,
             given,
+            level: source.level.as_ref().map(Measure::si),
             history,
         });
     }
@@ -117,22 +116,25 @@ fn place(source: &SourceSection, number: &str, built: &BuiltMesh) -> Result<Plac
         (None, None) => Ok(Place::Faces(faces().map(|(f, _)| f as u32).collect())),
         (Some(point), None) => {
             let point = [&point[0], &point[1], &point[2]].map(Measure::si);
+            // a point on the border of faces lies on each of them
+            let on: Vec<u32> = faces()
+                .filter(|(_, face)| Outline::new(face, built).holds(point))
+                .map(|(f, _)| f as u32)
+                .collect();
+            if !on.is_empty() {
+                return Ok(Place::Faces(on));
+            }
             let distance = |face: &FractureFace| {
-                let d: [f64; 3] = std::array::from_fn(|i| face.center[i] - point[i]);
-                d.iter().map(|d| d * d).sum::<f64>().sqrt()
+                let d = minus(face.center, point);
+                dot(d, d)
             };
             let closest = faces().min_by(|(_, a), (_, b)| distance(a).total_cmp(&distance(b)));
-            match closest {
-                Some((f, face)) if holds(face, built, point) => Ok(Place::Faces(vec![f as u32])),
-                closest => {
-                    let problem = FlowProblem::NoFace {
-                        name: source.fracture.clone(),
-                        point,
-                        nearest: closest.map_or([f64::NAN; 3], |(_, face)| face.center),
-                    };
-                    Err(at(&["source", number, "at"], problem))
-                }
-            }
+            let problem = FlowProblem::NoFace {
+                name: source.fracture.clone(),
+                point,
+                nearest: closest.map_or([f64::NAN; 3], |(_, face)| face.center),
+            };
+            Err(at(&["source", number, "at"], problem))
         }
         (None, Some(side)) => {
             let edges = side_edges(faces().map(|(_, face)| face), built, side);
@@ -151,32 +153,6 @@ fn place(source: &SourceSection, number: &str, built: &BuiltMesh) -> Result<Plac
             Err(at(&["source", number], FlowProblem::FaceAndEdge { name }))
         }
     }
-}
-
-/// True where a point lies on a face, or beside it by rounding.
-pub(super) fn holds(face: &FractureFace, built: &BuiltMesh, point: [f64; 3]) -> bool {
-    let corners = face.minus.nodes.map(|n| built.mesh.nodes[n as usize]);
-    let minus = |a: [f64; 3], b: [f64; 3]| -> [f64; 3] { std::array::from_fn(|i| a[i] - b[i]) };
-    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let cross = |a: [f64; 3], b: [f64; 3]| -> [f64; 3] {
-        std::array::from_fn(|i| {
-            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            a[j] * b[k] - a[k] * b[j]
-        })
-    };
-    let n = face.frame[0];
-    let sizes = corners.map(|x| minus(x, face.center)).map(|d| dot(d, d));
-    let radius = sizes.into_iter().fold(0.0, f64::max).sqrt();
-    // inside of every edge, corners going round n; a face that is not plane has points off its mean plane
-    let off = corners.map(|x| dot(minus(x, face.center), n).abs());
-    let thick = off.into_iter().fold(ON_FACE * radius, f64::max);
-    let inside = (0..4).all(|a| {
-        let along = minus(corners[(a + 1) % 4], corners[a]);
-        let inward = cross(n, along);
-        let length = dot(along, along).sqrt();
-        dot(inward, minus(point, corners[a])) >= -ON_FACE * radius * length
-    });
-    inside && dot(minus(point, face.center), n).abs() <= thick
 }
 
 /// Edges of one face of a fracture alone that lie farthest to a side.

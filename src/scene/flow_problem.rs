@@ -69,6 +69,33 @@ pub enum FlowProblem {
         /// Which.
         name: String,
     },
+    /// A well of no width.
+    #[error("[[well]] \"{name}\" has a radius of {radius} m; give a `radius` above 0")]
+    NoRadius {
+        /// Which.
+        name: String,
+        /// As written [m].
+        radius: f64,
+    },
+    /// A well that is a point.
+    #[error("[[well]] \"{name}\" goes from a point to the same point; give two ends")]
+    ShortWell {
+        /// Which.
+        name: String,
+    },
+    /// A well along a fracture.
+    #[error(
+        "[[well]] \"{name}\" lies in fracture \"{fracture}\" around ({:.6}, {:.6}, {:.6}) m, where a well has to cut through; turn it out of the plane, or give a [[source]] to the face it reaches",
+        center[0], center[1], center[2]
+    )]
+    WellInPlane {
+        /// Which.
+        name: String,
+        /// The fracture that it lies in.
+        fracture: String,
+        /// Centre of a face that it runs along [m].
+        center: [f64; 3],
+    },
     /// A well wider than the faces it cuts.
     #[error(
         "[[well]] \"{name}\" has a radius of {radius} m where the faces that it cuts resolve less than {most:.3} m; give a smaller `radius`"

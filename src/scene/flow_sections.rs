@@ -29,7 +29,8 @@ pub struct FluidSection {
 pub struct SourceSection {
     /// Name of the fracture, with its number where several planes share one name.
     pub fracture: String,
-    /// A point on the face, after any map; the whole fracture if neither this nor `edge` is given.
+    /// A point on the face, after any map; on the border of faces these share it by area; the whole fracture if neither this nor `edge`
+    /// is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at: Option<[Measure<Length>; 3]>,
     /// The outer edges that lie farthest to this side; takes a pressure.
@@ -41,6 +42,10 @@ pub struct SourceSection {
     /// Prescribed pressure; fluid comes and goes as it asks.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Measure<Stress>>,
+    /// Level z at which `pressure` holds: elsewhere it is in equilibrium with the weight of the fluid. If not given, it is the same at every
+    /// depth. Needs `density`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub level: Option<Measure<Length>>,
     /// Factor in time as `[[time, factor], …]`; that of `[time]` if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub history: Option<Vec<(Measure<Duration>, f64)>>,
@@ -54,15 +59,15 @@ pub struct WellSection {
     pub name: String,
     /// Upper end, where its pressure is told.
     pub from: [Measure<Length>; 3],
-    /// Lower end.
+    /// Lower end. Where the line cuts the border of faces, these share the well; a line within a fracture is refused.
     pub to: [Measure<Length>; 3],
-    /// Radius; 0.1 m if not given.
+    /// Radius, above 0; 0.1 m if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub radius: Option<Measure<Length>>,
     /// Volume per time into all fractures together; negative takes fluid out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate: Option<Measure<Rate>>,
-    /// Pressure that takes the place of `rate`: injection does not go beyond it, withdrawal not below.
+    /// Pressure that throttles `rate`, down to nothing: the well does not inject beyond it, and does not withdraw below.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limit: Option<Measure<Stress>>,
     /// Prescribed pressure.

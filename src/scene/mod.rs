@@ -17,6 +17,7 @@ mod inventory;
 mod located;
 mod mesh_sections;
 mod one_or_many;
+mod outline;
 mod overrides;
 mod pore_pressure;
 mod rounds;

@@ -102,6 +102,15 @@ fn require_flow(sections: &SceneSections) -> Result<(), Located> {
             if fluid.density.is_some() && sections.gravity.is_none() {
                 return Err(idle(&["fluid", "density"], "density", what(), "[gravity]"));
             }
+            for (i, source) in sections.source.iter().enumerate() {
+                let without = match (&source.level, &source.pressure, &fluid.density) {
+                    (Some(_), None, _) => "pressure",
+                    (Some(_), _, None) => "density",
+                    _ => continue,
+                };
+                let path = ["source", &i.to_string(), "level"];
+                return Err(idle(&path, "level", source.name(), without));
+            }
         }
         None => {
             for (i, f) in sections.fracture.iter().enumerate() {

@@ -1,9 +1,9 @@
 //! From sections to wells: the faces that their lines cut.
 
-use super::flow::holds;
 use super::flow_sections::WellSection;
 use super::history::Histories;
 use super::located::{Located, at};
+use super::outline::{Meeting, Outline, dot, minus};
 use super::sections::SceneSections;
 use super::{FlowProblem, Problem};
 use crate::flow::{Well, WellGiven};
@@ -71,49 +71,57 @@ pub(super) fn wells(
     Ok(wells)
 }
 
-/// The faces that the line of a well cuts, one per fracture and place, each with `2π/ln(r_e/r_w)`.
+/// The faces that the line of a well cuts, each with `2π/ln(r_e/r_w)`; where it cuts the border of faces of one fracture each has its
+/// share of the whole circle.
 fn cuts(section: &WellSection, built: &BuiltMesh) -> Result<Vec<(u32, f64)>, FlowProblem> {
     let point = |p: &[Measure<crate::units::Length>; 3]| [0, 1, 2].map(|k: usize| p[k].si());
     let (from, to) = (point(&section.from), point(&section.to));
+    let name = || section.name.clone();
     let radius = section.radius.as_ref().map_or(RADIUS, Measure::si);
-    let along: [f64; 3] = std::array::from_fn(|k| to[k] - from[k]);
-    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let minus = |a: [f64; 3], b: [f64; 3]| -> [f64; 3] { std::array::from_fn(|k| a[k] - b[k]) };
+    if radius <= 0.0 {
+        return Err(FlowProblem::NoRadius {
+            name: name(),
+            radius,
+        });
+    }
+    let along = minus(to, from);
+    if along == [0.0; 3] {
+        return Err(FlowProblem::ShortWell { name: name() });
+    }
+    let faces = &built.fractures.faces;
+    let fracture = |face: &FractureFace| built.fractures.names[usize::from(face.fracture)].clone();
     let mut found: Vec<(u32, [f64; 3])> = Vec::new();
+    for (f, face) in faces.iter().enumerate() {
+        let outline = Outline::new(face, built);
+        match outline.meeting(from, along) {
+            Meeting::Apart => {}
+            Meeting::Through(place) => found.push((f as u32, place)),
+            Meeting::Along => {
+                return Err(FlowProblem::WellInPlane {
+                    name: name(),
+                    fracture: fracture(face),
+                    center: face.center,
+                });
+            }
+        }
+    }
     let mut cuts = Vec::new();
-    for (f, face) in built.fractures.faces.iter().enumerate() {
-        let n = face.frame[0];
-        let crossing = dot(along, n);
-        if crossing == 0.0 {
-            continue;
-        }
-        let share = dot(minus(face.center, from), n) / crossing;
-        let at: [f64; 3] = std::array::from_fn(|k| from[k] + share * along[k]);
-        if !(0.0..=1.0).contains(&share) || !holds(face, built, at) {
-            continue;
-        }
-        let corners = face.minus.nodes.map(|node| built.mesh.nodes[node as usize]);
-        let [a, b] = [1, 3].map(|c: usize| minus(corners[c], corners[0]));
-        let size = (dot(a, a) + dot(b, b)).sqrt();
-        // an edge belongs to two faces of a fracture: the first of them is cut
-        let is_same = |(other, place): &(u32, [f64; 3])| {
-            let d = minus(*place, at);
-            let other: &FractureFace = &built.fractures.faces[*other as usize];
-            other.fracture == face.fracture && dot(d, d).sqrt() < 1e-6 * size
+    for (f, place) in &found {
+        let face = &faces[*f as usize];
+        let outline = Outline::new(face, built);
+        let beside = |(other, at): &&(u32, [f64; 3])| {
+            faces[*other as usize].fracture == face.fracture && outline.is_same(*at, *place)
         };
-        if found.iter().any(is_same) {
-            continue;
-        }
-        found.push((f as u32, at));
-        let ratio = EQUIVALENT * size / radius;
-        if ratio <= 1.0 {
+        let shares = found.iter().filter(beside).count();
+        let most = EQUIVALENT * outline.diagonal();
+        if most <= radius {
             return Err(FlowProblem::WideWell {
-                name: section.name.clone(),
+                name: name(),
                 radius,
-                most: EQUIVALENT * size,
+                most,
             });
         }
-        cuts.push((f as u32, TAU / ratio.ln()));
+        cuts.push((*f, TAU / (most / radius).ln() / shares as f64));
     }
     if cuts.is_empty() {
         let distance = |face: &FractureFace| {
@@ -122,13 +130,10 @@ fn cuts(section: &WellSection, built: &BuiltMesh) -> Result<Vec<(u32, f64)>, Flo
             let off: [f64; 3] = std::array::from_fn(|k| to_center[k] - share * along[k]);
             dot(off, off).sqrt()
         };
-        let faces = built.fractures.faces.iter();
-        let nearest = faces.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let nearest = (faces.iter()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
         return Err(FlowProblem::NothingCut {
-            name: section.name.clone(),
-            nearest: nearest.map_or(String::new(), |face| {
-                built.fractures.names[usize::from(face.fracture)].clone()
-            }),
+            name: name(),
+            nearest: nearest.map_or(String::new(), fracture),
             center: nearest.map_or([f64::NAN; 3], |face| face.center),
         });
     }

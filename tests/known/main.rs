@@ -23,3 +23,4 @@ mod pore_pressure;
 mod tips;
 mod volume_control;
 mod weight;
+mod wells;

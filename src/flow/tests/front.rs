@@ -71,6 +71,7 @@ fn where_no_face_is_open_the_fluid_begins_where_it_comes_in() {
     let source = Source {
         place: Place::Faces(vec![10]),
         given: Given::Rate(1e-3),
+        level: None,
         history: 0,
     };
     let fluid = fluid(&[1e-14], vec![source]);

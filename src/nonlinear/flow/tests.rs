@@ -44,12 +44,14 @@ fn the_jacobian_of_three_fields_is_the_derivative_in_every_state() {
                 .collect(),
             t: (0..3 * faces).map(|_| number(-3e6, -1e6)).collect(),
             p: (0..faces).map(|_| number(0.0, 1e7)).collect(),
+            wells: Vec::new(),
         };
         let step = FlowStep {
             dt: 3.0,
             pressure: (0..faces).map(|_| number(0.0, 1e7)).collect(),
             aperture: (0..faces).map(|_| number(0.0, 1e-3)).collect(),
             injected: vec![1e-3; faces],
+            sources: Vec::new(),
             held: vec![None; faces],
             held_edges: Vec::new(),
             wells: Vec::new(),
@@ -144,6 +146,7 @@ fn a_checkerboard_of_pressure_moves_no_rock_and_is_held_as_stiffly_as_one_of_tra
         pressure: vec![0.0; faces],
         aperture: vec![0.0; faces],
         injected: vec![0.0; faces],
+        sources: Vec::new(),
         held: vec![None; faces],
         held_edges: Vec::new(),
         wells: Vec::new(),

@@ -104,7 +104,7 @@ impl Holding for SpringMethod {
         &mut self,
         attempt: &Attempt<'_>,
         mut states: Vec<ContactState>,
-        Iterate { mut u, t, p }: Iterate,
+        Iterate { mut u, t, p, wells }: Iterate,
         log: &mut Log,
         observer: &mut dyn Observer,
     ) -> Result<Settled, Failure> {
@@ -159,7 +159,7 @@ impl Holding for SpringMethod {
                 let slip_violation = slip_violation(attempt, &states, [&t, &at.jumps], scale);
                 return Ok(Settled {
                     states,
-                    x: Iterate { u, t, p },
+                    x: Iterate { u, t, p, wells },
                     force: attempt.scale,
                     traction,
                     effective: at.jumps,

@@ -46,11 +46,7 @@ impl Evaluation {
 
     /// (u, t) at these displacements.
     fn iterate(&self, u: &[f64]) -> Iterate {
-        Iterate {
-            u: u.to_vec(),
-            t: self.tractions(),
-            p: Vec::new(),
-        }
+        Iterate::new([u, &self.tractions(), &[]], None)
     }
 
     /// Pa.

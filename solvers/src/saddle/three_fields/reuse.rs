@@ -78,8 +78,9 @@ impl PressureFactors {
 fn about_s_p(error: SetupError) -> SetupError {
     let mut error = error.in_block("S_p = T − Q2 S_u⁻¹ Q1");
     if let SetupError::Singular { advice, .. } = &mut error {
-        "pressures of a part of the fractures are determined by nothing: no storage, no prescribed pressure, and no open face \
-         in it; add one of them"
+        "pressures of a part of the fractures are determined by no prescribed pressure, no open face and no storage, or by a storage \
+         that rounding loses beside what the fracture lets through in the step; add one of them, or take a smaller conductivity or \
+         shorter steps"
             .clone_into(advice);
     }
     error
