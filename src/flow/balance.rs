@@ -306,6 +306,12 @@ impl<'a> Balance<'a> {
             residual[k] += moved;
             residual[l] -= moved;
         }
+        let free = residual.iter().zip(&step.held);
+        let lost: f64 = free
+            .filter(|(_, held)| held.is_none())
+            .map(|(r, _)| r)
+            .sum();
+        // what holds the mean pressure of a sealed part is no volume
         for faces in self
             .closable
             .iter()
@@ -319,13 +325,7 @@ impl<'a> Balance<'a> {
                 .sum();
             residual[first] += self.compliance[first] * rise;
             size[first] += self.compliance[first] * rise.abs();
-            volume += self.compliance[first] * rise.abs();
         }
-        let free = residual.iter().zip(&step.held);
-        let lost: f64 = free
-            .filter(|(_, held)| held.is_none())
-            .map(|(r, _)| r)
-            .sum();
         for (f, held) in step.held.iter().enumerate() {
             if let Some(held) = held {
                 let weight = self.compliance[f] * self.faces[f].area;
