@@ -306,26 +306,27 @@ impl<'a> Balance<'a> {
             residual[k] += moved;
             residual[l] -= moved;
         }
-        let free = residual.iter().zip(&step.held);
-        let lost: f64 = free
-            .filter(|(_, held)| held.is_none())
-            .map(|(r, _)| r)
-            .sum();
-        // what holds the mean pressure of a sealed part is no volume
         for faces in self
             .closable
             .iter()
             .filter(|faces| self.is_sealed(faces, states, step))
         {
             let first = faces[0] as usize;
-            let rise: f64 = faces
-                .iter()
-                .map(|f| *f as usize)
-                .map(|f| self.faces[f].area * (p[f] - step.pressure[f]))
-                .sum();
+            let (mut rise, mut rounded) = (0.0, 0.0);
+            for f in faces.iter().map(|f| *f as usize) {
+                let area = self.faces[f].area;
+                rise += area * (p[f] - step.pressure[f]);
+                rounded += area * (p[f].abs() + step.pressure[f].abs());
+            }
+            unseen += self.compliance[first] * rounded;
             residual[first] += self.compliance[first] * rise;
             size[first] += self.compliance[first] * rise.abs();
         }
+        let free = residual.iter().zip(&step.held);
+        let lost: f64 = free
+            .filter(|(_, held)| held.is_none())
+            .map(|(r, _)| r)
+            .sum();
         for (f, held) in step.held.iter().enumerate() {
             if let Some(held) = held {
                 let weight = self.compliance[f] * self.faces[f].area;
