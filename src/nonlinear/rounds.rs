@@ -240,6 +240,15 @@ impl Search<'_, '_> {
                             return Ok(unsolved(states, failure, (log, round)));
                         }
                         Some(_) | None => {
+                            let blocked = match fixed {
+                                None => self.judge.blocked(attempt.start, &states, x, &at),
+                                Some(_) => Vec::new(),
+                            };
+                            if !blocked.is_empty() {
+                                let mut form = self.returning.form(&states);
+                                blocked.iter().for_each(|f| form[*f] = ContactState::Stick);
+                                return Ok(Ended::Not(form, None));
+                            }
                             if let (Some(accuracy), Some(judged)) = (&self.accuracy, judged) {
                                 log.events.extend(accuracy.accepts(judged, residual)?);
                             }

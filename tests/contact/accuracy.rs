@@ -117,6 +117,9 @@ fn errors(text: &str, state: &State, exact: &State, springs: bool) -> [f64; 2] {
     [U, T].map(|field| errors[field])
 }
 
+/// Seeds of scenes that were wrong once: a face at its limit that its neighbours hold, whose shear no equation of the states directed.
+const ONCE_WRONG: [u64; 1] = [12_915_195_640_016_087_521];
+
 /// Runs of a family with this method beside their references.
 fn judge(method: &str) {
     let number = |name: &str, otherwise: u64| {
@@ -126,8 +129,8 @@ fn judge(method: &str) {
     let springs = method != "lagrange";
     let method = format!("solver.method={method}");
     let (mut compared, mut refused, mut loose) = (0, 0, 0.0f64);
-    for seed in 0..cases {
-        let seed = first.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(seed);
+    let drawn = (0..cases).map(|seed| first.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(seed));
+    for seed in ONCE_WRONG.into_iter().chain(drawn) {
         let text = scene(seed);
         let inner = ["exact", "amg", "geometric", "fsai"][(seed % 4) as usize];
         let own = match inner {

@@ -23,6 +23,9 @@ const TOLERANCES: [f64; 4] = [1e-8, 1e-3, 1e-8, 1e-5];
 /// Systems tried where nobody asks for more.
 const CASES: u64 = 48;
 
+/// Seeds and numbers of flat scenes whose errors were not seen: modes of C_0 + H among others that C follows, and jumps along flat cells.
+const WRONG_ONCE: [(u64, u64); 3] = [(802, 173), (802, 303), (803, 119)];
+
 /// Inner solvers; `geometric` is set up from the body.
 const INNER: [&str; 4] = ["exact", "amg", "fsai", "geometric"];
 
@@ -251,22 +254,23 @@ fn tried(body: &Body, inner: &str, tolerance: f64) -> Option<Tried> {
 
 #[test]
 fn converged_means_accurate_and_refused_means_not() {
-    holds_in(scene);
+    holds_in(scene, &[]);
 }
 
 #[test]
 fn errors_on_short_fractures_across_flat_cells_are_seen() {
-    holds_in(flat_scene);
+    holds_in(flat_scene, &WRONG_ONCE);
 }
 
-/// The claim, for scenes that are drawn from a seed.
-fn holds_in(scene: fn(u64) -> String) {
+/// The claim, for scenes that are drawn from a seed, after those that were wrong once.
+fn holds_in(scene: fn(u64) -> String, wrong_once: &[(u64, u64)]) {
     let (cases, first) = (
         environment("ACCURACY_CASES", CASES),
         environment("ACCURACY_SEED", 1),
     );
     let (mut counts, mut wrong) = ([0; 5], Vec::new());
-    for seed in 0..cases {
+    let drawn = (0..cases).map(|seed| (first, seed));
+    for (first, seed) in wrong_once.iter().copied().chain(drawn) {
         let text = scene(first.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(seed));
         let body = Scene::from_toml(&text, "scene.toml")
             .unwrap()
