@@ -114,6 +114,8 @@ impl Body {
                 let stress = |region: usize, x: [f64; 3]| self.initial_stress_at(region, x);
                 let stressed = loads::initial_stress(&self.mesh, stress)?;
                 axpy(1.0, &stressed, &mut force);
+                let pull = |face: &FractureFace, x, n| self.initial_pull_at(face, x, n);
+                loads::add_between_faces(&self.mesh, &self.fractures.faces, pull, &mut force);
             }
         }
         let change = |region: usize| match self.pore_pressures[region] {
@@ -184,6 +186,7 @@ impl Body {
         JumpStabilization {
             lengths: self.solver.stabilization,
             junctions: self.solver.junctions,
+            interfaces: self.solver.interfaces,
             ..JumpStabilization::default()
         }
     }

@@ -1,5 +1,6 @@
 //! The jump stabilization H that balances the checkerboard modes of piecewise-constant tractions.
 
+mod interfaces;
 mod junctions;
 mod lengths;
 
@@ -9,6 +10,7 @@ use crate::mesh::{FaceSide, FractureEdge, FractureFace, FractureMesh, HexMesh, I
 use fracas_operators::sparse::SparseMatrix;
 use rayon::prelude::*;
 
+pub use interfaces::Interfaces;
 pub use junctions::Junctions;
 pub use lengths::{Lengths, Side, side_stiffness};
 
@@ -24,10 +26,11 @@ pub use lengths::{Lengths, Side, side_stiffness};
 /// On a planar fracture R_K = R_L, which is the published form; across a bend the jump is taken of the traction vector,
 /// so a constant vector is never penalised. Where the element is thin across the fracture it is taken as deep as
 /// the face is wide ([`Lengths::Deep`]); [`Lengths::Box`] gives the published weights. What becomes of edges at which fractures meet
-/// say [`Junctions`].
+/// say [`Junctions`], of those at which materials do [`Interfaces`].
 ///
 /// # Shape
-/// (3 · faces) × (3 · faces), symmetric positive semi-definite; kernel: constants on each fracture, or on each of its parts between junctions.
+/// (3 · faces) × (3 · faces), symmetric positive semi-definite; kernel: constants on each fracture, or on each of its parts between junctions
+/// and interfaces.
 /// # Units
 /// m³/Pa.
 /// # Source
@@ -40,6 +43,8 @@ pub struct JumpStabilization {
     pub lengths: Lengths,
     /// Edges at which fractures meet.
     pub junctions: Junctions,
+    /// Edges at which materials meet.
+    pub interfaces: Interfaces,
 }
 
 impl JumpStabilization {
@@ -48,6 +53,7 @@ impl JumpStabilization {
         scale: 1.0,
         lengths: Lengths::Box,
         junctions: Junctions::Apart,
+        interfaces: Interfaces::Joined,
     };
 }
 
@@ -57,6 +63,7 @@ impl Default for JumpStabilization {
             scale: 1.0,
             lengths: Lengths::default(),
             junctions: Junctions::default(),
+            interfaces: Interfaces::default(),
         }
     }
 }
@@ -85,7 +92,9 @@ impl JumpStabilization {
     ) -> SparseMatrix<f64> {
         let faces = &fractures.faces;
         let beside = self.beside(mesh, faces, materials);
-        let edges: Vec<(&FractureEdge, &[u32])> = self.junctions.edges(fractures).collect();
+        let mut edges: Vec<(&FractureEdge, &[u32])> = self.junctions.edges(fractures).collect();
+        let mut acts = self.interfaces.acts(mesh, fractures, &edges).into_iter();
+        edges.retain(|_| acts.next().unwrap_or(true));
         let edges_of = Incidence::new(faces.len(), || {
             let ends = edges.iter().enumerate();
             ends.flat_map(|(e, (edge, _))| edge.faces.map(|f| (f as usize, e as u32)))

@@ -2,7 +2,7 @@
 
 use super::element::{GaussPoints, gauss_point, shape_functions};
 use super::{ElasticityError, check};
-use crate::mesh::{HexMesh, face_geometry};
+use crate::mesh::{FractureFace, HexMesh, face_geometry, for_each_point};
 
 /// Stress in the order xx, yy, zz, xy, yz, xz [Pa].
 pub type Voigt = [f64; 6];
@@ -81,6 +81,35 @@ pub fn initial_stress(
         }
     })?;
     Ok(force)
+}
+
+/// Adds what an initial stress pulls on the two sides of faces beyond its mean on each:
+/// `f_a ± ( ∫ N_a σ0 n dS − A_a σ0(centre) n )`, + on the side that n leaves.
+///
+/// [`initial_stress`] is that of the cut body, and a face holds its two sides by one traction: where σ0 grows with depth, its corners were
+/// pulled apart or pressed by what differs from it, and level layers moved.
+pub fn add_between_faces(
+    mesh: &HexMesh,
+    faces: &[FractureFace],
+    pull: impl Fn(&FractureFace, [f64; 3], [f64; 3]) -> [f64; 3],
+    force: &mut [f64],
+) {
+    for face in faces {
+        let corners = face.minus.nodes.map(|node| mesh.nodes[node as usize]);
+        let mean = pull(face, face.center, face.frame[0]);
+        let mut beyond = face.node_areas.map(|area| mean.map(|t| -area * t));
+        for_each_point(&corners, |x, shape, n| {
+            let pulled = pull(face, x, n);
+            for a in 0..4 {
+                (0..3).for_each(|i| beyond[a][i] += shape[a] * pulled[i]);
+            }
+        });
+        for (nodes, sign) in [(face.minus.nodes, 1.0), (face.plus.nodes, -1.0)] {
+            for (node, beyond) in nodes.iter().zip(&beyond) {
+                (0..3).for_each(|i| force[3 * *node as usize + i] += sign * beyond[i]);
+            }
+        }
+    }
 }
 
 #[cfg(test)]

@@ -54,13 +54,11 @@ fn frame(n: [f64; 3]) -> [[f64; 3]; 3] {
     [n, t1, cross(n, t1)]
 }
 
-/// Geometry of the quadrilateral whose corners go counter-clockwise around its normal.
-///
-/// n is the direction of the area vector ∫ ∂x/∂ξ × ∂x/∂η = ½ (x₂ − x₀) × (x₃ − x₁), so it is the area-averaged normal
-/// of a face that is not plane; areas are 2×2 Gauss sums of ‖∂x/∂ξ × ∂x/∂η‖.
-pub fn face_geometry(x: &[[f64; 3]; 4]) -> FaceGeometry {
-    let mut node_areas = [0.0; 4];
-    let mut moment = [0.0; 3];
+/// Calls `visit(x, N, n dS)` at the 2×2 Gauss points of a quadrilateral: place [m], shape functions, area vector with its weight [m²].
+pub(crate) fn for_each_point(
+    x: &[[f64; 3]; 4],
+    mut visit: impl FnMut([f64; 3], [f64; 4], [f64; 3]),
+) {
     for q in CORNERS {
         let (xi, eta) = (GAUSS * q[0], GAUSS * q[1]);
         let (mut d_xi, mut d_eta, mut position) = ([0.0; 3], [0.0; 3], [0.0; 3]);
@@ -74,7 +72,18 @@ pub fn face_geometry(x: &[[f64; 3]; 4]) -> FaceGeometry {
                 position[d] += shape[a] * x[a][d];
             }
         }
-        let normal = cross(d_xi, d_eta);
+        visit(position, shape, cross(d_xi, d_eta));
+    }
+}
+
+/// Geometry of the quadrilateral whose corners go counter-clockwise around its normal.
+///
+/// n is the direction of the area vector ∫ ∂x/∂ξ × ∂x/∂η = ½ (x₂ − x₀) × (x₃ − x₁), so it is the area-averaged normal
+/// of a face that is not plane; areas are 2×2 Gauss sums of ‖∂x/∂ξ × ∂x/∂η‖.
+pub fn face_geometry(x: &[[f64; 3]; 4]) -> FaceGeometry {
+    let mut node_areas = [0.0; 4];
+    let mut moment = [0.0; 3];
+    for_each_point(x, |position, shape, normal| {
         let ds = dot(normal, normal).sqrt();
         for a in 0..4 {
             node_areas[a] += shape[a] * ds;
@@ -82,7 +91,7 @@ pub fn face_geometry(x: &[[f64; 3]; 4]) -> FaceGeometry {
         for d in 0..3 {
             moment[d] += position[d] * ds;
         }
-    }
+    });
     let area: f64 = node_areas.iter().sum();
     FaceGeometry {
         area,

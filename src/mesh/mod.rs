@@ -34,6 +34,7 @@ pub use bodies::{BodyPart, Hold, bodies};
 pub use box_grid::{BoxGrid, BoxRegion, BuiltMesh};
 pub use disc::Disc;
 pub use error::{MAX_NODES, MeshError};
+pub(crate) use face_geometry::for_each_point;
 pub use face_geometry::{FaceGeometry, face_geometry};
 pub use fracture_edges::fracture_edges;
 pub use fracture_mesh::{Crossing, FaceSide, FractureEdge, FractureFace, FractureMesh};

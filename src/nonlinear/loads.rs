@@ -3,6 +3,7 @@
 use super::Load;
 use crate::contact::prescribed_jump;
 use crate::elasticity::{Constraints, ElasticityError, lift};
+use crate::mesh::FractureFace;
 use crate::scene::Body;
 use fracas_operators::LinearOperator;
 use fracas_operators::vector::axpy;
@@ -95,24 +96,9 @@ fn prescribed(body: &Body, factor: impl Fn(usize) -> f64) -> Constraints {
 
 /// `R σ0 n` at the centre of every face, R the frame (n, t1, t2) [Pa].
 pub(super) fn initial_traction(body: &Body) -> Vec<f64> {
-    let of_face = |face: &crate::mesh::FractureFace| -> [f64; 3] {
-        let [minus, plus] = [face.minus.element, face.plus.element].map(|e| {
-            let region = usize::from(body.mesh.regions[e as usize]);
-            body.initial_stress_at(region, face.center)
-        });
-        // the same on both sides, but for materials whose stress is isotropic: there the mean
-        let mean = |k: usize| {
-            if minus[k] == plus[k] {
-                minus[k]
-            } else {
-                0.5 * (minus[k] + plus[k])
-            }
-        };
-        let [xx, yy, zz, xy, yz, xz] = std::array::from_fn(mean);
-        let sigma = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
-        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        let pull = sigma.map(|row| dot(row, face.frame[0]));
-        face.frame.map(|e| dot(e, pull))
+    let of_face = |face: &FractureFace| -> [f64; 3] {
+        let pull = body.initial_pull_at(face, face.center, face.frame[0]);
+        face.frame.map(|e| (0..3).map(|k| e[k] * pull[k]).sum())
     };
     body.fractures.faces.iter().flat_map(of_face).collect()
 }

@@ -5,7 +5,7 @@ use crate::contact::Friction;
 use crate::creep::Initial;
 use crate::elasticity::{Constraints, Elastic};
 use crate::flow::Fluid;
-use crate::mesh::{Audit, FractureMesh, HexMesh, audit};
+use crate::mesh::{Audit, FractureFace, FractureMesh, HexMesh, audit};
 
 /// A constant traction on faces of the surface.
 #[derive(Clone, Debug, PartialEq)]
@@ -112,6 +112,25 @@ impl Body {
             [.., zz, _, _, _] if self.isotropic[region] => [zz, zz, zz, 0.0, 0.0, 0.0],
             sigma => sigma,
         }
+    }
+
+    /// Traction `σ0 n` of the initial stress on a face at x, on an area vector n: the same from both sides, but for materials whose stress is
+    /// isotropic, where it is the mean. Unit of n times Pa.
+    pub fn initial_pull_at(&self, face: &FractureFace, x: [f64; 3], n: [f64; 3]) -> [f64; 3] {
+        let [minus, plus] = [face.minus.element, face.plus.element].map(|e| {
+            let region = usize::from(self.mesh.regions[e as usize]);
+            self.initial_stress_at(region, x)
+        });
+        let mean = |k: usize| {
+            if minus[k] == plus[k] {
+                minus[k]
+            } else {
+                0.5 * (minus[k] + plus[k])
+            }
+        };
+        let [xx, yy, zz, xy, yz, xz] = std::array::from_fn(mean);
+        let sigma = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+        sigma.map(|row| (0..3).map(|k| row[k] * n[k]).sum())
     }
 
     /// Marks of the prescribed displacements, `3·node + component`.

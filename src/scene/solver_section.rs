@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::rounds::Rounds;
-use crate::contact::{Junctions, Lengths};
+use crate::contact::{Interfaces, Junctions, Lengths};
 use crate::units::{Duration, Measure};
 
 /// Steps after the equilibrium at time 0.
@@ -100,6 +100,8 @@ pub struct SolverSection {
     pub stabilization: Lengths,
     /// Whether H acts across the junctions of fractures: `joined`, while the faces that cross stick, or `apart`, as published.
     pub junctions: Junctions,
+    /// Whether H acts where a fracture leaves one material for another.
+    pub interfaces: Interfaces,
     /// How contact states are searched for.
     #[serde(deserialize_with = "fracas_solvers::steering::in_range")]
     pub rounds: Rounds,
@@ -165,6 +167,7 @@ impl Default for SolverSection {
             method: Method::Lagrange,
             stabilization: Lengths::default(),
             junctions: Junctions::default(),
+            interfaces: Interfaces::default(),
             rounds: Rounds::default(),
             inner: RunInner::Auto,
             racp: None,
