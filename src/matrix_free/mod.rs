@@ -126,8 +126,8 @@ pub struct Magnitude {
     pub largest: f64,
     /// [`SaddleBlocks::traction_unit`](fracas_solvers::saddle::SaddleBlocks::traction_unit) without the blocks.
     pub unit: f64,
-    /// [`SaddleBlocks::contact_compliance`](fracas_solvers::saddle::SaddleBlocks::contact_compliance) without the blocks, tractions
-    /// in Pa.
+    /// [`SaddleBlocks::contact_compliance`](fracas_solvers::saddle::SaddleBlocks::contact_compliance) without the blocks, tractions in Pa;
+    /// 0 for an empty column.
     pub compliance: Vec<f64>,
     /// Diagonal of A over the free displacements [N/m].
     pub stiffness: Stiffness,
@@ -161,8 +161,6 @@ impl StickSystem<'_> {
         let weights: Vec<f64> = self.constraints.free().iter().map(inverse).collect();
         let mut compliance = vec![0.0; 3 * self.fractures.faces.len()];
         b.add_weighted_squares(&weights, &mut compliance);
-        let empty = compliance.iter_mut().filter(|c| **c == 0.0);
-        empty.for_each(|c| *c = 1.0);
         Ok(Magnitude {
             stiffest,
             largest,

@@ -7,7 +7,9 @@ use super::{Finding, Loaded, Problem, Rounding, SolveError};
 use crate::elasticity::FreeStiffness;
 use crate::scene::Body;
 use crate::undetermined::blamed;
-use fracas_solvers::saddle::{HalvedBlocks, InnerChoice, Ready, SaddleBlocks, SaddleMethod};
+use fracas_solvers::saddle::{
+    HalvedBlocks, InnerChoice, Measure, Ready, SaddleBlocks, SaddleMethod,
+};
 use fracas_solvers::{SetupError, Silent};
 use std::sync::Arc;
 use std::time::Instant;
@@ -27,8 +29,9 @@ impl SetUp<'_> {
             body,
             is_ours,
         } = loaded;
-        // a foreign system keeps its units, and its residual is measured in them
-        let unit = self.settings.traction_unit.unwrap_or(match is_ours {
+        // where residuals are compared, a foreign system is measured in its own units
+        let is_balanced = is_ours || self.settings.measure == Measure::Error;
+        let unit = self.settings.traction_unit.unwrap_or(match is_balanced {
             true => blocks.traction_unit(),
             false => 1.0,
         });

@@ -191,6 +191,7 @@ impl Solved {
                 self.c_s = self.has_converged().then(|| c_s(self.iterations));
                 self.reason = self
                     .contact_residual
+                    .filter(|_| self.measure == Measure::Residual)
                     .filter(|r| self.c_s.is_some() && *r > UNSEEN * self.tolerance)
                     .map(|r| {
                         format!(

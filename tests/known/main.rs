@@ -18,6 +18,7 @@ mod fracture_flow;
 mod graded;
 mod inclined_fault;
 mod interface_crack;
+mod layers;
 mod plane_strain;
 mod pore_pressure;
 mod tips;

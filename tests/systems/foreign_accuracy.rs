@@ -9,7 +9,8 @@ use fracas::solve::{End, InnerRule, Problem, Solve};
 use fracas_operators::random::Random;
 use fracas_operators::sparse::{SparseMatrix, Triplets};
 use fracas_solvers::Silent;
-use fracas_solvers::saddle::{SaddleBlocks, SaddleMethod};
+use fracas_solvers::direct::{DirectChoice, Kind};
+use fracas_solvers::saddle::{Elimination, SaddleBlocks, SaddleMethod};
 
 /// Systems tried where nobody asks for more.
 const CASES: u64 = 200;
@@ -118,11 +119,26 @@ fn system(r: &mut Random) -> SaddleBlocks {
             .collect::<Dense>()
     });
     let is_loaded = r.chance(0.6);
+    let rhs_u = scale.iter().map(|s| s * normal(r)).collect();
+    let rhs_t = (0..m)
+        .map(|_| if is_loaded { normal(r) } else { 0.0 })
+        .collect();
+    let mut h = h;
+    if let Some(h) = &mut h {
+        // a traction that moves nothing, and rows that determine their own traction
+        if r.chance(0.15) {
+            let j = r.below(m);
+            b1.iter_mut().for_each(|row| row[j] = 0.0);
+        }
+        if r.chance(0.3) {
+            for (i, row) in h.iter_mut().enumerate() {
+                (0..m).filter(|j| *j != i).for_each(|j| row[j] = 0.0);
+            }
+        }
+    }
     SaddleBlocks {
-        rhs_u: scale.iter().map(|s| s * normal(r)).collect(),
-        rhs_t: (0..m)
-            .map(|_| if is_loaded { normal(r) } else { 0.0 })
-            .collect(),
+        rhs_u,
+        rhs_t,
         a: sparse(&a, n),
         b1: sparse(&b1, m),
         b2: b2.map(|b2| sparse(&b2, n)),
@@ -208,4 +224,126 @@ fn converged_means_accurate_for_systems_of_other_codes() {
     let few = converged.iter().all(|n| 10 * n > known);
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert!(few, "too few were solved: {converged:?} of {known}");
+}
+
+/// Rock in SI units beside a traction that acts on nothing and that H holds: C and the norms have its unit from H.
+#[test]
+fn a_traction_that_moves_nothing_is_solved_in_the_units_of_the_others() {
+    for seed in 0..20 {
+        let r = &mut Random::new(seed);
+        let n = r.whole(8, 30) as usize;
+        let m = n / 3;
+        let young = 10f64.powf(r.between(8.0, 11.0));
+        let area = 10f64.powf(r.between(-2.0, 1.0));
+        let chain = |i: usize, j: usize| match i.abs_diff(j) {
+            0 => 2.1 * young,
+            1 => -young,
+            _ => 0.0,
+        };
+        let a: Dense = (0..n)
+            .map(|i| (0..n).map(|j| chain(i, j)).collect())
+            .collect();
+        let alone = r.below(m);
+        let mut b1 = vec![vec![0.0; m]; n];
+        for j in (0..m).filter(|j| *j != alone) {
+            (b1[3 * j][j], b1[3 * j + 1][j]) = (-area, area);
+        }
+        let size = area * area / young;
+        let of_h = |i: usize, j: usize| match i.abs_diff(j) {
+            0 => size,
+            1 => -0.4 * size,
+            _ => 0.0,
+        };
+        let h: Dense = (0..m)
+            .map(|i| (0..m).map(|j| of_h(i, j)).collect())
+            .collect();
+        let blocks = SaddleBlocks {
+            rhs_u: (0..n).map(|_| 1e6 * area * normal(r)).collect(),
+            rhs_t: (0..m).map(|_| 1e6 * size * normal(r)).collect(),
+            a: sparse(&a, n),
+            b1: sparse(&b1, m),
+            b2: None,
+            h: Some(sparse(&h, m)),
+            coordinates: None,
+            flow: None,
+        };
+        let exact = reference(&blocks, &blocks.rhs()).unwrap();
+        for name in ["racp", "racp:published", "mcp", "block_triangular"] {
+            let settings = Solve {
+                method: name.parse().unwrap(),
+                ..Solve::default()
+            };
+            let solved = settings
+                .solve(&Problem::from(blocks.clone()), &mut Silent)
+                .unwrap();
+            assert_eq!(
+                solved.outcome,
+                End::Converged,
+                "{seed}, {name}: {:?}",
+                solved.reason
+            );
+            let [u, t] = errors(&blocks, &solved.x, &exact);
+            assert!(
+                u.max(t) < ALLOWED * 1e-8,
+                "{seed}, {name}: {u:.1e}, {t:.1e}"
+            );
+        }
+    }
+}
+
+/// Rows that determine their own traction may take definiteness from A where they are eliminated: then they are augmented.
+#[test]
+fn rows_that_leave_no_definite_matrix_behind_are_augmented() {
+    let (mut indefinite, mut solved_all) = (0, 0);
+    for seed in 0..40 {
+        let r = &mut Random::new(seed);
+        let n = r.whole(3, 12) as usize;
+        let m = r.whole(1, 3) as usize;
+        let mut a = square(&random(r, n, n + 2, 1.0));
+        (0..n).for_each(|i| a[i][i] += 0.1);
+        let b1 = random(r, n, m, 1.0);
+        let b2: Dense = (0..m)
+            .map(|j| (0..n).map(|i| b1[i][j] * (1.0 + normal(r))).collect())
+            .collect();
+        let of_h = 10f64.powf(r.between(-2.0, 0.0));
+        let h: Dense = (0..m)
+            .map(|i| (0..m).map(|j| if i == j { of_h } else { 0.0 }).collect())
+            .collect();
+        let blocks = SaddleBlocks {
+            rhs_u: (0..n).map(|_| normal(r)).collect(),
+            rhs_t: vec![0.0; m],
+            a: sparse(&a, n),
+            b1: sparse(&b1, m),
+            b2: Some(sparse(&b2, n)),
+            h: Some(sparse(&h, m)),
+            coordinates: None,
+            flow: None,
+        };
+        let reduced = Elimination::new(&blocks).unwrap();
+        let a_reduced = &reduced.kept().a;
+        let faer = DirectChoice::Faer.solver().unwrap();
+        let symbolic = faer.analyze(a_reduced, Kind::Spd).unwrap();
+        let is_definite = symbolic.factor(a_reduced).is_ok();
+        indefinite += usize::from(!is_definite);
+        let exact = reference(&blocks, &blocks.rhs()).unwrap();
+        for name in ["racp", "mcp", "block_triangular"] {
+            let settings = Solve {
+                method: name.parse().unwrap(),
+                ..Solve::default()
+            };
+            let solved = settings
+                .solve(&Problem::from(blocks.clone()), &mut Silent)
+                .unwrap();
+            if solved.outcome == End::Converged {
+                let [u, t] = errors(&blocks, &solved.x, &exact);
+                assert!(
+                    u.max(t) < ALLOWED * 1e-8,
+                    "{seed}, {name}: {u:.1e}, {t:.1e}"
+                );
+                solved_all += 1;
+            }
+        }
+    }
+    assert!(indefinite > 5, "{indefinite}");
+    assert!(solved_all > 110, "{solved_all} of 120");
 }

@@ -61,7 +61,10 @@ impl Check {
                     )?;
                 }
             }
-            (None, Some(folder)) => folder_audit(folder, out)?,
+            (None, Some(folder)) => {
+                self.overrides.are_none()?;
+                folder_audit(folder, out)?;
+            }
             (None, None) => anyhow::bail!("give a scene, or --system DIR"),
         }
         Ok(Status::Done)

@@ -17,6 +17,19 @@ impl Overrides {
     pub(super) fn texts(&self) -> &[String] {
         &self.set
     }
+
+    /// Of a system folder there is nothing to replace.
+    ///
+    /// # Errors
+    /// Where something was given.
+    pub(super) fn are_none(&self) -> anyhow::Result<()> {
+        match self.set.first() {
+            None => Ok(()),
+            Some(set) => anyhow::bail!(
+                "--set {set} has no effect on a system folder, which has no keys of a scene"
+            ),
+        }
+    }
 }
 
 /// Reads a scene: whatever ends in `.toml` or exists is a file, the rest are names.

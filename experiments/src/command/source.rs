@@ -52,7 +52,10 @@ impl Source {
     pub(super) fn problem(&self) -> anyhow::Result<Problem> {
         match (&self.place.scene, &self.place.system) {
             (Some(name), _) => Ok(Problem::Body(self.assembly.stuck(name)?)),
-            (None, Some(folder)) => Ok(Problem::Folder(folder.clone())),
+            (None, Some(folder)) => {
+                self.assembly.is_left_alone()?;
+                Ok(Problem::Folder(folder.clone()))
+            }
             (None, None) => anyhow::bail!("give a scene, or --system DIR"),
         }
     }
@@ -76,6 +79,16 @@ impl Source {
 }
 
 impl Assembly {
+    /// A folder holds the system as it is.
+    fn is_left_alone(&self) -> anyhow::Result<()> {
+        self.overrides.are_none()?;
+        anyhow::ensure!(
+            self.stabilization == 1.0,
+            "--stabilization has no effect on a system folder, whose H is in H.mtx"
+        );
+        Ok(())
+    }
+
     /// A scene with every face in stick.
     pub(super) fn stuck(&self, name: &str) -> anyhow::Result<StuckBody> {
         let mut stuck = StuckBody::of_scene(name, scene::load(name, &self.overrides)?);

@@ -117,6 +117,25 @@ impl Axes {
         !self.scene.is_empty() || variants.any(|variant| variant.scene.is_some())
     }
 
+    /// True where rows have system folders.
+    pub(super) fn has_systems(&self) -> bool {
+        let mut variants = self.together.iter().flat_map(|t| &t.values);
+        !self.system.is_empty() || variants.any(|variant| variant.system.is_some())
+    }
+
+    /// A key that says which system a scene becomes, where one is said.
+    pub(super) fn of_scenes(&self) -> Option<&'static str> {
+        let variants = || self.together.iter().flat_map(|t| &t.values);
+        let state = !self.state.is_empty() || variants().any(|v| v.state.is_some());
+        let factor =
+            !self.stabilization.is_empty() || variants().any(|v| v.stabilization.is_some());
+        match (state, factor) {
+            (true, _) => Some("state"),
+            (false, true) => Some("stabilization"),
+            (false, false) => None,
+        }
+    }
+
     /// A key that says how a system is solved, where one is said.
     pub(super) fn of_solves(&self) -> Option<&'static str> {
         let none = Self::default();

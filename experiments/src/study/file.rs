@@ -260,6 +260,11 @@ impl Study {
                 axes.has_scenes() || !(sets || refines),
                 "`set` and `refine` have no effect without `scene`"
             );
+            if let (true, Some(key)) = (axes.has_systems(), axes.of_scenes()) {
+                bail!(
+                    "`{key}` has no effect on a system folder, whose H is in H.mtx; give scenes [[axes]] of their own"
+                );
+            }
         }
         let nested = self
             .measured()

@@ -9,7 +9,7 @@ use fracas::scene::{Body, Scene};
 use fracas::solve::{Problem, StuckBody};
 use fracas_solvers::Silent;
 use fracas_solvers::direct::DirectChoice;
-use fracas_solvers::saddle::{AugmentationChoice, SaddleBlocks};
+use fracas_solvers::saddle::{AugmentationChoice, Measure, SaddleBlocks};
 use fracas_solvers::spectrum::condition::{
     Ends, StiffnessEnds, scaled_schur_ends, schur_ends, stiffness_ends,
 };
@@ -23,13 +23,14 @@ pub(super) struct Prepared {
     raw: bool,
     /// Of a scene.
     pub(super) body: Option<(Arc<Body>, StuckBody)>,
-    /// In a balanced unit of tractions where they are ours, unless eigenvalues are asked for, too.
+    /// In a balanced unit of tractions, unless eigenvalues are asked for, too, or residuals of another code are compared.
     pub(super) blocks: Arc<SaddleBlocks>,
     /// Newton's method for a contact state, without its blocks.
     pub(super) state: Option<Linearized>,
     pub(super) mesh_s: f64,
     pub(super) assembly_s: f64,
-    is_ours: bool,
+    /// Tractions may be counted in another unit.
+    is_free: bool,
     /// Of tractions in these blocks [Pa].
     unit: f64,
     stiffness: Option<StiffnessEnds>,
@@ -75,7 +76,7 @@ impl Prepared {
     ///
     /// # Errors
     /// As the scene or the folder; a state that Newton's method cannot reach.
-    pub(super) fn new(case: &Case, raw: bool) -> anyhow::Result<Self> {
+    pub(super) fn new(case: &Case, raw: bool, measure: Measure) -> anyhow::Result<Self> {
         let start = Instant::now();
         let mut prepared = match case.stuck()? {
             None => {
@@ -88,7 +89,7 @@ impl Prepared {
                     state: None,
                     mesh_s: 0.0,
                     assembly_s: start.elapsed().as_secs_f64(),
-                    is_ours: loaded.is_ours,
+                    is_free: loaded.is_ours || measure == Measure::Error,
                     unit: 1.0,
                     stiffness: None,
                     schur: None,
@@ -111,7 +112,7 @@ impl Prepared {
                     raw,
                     body: Some((body, stuck)),
                     blocks: blocks.into(),
-                    is_ours: state.is_none(),
+                    is_free: state.is_none(),
                     state,
                     mesh_s,
                     assembly_s: start.elapsed().as_secs_f64(),
@@ -123,7 +124,7 @@ impl Prepared {
         };
         if !raw {
             let (blocks, unit) = prepared.balanced();
-            (prepared.blocks, prepared.unit, prepared.is_ours) = (blocks, unit, false);
+            (prepared.blocks, prepared.unit, prepared.is_free) = (blocks, unit, false);
         }
         Ok(prepared)
     }
@@ -133,10 +134,10 @@ impl Prepared {
         self.raw == raw && self.case.same_matrices(case)
     }
 
-    /// The blocks in a balanced unit of tractions, and this unit [Pa]; those of other codes keep theirs.
+    /// The blocks in a balanced unit of tractions where that is free, and this unit [Pa].
     pub(super) fn balanced(&self) -> (Arc<SaddleBlocks>, f64) {
         let unit = self.blocks.traction_unit();
-        match self.is_ours {
+        match self.is_free {
             true => (self.blocks.in_traction_unit(unit).into(), unit),
             false => (self.blocks.clone(), self.unit),
         }

@@ -14,7 +14,7 @@ use crate::sentence;
 use fracas::memory;
 use fracas::run::Stop;
 use fracas::solve::{End, Problem, Route, Solve, Solver, SystemKind};
-use fracas_solvers::saddle::SaddleMethod;
+use fracas_solvers::saddle::{Measure, SaddleMethod};
 use fracas_solvers::spectrum::{NonNormalRequest, SpectrumRequest, analyse_method};
 use fracas_solvers::{Observer, Silent, Step};
 use std::ops::ControlFlow;
@@ -129,10 +129,11 @@ fn prepared<'a>(
     slot: &'a mut Option<Prepared>,
     case: &Case,
     raw: bool,
+    measure: Measure,
 ) -> anyhow::Result<&'a mut Prepared> {
     match slot {
         Some(prepared) => Ok(prepared),
-        none => Ok(none.insert(Prepared::new(case, raw)?)),
+        none => Ok(none.insert(Prepared::new(case, raw, measure)?)),
     }
 }
 
@@ -182,7 +183,12 @@ impl Row<'_> {
         shared.make_room(self.case, prepares.then_some(spectral || conditions));
         memory::reset_peak();
         if prepares {
-            let prepared = prepared(&mut shared.prepared, self.case, spectral || conditions)?;
+            let prepared = prepared(
+                &mut shared.prepared,
+                self.case,
+                spectral || conditions,
+                self.study.tolerance_of,
+            )?;
             facts(prepared, measured);
             let n: usize = measured.sizes.iter().flatten().sum();
             if self.is_too_large(n, measured) {
@@ -226,12 +232,23 @@ impl Row<'_> {
         if conditions {
             self.conditions(
                 &settings,
-                prepared(&mut shared.prepared, self.case, true)?,
+                prepared(
+                    &mut shared.prepared,
+                    self.case,
+                    true,
+                    self.study.tolerance_of,
+                )?,
                 measured,
             )?;
         }
         if spectral {
-            let blocks = &prepared(&mut shared.prepared, self.case, true)?.blocks;
+            let blocks = &prepared(
+                &mut shared.prepared,
+                self.case,
+                true,
+                self.study.tolerance_of,
+            )?
+            .blocks;
             let kind = SystemKind::Entries("a spectrum");
             let method: SaddleMethod =
                 Route::new(&settings.method, settings.inner, kind, None)?.method;

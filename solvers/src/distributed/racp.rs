@@ -21,7 +21,7 @@ pub struct Contact {
     pub h: Option<SparseMatrix<f64>>,
     /// C, which couples no more than the tractions of a face.
     pub c: AugmentationMatrix,
-    /// Diagonal of `C_0 = Bᵀ diag(A)⁻¹ B`, 1 for an empty column.
+    /// Diagonal of `C_0 = Bᵀ diag(A)⁻¹ B`; 0 for an empty column gives way to `|H_ii|`.
     pub compliance: Vec<f64>,
     /// Wall time that C took [s].
     pub c_s: f64,

@@ -132,9 +132,13 @@ pub fn solve_accurately(
             judged = search.look_at(x, observer);
             is_last = remaining == 0;
         }
-        let is_enough = !ended && search.is_enough(&judged, is_final);
-        let Search { left, totals, .. } = &search;
+        let mut is_enough = !ended && search.is_enough(&judged, is_final);
         if is_enough || is_last {
+            if let Some(lost) = search.left.rounded(x, tolerance) {
+                judged.error = judged.error.map(|field, error| error + lost[field]);
+                is_enough &= judged.worst() <= tolerance;
+            }
+            let Search { left, totals, .. } = &search;
             let is_met = is_met || rounding;
             let counted = |outcome, relative| totals.report(outcome, relative, left);
             let result = match result {
@@ -170,7 +174,7 @@ pub fn solve_accurately(
             };
         }
         pass = Criteria {
-            relative_tolerance: judged.step(tolerance) * left.scale(),
+            relative_tolerance: judged.step(tolerance) * search.left.scale(),
             max_iterations: remaining,
         };
     }

@@ -62,6 +62,12 @@ impl SaddleBlocks {
         self.flow.as_ref().map_or(0, |f| f.t.rows())
     }
 
+    /// Diagonal entry i of H.
+    pub(crate) fn h_ii(&self, i: usize) -> f64 {
+        let entry = self.h.as_ref().and_then(|h| h.get(i, i).copied());
+        entry.unwrap_or(0.0)
+    }
+
     /// B2 by rows, also where it is B1ᵀ.
     pub fn b2_rows(&self) -> SparseMatrix<f64> {
         match &self.b2 {

@@ -81,7 +81,7 @@ impl<'a> EnergyNorms<'a> {
     pub fn of_parts(
         operator: &'a dyn LinearOperator<f64>,
         h: Option<(Box<dyn LinearOperator<f64> + 'a>, Vec<f64>)>,
-        c: Vec<f64>,
+        mut c: Vec<f64>,
         stiffness: Cow<'a, Stiffness>,
     ) -> Self {
         let n = operator.shape().rows;
@@ -91,11 +91,13 @@ impl<'a> EnergyNorms<'a> {
             "{n} unknowns, {} tractions, {rows:?} rows of H",
             c.len()
         );
-        let mut diagonal = c.clone();
         let (h, of_h) = h.unzip();
-        for (c, h) in diagonal.iter_mut().zip(of_h.unwrap_or_default()) {
-            *c += h.max(0.0);
+        let mut of_h = of_h.unwrap_or_default();
+        of_h.resize(c.len(), 0.0);
+        for (c, h) in c.iter_mut().zip(&of_h).filter(|(c, _)| **c == 0.0) {
+            *c = of_itself(*h);
         }
+        let diagonal = c.iter().zip(&of_h).map(|(c, h)| c + h.max(0.0)).collect();
         Self {
             operator,
             layout: Layout::new([(U, stiffness.len()), (T, c.len())]),
@@ -269,6 +271,14 @@ impl<'a> EnergyNorms<'a> {
     }
 }
 
+/// What stands in the place of `C_ii` where a column of B1 is empty: `|H_ii|`, of whose unit it is, and 1 where nothing holds that traction.
+pub(super) fn of_itself(h_ii: f64) -> f64 {
+    match h_ii.abs() {
+        0.0 => 1.0,
+        size => size,
+    }
+}
+
 /// `vᵀMv` of this part.
 fn energy(m: &dyn LinearOperator<f64>, v: &[f64]) -> f64 {
     let mut image = vec![0.0; v.len()];
@@ -329,10 +339,12 @@ fn ratio(error: f64, of: f64) -> f64 {
 }
 
 impl SaddleBlocks {
-    /// The diagonal of `C_0 = B1ᵀ diag(A)⁻¹ B1`; 1 for an empty column.
+    /// The diagonal of `C_0 = B1ᵀ diag(A)⁻¹ B1`; for an empty column `|H_ii|`, or 1 where that is 0.
     pub fn contact_compliance(&self) -> Vec<f64> {
         let mut c = self.compliance(&self.b1);
-        c.iter_mut().filter(|c| **c == 0.0).for_each(|c| *c = 1.0);
+        for (i, c) in c.iter_mut().enumerate().filter(|(_, c)| **c == 0.0) {
+            *c = of_itself(self.h_ii(i));
+        }
         c
     }
 

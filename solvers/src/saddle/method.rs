@@ -199,8 +199,11 @@ impl SaddleMethod {
         let Some(elimination) = Elimination::new(blocks) else {
             return settings.ready(blocks);
         };
-        let kept = settings.ready(&elimination.with_identity())?;
-        Ok(kept.inside(|inverse| EliminatedInverse::new(elimination, inverse)))
+        match settings.ready(&elimination.with_identity()) {
+            Ok(kept) => Ok(kept.inside(|inverse| EliminatedInverse::new(elimination, inverse))),
+            // A' may be indefinite where A is not
+            Err(reduced) => settings.ready(blocks).map_err(|_| reduced),
+        }
     }
 
     /// The settings of RACP where A is never assembled.

@@ -263,13 +263,16 @@ impl Racp {
         let racp = |blocks: &SaddleBlocks| {
             self.relaxed(blocks, flow, |blocks, c| self.inner.prepare(blocks, c))
         };
-        match Elimination::new(blocks) {
-            Some(elimination) => {
-                let (ready, s_p) = racp(elimination.kept())?;
+        let Some(elimination) = Elimination::new(blocks) else {
+            return racp(blocks);
+        };
+        match racp(elimination.kept()) {
+            Ok((ready, s_p)) => {
                 let whole = |inner| EliminatedInverse::new(elimination, inner);
                 Ok((ready.inside(whole), s_p))
             }
-            None => racp(blocks),
+            // A' may be indefinite where A is not: the rows are augmented like others
+            Err(reduced) => racp(blocks).map_err(|_| reduced),
         }
     }
 

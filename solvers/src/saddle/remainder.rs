@@ -83,6 +83,28 @@ impl<'a> Remainder<'a> {
         if self.is_sharp { 1.0 } else { self.relative }
     }
 
+    /// Errors of x without the digits that f64 does not hold, which are dropped, relative to x; `None` where there are none. The residual is that of x
+    /// from here on.
+    pub(super) fn rounded(&mut self, x: &[f64], tolerance: f64) -> Option<Fields<f64>> {
+        let blocks = self.norms.entries().filter(|_| self.is_sharp)?;
+        let lost = self.norms.error(&self.low);
+        self.low.fill(0.0);
+        self.r.clear();
+        self.r.extend_from_slice(self.system.rhs);
+        blocks.residual(self.system.rhs, &[x], &mut self.r);
+        let size = self.system.norm2(&self.r);
+        self.relative = match size {
+            0.0 => 0.0,
+            size => size / self.system.norm2(self.system.rhs),
+        };
+        self.products += 1;
+        Some(EnergyNorms::relative(
+            lost,
+            self.norms.solution(x),
+            tolerance,
+        ))
+    }
+
     /// The errors of x by M⁻¹ of its residual, with what rounding may add to that.
     pub(super) fn judged(
         &mut self,

@@ -34,8 +34,8 @@ impl SaddleBlocks {
     /// Pressures are counted in the same unit, and the rows of their balance times the power of two that brings their largest entry
     /// nearest to that of A: volumes per time are as far from forces as jumps are.
     ///
-    /// A power of two changes no bit of any mantissa. RACP commutes with it: C scales by s² for every choice but the
-    /// 1 of an empty column.
+    /// A power of two changes no bit of any mantissa. RACP commutes with it: C scales by s² for every choice, but where an empty column
+    /// has no H either.
     #[must_use]
     pub fn in_traction_unit(&self, unit: f64) -> Self {
         self.clone().into_traction_unit(unit)

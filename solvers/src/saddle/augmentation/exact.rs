@@ -1,6 +1,7 @@
 //! The exact augmentation.
 
 use super::super::SaddleBlocks;
+use super::super::energy_norms::of_itself;
 use super::AugmentationMatrix;
 use super::support::Columns;
 use crate::SetupError;
@@ -18,7 +19,7 @@ const COLUMNS_AT_ONCE: usize = 128;
 /// Least eigenvalue over the largest one, both after scaling, below which A is indefinite and not only singular to rounding. Unit: 1.
 const INDEFINITE: f64 = 1e-10;
 
-/// `C = Bᵀ A⁻¹ B`; an empty column gets `C_ii = 1`.
+/// `C = Bᵀ A⁻¹ B`; an empty column gets `C_ii = |H_ii|`, or 1.
 ///
 /// # Cost
 /// One sparse Cholesky factorization of A and n_t solves; the products use only the rows of A⁻¹B where B has entries.
@@ -36,7 +37,7 @@ pub(super) fn exact(
         false => schur_complement(blocks, columns, direct)?,
     };
     for i in columns.empty() {
-        c[(i, i)] = 1.0;
+        c[(i, i)] = of_itself(blocks.h_ii(i));
     }
     Ok(AugmentationMatrix::dense(c))
 }

@@ -1,5 +1,7 @@
 //! The local augmentation.
 
+use super::super::SaddleBlocks;
+use super::super::energy_norms::of_itself;
 use super::AugmentationMatrix;
 use super::support::{Columns, for_restricted};
 use crate::SetupError;
@@ -12,7 +14,7 @@ use rayon::prelude::*;
 /// Supports up to this size go through a dense eigenvalue solver, larger ones through Lanczos.
 const DENSE_SUPPORT: usize = 240;
 
-/// `C_ii = ‖r(b_i)‖₂² / ‖A|_{b_i}‖₂`, b_i = column i of B, A restricted to its support; 1 for an empty column.
+/// `C_ii = ‖r(b_i)‖₂² / ‖A|_{b_i}‖₂`, b_i = column i of B, A restricted to its support; for an empty column `|H_ii|`, or 1.
 ///
 /// # Units
 /// [m⁴] / [N/m], like BᵀA⁻¹B: C scales with B² and with 1/A.
@@ -23,10 +25,10 @@ const DENSE_SUPPORT: usize = 240;
 /// # Source
 /// M. Ferronato, SNA'25 lecture, slide on the choice of C.
 pub(super) fn local(
-    a: &SparseMatrix<f64>,
+    blocks: &SaddleBlocks,
     columns: &Columns,
 ) -> Result<AugmentationMatrix, SetupError> {
-    let n_t = columns.len();
+    let (a, n_t) = (&blocks.a, columns.len());
     // The three columns of a face usually share their support: one norm serves them all.
     let first_of_run: Vec<usize> = (0..n_t)
         .filter(|&i| i == 0 || columns.support(i) != columns.support(i - 1))
@@ -42,7 +44,7 @@ pub(super) fn local(
         }
         let norm = norms[run];
         if columns.support(i).is_empty() {
-            Ok(1.0)
+            Ok(of_itself(blocks.h_ii(i)))
         } else if norm > 0.0 {
             Ok(columns.norm_squared(i) / norm)
         } else {

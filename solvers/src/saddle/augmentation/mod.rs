@@ -109,14 +109,14 @@ impl AugmentationChoice {
         blocks.check()?;
         let columns = support::Columns::new(&blocks.b1);
         let mut matrix = match self {
-            Self::Local => local::local(&blocks.a, &columns)?,
+            Self::Local => local::local(blocks, &columns)?,
             Self::Global => global::global(blocks, 1.0)?,
             Self::GlobalTimes(factor) => global::global(blocks, factor)?,
             Self::Exact => exact::exact(blocks, &columns, direct)?,
             Self::LocalH => stabilized::local_h(blocks, &columns)?,
             Self::HalfH => stabilized::half_h(blocks, &columns)?,
             Self::FittedH => {
-                let local = local::local(&blocks.a, &columns)?.diagonal_entries();
+                let local = local::local(blocks, &columns)?.diagonal_entries();
                 fitted::fitted_h(local, &fitted::shares(blocks, &columns), blocks.h.as_ref())
             }
             Self::ExactH => stabilized::exact_h(blocks, &columns, direct)?,

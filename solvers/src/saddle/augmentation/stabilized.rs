@@ -1,6 +1,7 @@
 //! Augmentations that dominate the stabilization H.
 
 use super::super::SaddleBlocks;
+use super::super::energy_norms::of_itself;
 use super::exact::schur_complement;
 use super::face_block::{ROUNDING, add_stabilization};
 use super::local::local;
@@ -22,7 +23,7 @@ pub(super) fn local_h(
     blocks: &SaddleBlocks,
     columns: &Columns,
 ) -> Result<AugmentationMatrix, SetupError> {
-    let local = local(&blocks.a, columns)?.diagonal_entries();
+    let local = local(blocks, columns)?.diagonal_entries();
     Ok(match &blocks.h {
         Some(h) => row_by_row(local, h, |_| 1.0),
         None => AugmentationMatrix::diagonal(local),
@@ -36,7 +37,7 @@ pub(super) fn half_h(
     blocks: &SaddleBlocks,
     columns: &Columns,
 ) -> Result<AugmentationMatrix, SetupError> {
-    let local = local(&blocks.a, columns)?.diagonal_entries();
+    let local = local(blocks, columns)?.diagonal_entries();
     Ok(with_share(local, blocks.h.as_ref(), |_| HALF))
 }
 
@@ -93,7 +94,7 @@ fn is_diagonal(block: &Block) -> bool {
     (0..3).all(|i| (0..3).all(|j| i == j || block[i][j].abs() <= ROUNDING * size))
 }
 
-/// `C = Bᵀ A⁻¹ B + (H + Hᵀ)/2`; an empty column of B counts as `S_ii = 1`, since H alone is singular there.
+/// `C = Bᵀ A⁻¹ B + (H + Hᵀ)/2`; an empty column of B counts as `S_ii = |H_ii|`, or 1, since H alone is singular there.
 pub(super) fn exact_h(
     blocks: &SaddleBlocks,
     columns: &Columns,
@@ -107,7 +108,7 @@ pub(super) fn exact_h(
         }
     }
     for i in columns.empty() {
-        c[(i, i)] += 1.0;
+        c[(i, i)] += of_itself(blocks.h_ii(i));
     }
     Ok(AugmentationMatrix::dense(c))
 }

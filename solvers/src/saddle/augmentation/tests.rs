@@ -151,7 +151,7 @@ fn every_c_scales_like_b_squared_over_a() {
 }
 
 #[test]
-fn empty_columns_get_one_and_are_reported() {
+fn empty_columns_get_their_own_h_or_one_and_are_reported() {
     let mut blocks = random(12, 6, 0.0, 4);
     blocks.b1 = sparse(12, 6, |i, j| {
         if j == 4 {
@@ -169,6 +169,14 @@ fn empty_columns_get_one_and_are_reported() {
             assert_eq!(c.matrix.diagonal_entries()[4], 1.0, "{choice}");
         }
     }
+    // the unit of H is that of C
+    let tiny = 1e-12;
+    blocks.h = Some(sparse(6, 6, |i, j| if i == j { tiny } else { 0.0 }));
+    for choice in [AugmentationChoice::Local, AugmentationChoice::Exact] {
+        let c = choice.compute(&blocks, direct.as_ref()).unwrap();
+        assert_eq!(c.matrix.diagonal_entries()[4], tiny, "{choice}");
+    }
+    assert_eq!(blocks.contact_compliance()[4], tiny);
 }
 
 #[test]

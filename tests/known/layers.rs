@@ -1,0 +1,148 @@
+//! Claim: what is uniform in every level layer is reproduced exactly beside a fault that sticks and crosses them: tractions of layers that are
+//! strained or depleted, and rest under their weight, whatever the contrast, the dip, the grading, and where the fault ends.
+
+use fracas::nonlinear::{Simulation, State};
+use fracas::scene::{Body, Scene};
+use fracas_operators::random::Random;
+use fracas_solvers::Silent;
+
+const POISSON: f64 = 0.25;
+
+/// Scenes tried of each kind.
+const CASES: u64 = 24;
+
+/// Layers from the ground down, each of at least two rows of cells, and a fault.
+struct Section {
+    /// Young's modulus [Pa] and fall of pore pressure [Pa] per layer.
+    rocks: Vec<[f64; 2]>,
+    /// z of their tops [m], descending, and of the bottom.
+    tops: Vec<f64>,
+    toml: String,
+}
+
+/// Random layers; the fault reaches the ground, the base, both or neither.
+fn section(r: &mut Random, dip: f64) -> Section {
+    let n = r.whole(2, 4) as usize;
+    let mut lines = vec![0.0];
+    let (mut tops, mut rocks, mut materials) = (Vec::new(), Vec::new(), String::new());
+    for i in 0..n {
+        let z: f64 = *lines.last().unwrap();
+        tops.push(z);
+        let height = r.between(20.0, 60.0);
+        let growth = r.between(0.7, 1.4);
+        let rows = r.whole(2, 4);
+        (0..rows).fold(z, |z, k| {
+            lines.push(z - height * growth.powi(k as i32));
+            *lines.last().unwrap()
+        });
+        rocks.push([r.scale(1e9, 1e11), r.between(0.0, 1e7)]);
+        let [young, fall] = rocks[i];
+        materials += &format!(
+            "[[material]]\nname = 'm{i}'\nyoung = '{young} Pa'\npoisson = {POISSON}\ndensity = '{} kg/m3'\nPORE{i}layers = [['{} m', '{z} m']]\n",
+            r.between(1500.0, 2700.0),
+            lines.last().unwrap(),
+        );
+        let pore = format!("pressure_change = '{} Pa'\n", -fall);
+        materials = materials.replace(&format!("PORE{i}"), &pore);
+    }
+    tops.push(*lines.last().unwrap());
+    lines.reverse();
+    let last = lines.len() - 1;
+    let below = if r.chance(0.5) { 0 } else { 1 };
+    let above = if r.chance(0.5) { last } else { last - 1 };
+    let quoted: Vec<String> = lines.iter().map(|z| format!("'{z} m'")).collect();
+    let toml = format!(
+        "title = 'layers'\n[mesh]\nx = {{ from = '-300 m', to = '300 m', cells = 6 }}\ny = {{ from = '0 m', to = '60 m', cells = {} }}\nz = {{ lines = [{}] }}\n\
+         {materials}[[fracture]]\nname = 'f'\nplane = 'x'\nat = '0 m'\nz = ['{} m', '{} m']\ndip = '{dip} deg'\nfriction_angle = '60 deg'\ncohesion = '1 GPa'\n",
+        r.whole(1, 2),
+        quoted.join(", "),
+        lines[below],
+        lines[above],
+    );
+    Section { rocks, tops, toml }
+}
+
+fn rollers(sides: &[&str]) -> String {
+    let of = |side: &&str| format!("[[boundary]]\nside = '{side}'\nhold = 'roller'\n");
+    sides.iter().map(of).collect()
+}
+
+fn at_rest(toml: &str) -> (Body, State) {
+    let scene = Scene::from_toml(toml, "layers.toml").unwrap_or_else(|e| panic!("{e}\n{toml}"));
+    let body = scene.build().unwrap_or_else(|e| panic!("{e}\n{toml}"));
+    let mut simulation = Simulation::new(&body).unwrap();
+    let start = simulation.initial_state();
+    let state = simulation.advance(&start, &mut Silent).unwrap().state;
+    (body, state)
+}
+
+impl Section {
+    fn layer_at(&self, z: f64) -> usize {
+        self.tops[1..].iter().take_while(|top| **top > z).count()
+    }
+}
+
+#[test]
+fn layers_that_are_strained_and_depleted_have_their_tractions() {
+    for seed in 0..CASES {
+        let r = &mut Random::new(seed);
+        let section = section(r, 90.0);
+        let strain = r.between(1e-5, 1e-3);
+        let toml = format!(
+            "{}{}[[boundary]]\nside = 'x+'\ndisplacement = {{ x = '{} m' }}\n",
+            section.toml,
+            rollers(&["x-", "y-", "y+", "z-"]),
+            -600.0 * strain
+        );
+        let (body, state) = at_rest(&toml);
+        // plane strain along y, nothing above: total stress across the fault
+        let exact = |layer: usize| {
+            let [young, fall] = section.rocks[layer];
+            let free = (1.0 - 2.0 * POISSON) / (1.0 - POISSON);
+            -young / (1.0 - POISSON * POISSON) * strain + free * fall
+        };
+        let size = (0..section.rocks.len()).fold(0.0f64, |m, l| m.max(exact(l).abs()));
+        for (face, t) in body.fractures.faces.iter().zip(state.t.chunks_exact(3)) {
+            let expected = exact(section.layer_at(face.center[2]));
+            let off = (t[0] - expected).abs().max(t[1].abs()).max(t[2].abs());
+            assert!(off < 1e-6 * size, "seed {seed}: {t:?}, {expected}\n{toml}");
+        }
+    }
+}
+
+#[test]
+fn level_layers_rest_under_their_weight_wherever_a_fault_ends() {
+    for seed in 0..CASES {
+        let r = &mut Random::new(1000 + seed);
+        let dip = r.between(50.0, 130.0);
+        let [k_x, k_y] = [0, 1].map(|_| r.between(0.5, 1.1));
+        let section = section(r, dip);
+        let mut toml = section.toml.clone();
+        for i in 0..section.rocks.len() {
+            let pore = format!("pressure_change = '{} Pa'\n", -section.rocks[i][1]);
+            toml = toml.replace(&pore, "");
+        }
+        let fluid = if r.chance(0.5) {
+            ", fluid = '1000 kg/m3'"
+        } else {
+            ""
+        };
+        toml += &format!(
+            "[gravity]\nz = '-10 m/s2'\n[initial_stress]\nweight = {{ horizontal = [{k_x}, {k_y}]{fluid} }}\n{}",
+            rollers(&["x-", "x+", "y-", "y+", "z-"])
+        );
+        let (body, state) = at_rest(&toml);
+        let moved = state.u.iter().fold(0.0f64, |m, u| m.max(u.abs()));
+        assert!(moved < 1e-9, "seed {seed}: {moved} m\n{toml}");
+        for (face, t) in body.fractures.faces.iter().zip(state.t.chunks_exact(3)) {
+            let pull = body.initial_pull_at(face, face.center, face.frame[0]);
+            for k in 0..3 {
+                let expected: f64 = (0..3).map(|i| face.frame[k][i] * pull[i]).sum();
+                assert!(
+                    (t[k] - expected).abs() < 1e-6 * t[0].abs(),
+                    "seed {seed}: {t:?}\n{toml}"
+                );
+            }
+        }
+    }
+}
