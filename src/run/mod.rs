@@ -6,6 +6,7 @@
 //! | `folder`, `lock` | a folder of one process, a scene that fits it, where to go on from |
 //! | `running` | step by step, each on the disk before the next begins |
 //! | `tree`, `lines`, `collection` | what is written when, and taken back by a restart |
+//! | `beyond` | what H lets through where it acts on more than the states constrain |
 //! | `history`, `events`, `manifest` | rows, log, `run.json` |
 //!
 //! ```
@@ -36,6 +37,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod beyond;
 mod changed;
 mod collection;
 mod error;

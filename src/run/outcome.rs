@@ -55,6 +55,8 @@ pub struct Ended {
     pub reason: Option<String>,
     /// What happened in the step that failed.
     pub events: Vec<Event>,
+    /// What is better told about the steps that were done.
+    pub remarks: Vec<String>,
 }
 
 impl fmt::Display for Ended {

@@ -1,5 +1,6 @@
 //! A run on its way: step by step, each on the disk before the next begins.
 
+use super::beyond::Beyond;
 use super::changed::changed;
 use super::manifest::Manifest;
 use super::tree::{RESOLVED, Tree};
@@ -23,6 +24,7 @@ pub struct Running<'a> {
     state: State,
     /// Steps that are left of those asked for.
     left: Option<usize>,
+    beyond: Beyond,
 }
 
 impl<'a> Running<'a> {
@@ -44,6 +46,7 @@ impl<'a> Running<'a> {
             manifest,
             tree,
             state,
+            beyond: Beyond::default(),
         };
         // before they are written over
         let checkpoint = folder.checkpoint.as_deref();
@@ -59,7 +62,9 @@ impl<'a> Running<'a> {
             .into_iter()
             .map(|remark| remark.to_string());
         let undetermined = folder.undetermined.clone().into_iter();
-        for remark in undetermined.chain(remarks).chain(changed) {
+        let moved = scene.geology().map(|geology| &geology.moved[..]);
+        let moved = moved.unwrap_or_default().iter().map(ToString::to_string);
+        for remark in moved.chain(undetermined).chain(remarks).chain(changed) {
             observer.say(&format_args!("warning: {remark}"));
             let more = json!({ "text": remark });
             running.tree.log(step, "warning", more)?;
@@ -151,6 +156,9 @@ impl<'a> Running<'a> {
         let energy = self.simulation.energy(&self.state, &accepted.state);
         let faults = self.simulation.faults(&self.state, &accepted.state);
         self.tree.accept(&accepted, (&energy, &faults), wall_s)?;
+        let fields = || self.simulation.face_fields(&accepted.state);
+        let (step, fractures) = (accepted.record.step, &self.folder.body.fractures);
+        (self.beyond).add(step, &accepted.events, fields, fractures);
         let Accepted {
             state,
             record,
@@ -208,12 +216,17 @@ impl<'a> Running<'a> {
     fn log_end(&mut self, outcome: Outcome, reason: Option<String>) -> Result<Taken, RunError> {
         let (step, time) = (self.state.step, self.state.time);
         let more = json!({ "time_s": time, "reason": reason });
+        let remarks: Vec<String> = self.beyond.remark().into_iter().collect();
+        for remark in &remarks {
+            self.tree.log(step, "warning", json!({ "text": remark }))?;
+        }
         self.tree.log(step, outcome.event(), more)?;
         Ok(Taken::Ended(Ended {
             outcome,
             step,
             reason,
             events: Vec::new(),
+            remarks,
         }))
     }
 

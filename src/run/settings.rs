@@ -14,7 +14,7 @@ pub struct Run {
     pub out: Option<PathBuf>,
     /// Goes on from a checkpoint: a file, or the folder of a run for its last one.
     pub restart: Option<PathBuf>,
-    /// Stops after so many steps.
+    /// Stops after so many steps; step 0, the equilibrium at time 0, counts as one.
     pub steps: Option<usize>,
     /// Writes fields for ParaView every so many steps and at the end.
     pub fields_every: usize,

@@ -69,6 +69,14 @@ pub enum Problem {
         "the initial stress of weight needs [gravity] along z alone, and elements whose tops and bottoms are level (no map that tilts or distorts them)"
     )]
     NoWeight,
+    /// Rock that gravity asks for a density of.
+    #[error(
+        "material \"{name}\" has no `density`, by which [gravity] acts on it; give one, e.g. density = \"2500 kg/m3\", or \"0 kg/m3\" for rock without weight"
+    )]
+    NoDensity {
+        /// Its name.
+        name: String,
+    },
     /// Rock that floats.
     #[error(
         "between z = {from} m and {to} m the rock weighs {rock:.4} kg/m3 and the fluid {fluid} kg/m3: it would be lifted, and its effective stress be a tension; `density` of a material is that of rock and pores together, not below that of `fluid`"
@@ -240,6 +248,30 @@ pub enum Problem {
         key: &'static str,
         /// Which section.
         what: String,
+    },
+    /// A table that begins after the run.
+    #[error(
+        "`{key}` of {what} begins at {first}, and the run ends at {end}, so that nothing changes; count its times from the start of the run, or give it a row at time 0 where it begins later on purpose"
+    )]
+    Late {
+        /// The key.
+        key: &'static str,
+        /// Which section.
+        what: String,
+        /// Its first time, as written.
+        first: String,
+        /// Of the run, as written.
+        end: String,
+    },
+    /// A load on what is held.
+    #[error(
+        "`{key}` of {side} has no effect: the displacement along it is prescribed on the whole of it by `hold` or `displacement`; leave one of them out"
+    )]
+    HeldLoad {
+        /// `pressure` or `traction`.
+        key: &'static str,
+        /// The side.
+        side: String,
     },
     /// A last time of zero.
     #[error("`end` must be later than time 0")]

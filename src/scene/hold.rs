@@ -5,6 +5,7 @@ use super::sections::{BoundarySection, HoldSection, SideName};
 use super::{Problem, SurfaceTraction};
 use crate::mesh::{BuiltMesh, FaceSide, face_geometry};
 use crate::units::Measure;
+use std::collections::HashSet;
 
 /// A face is perpendicular to an axis if its unit normal has a component larger than 1 − this: an angle of 1e-5 rad.
 const FLAT: f64 = 5e-11;
@@ -20,6 +21,8 @@ pub(super) fn hold(
 ) -> Result<(Vec<Prescribed>, Vec<SurfaceTraction>), Located> {
     let mut prescribed = Vec::new();
     let mut tractions = Vec::new();
+    // number of the boundary, key, and where its tractions begin
+    let mut loads = Vec::new();
     for (i, boundary) in boundaries.iter().enumerate() {
         let number = i.to_string();
         // the sides of a mesh file are those of the sections
@@ -77,12 +80,16 @@ pub(super) fn hold(
                 }
                 prescribe(given);
             }
-            (None, None, Some(traction), None) => tractions.push(SurfaceTraction {
-                faces: faces.iter().map(|f| f.nodes).collect(),
-                value: traction.si(),
-                history,
-            }),
+            (None, None, Some(traction), None) => {
+                loads.push((i, "traction", tractions.len()));
+                tractions.push(SurfaceTraction {
+                    faces: faces.iter().map(|f| f.nodes).collect(),
+                    value: traction.si(),
+                    history,
+                });
+            }
             (None, None, None, Some(pressure)) => {
+                loads.push((i, "pressure", tractions.len()));
                 tractions.extend(pressed(faces, built, pressure, history));
             }
             (hold, displacement, traction, pressure) => {
@@ -106,7 +113,40 @@ pub(super) fn hold(
             }
         }
     }
+    require_free(boundaries, &loads, &tractions, &prescribed)?;
     Ok((prescribed, tractions))
+}
+
+/// Component of a traction over its largest that is none: the normal of a flat side has such ones by rounding. Unit: 1.
+const NONE: f64 = 1e-9;
+
+/// Refuses loads along displacements that are all prescribed.
+fn require_free(
+    boundaries: &[BoundarySection],
+    loads: &[(usize, &'static str, usize)],
+    tractions: &[SurfaceTraction],
+    prescribed: &[Prescribed],
+) -> Result<(), Located> {
+    let held: HashSet<u32> = prescribed.iter().map(|(dof, ..)| *dof).collect();
+    for (k, (i, key, from)) in loads.iter().enumerate() {
+        let to = loads.get(k + 1).map_or(tractions.len(), |next| next.2);
+        let mut pushes = false;
+        let mut moves = |load: &SurfaceTraction| {
+            let largest = load.value.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+            let along = |d: &u32| load.value[*d as usize].abs() > NONE * largest;
+            let along: Vec<u32> = (0..3).filter(along).collect();
+            pushes |= !along.is_empty();
+            let nodes = load.faces.iter().flatten();
+            let mut dofs = nodes.flat_map(|node| along.iter().map(move |d| 3 * node + d));
+            dofs.any(|dof| !held.contains(&dof))
+        };
+        if !tractions[*from..to].iter().any(&mut moves) && pushes {
+            let side = boundaries[*i].place();
+            let path = ["boundary", &i.to_string(), key];
+            return Err(at(&path, Problem::HeldLoad { key, side }));
+        }
+    }
+    Ok(())
 }
 
 /// Outward unit normal, averaged over the face.

@@ -1,5 +1,6 @@
 //! Scenes: what is written in a TOML file, checked, and turned into a [`Body`] that can be assembled.
 
+mod acting;
 mod body;
 mod build;
 mod error;

@@ -334,6 +334,11 @@ impl PorePressureSection {
             .ok_or(TableProblem::Empty { place: place() })
     }
 
+    /// Its first time.
+    pub(super) fn first(&self) -> Option<&Measure<Duration>> {
+        self.points.as_ref()?.first().map(|(time, _)| time)
+    }
+
     /// True where it changes.
     pub(super) fn varies(&self) -> bool {
         let points = self.points.iter().flatten();

@@ -73,7 +73,7 @@ pub struct MaterialSection {
     pub young: Measure<Stiffness>,
     /// Poisson's ratio.
     pub poisson: Measure<Poisson>,
-    /// Density; only gravity asks for it.
+    /// Density, which `[gravity]` needs; `"0 kg/m3"` is rock without weight.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub density: Option<Measure<Density>>,
     /// Viscosity η of a Maxwell body, in which the deviatoric stress s flows: `ε̇_v = s/(2η)`; it dies out in a time η/G where strain rests.

@@ -1,9 +1,9 @@
 //! Keys that would be read and change nothing, or less than they say.
 
 use super::Problem;
+use super::acting::require_time;
 use super::located::{Located, at};
 use super::sections::{MaterialSection, SceneSections};
-use crate::units::{Duration, Measure};
 
 /// Refuses keys that change nothing where they stand.
 pub(super) fn require_used(sections: &SceneSections) -> Result<(), Located> {
@@ -13,6 +13,7 @@ pub(super) fn require_used(sections: &SceneSections) -> Result<(), Located> {
             Problem::Idle { key, what, without },
         )
     };
+    require_densities(sections)?;
     for (i, m) in sections.material.iter().enumerate() {
         let given = [
             ("biot", m.biot.is_some()),
@@ -81,6 +82,24 @@ pub(super) fn require_used(sections: &SceneSections) -> Result<(), Located> {
         }
     }
     require_time(sections)
+}
+
+/// Refuses rock whose weight nobody knows, where gravity acts.
+fn require_densities(sections: &SceneSections) -> Result<(), Located> {
+    if sections.gravity.as_ref().is_none_or(|g| g.si() == [0.0; 3]) {
+        return Ok(());
+    }
+    let without = |m: &MaterialSection| m.density.is_none();
+    match sections.material.iter().position(without) {
+        None => Ok(()),
+        Some(i) => {
+            let name = sections.material[i].name.clone();
+            Err(at(
+                &["material", &i.to_string()],
+                Problem::NoDensity { name },
+            ))
+        }
+    }
 }
 
 /// Refuses keys of a fluid where there is none, and what drives it where no time passes.
@@ -156,47 +175,5 @@ fn require_flow(sections: &SceneSections) -> Result<(), Located> {
             }
             None => Ok(()),
         },
-    }
-}
-
-/// Refuses histories that vary where time stands still.
-fn require_time(sections: &SceneSections) -> Result<(), Located> {
-    if sections.time.is_some() {
-        return Ok(());
-    }
-    let table = |m: &MaterialSection| m.pore_pressure.as_ref().is_some_and(|p| p.varies());
-    if let Some(i) = sections.material.iter().position(table) {
-        let what = format!("material \"{}\"", sections.material[i].name);
-        let key = "pore_pressure";
-        return Err(at(
-            &["material", &i.to_string(), key],
-            Problem::Timeless { key, what },
-        ));
-    }
-    let materials = sections.material.iter().enumerate().map(|(i, m)| {
-        let what = format!("material \"{}\"", m.name);
-        ("material", i, "pressure_history", &m.pressure_history, what)
-    });
-    let fractures = sections.fracture.iter().enumerate().map(|(i, f)| {
-        let what = format!("fracture \"{}\"", f.name);
-        ("fracture", i, "pressure_history", &f.pressure_history, what)
-    });
-    let sides = sections.boundary.iter().enumerate().map(|(i, b)| {
-        let what = b.place();
-        ("boundary", i, "history", &b.history, what)
-    });
-    let varies = |written: &Vec<(Measure<Duration>, f64)>| {
-        written.windows(2).any(|pair| pair[0].1 != pair[1].1)
-    };
-    match materials
-        .chain(fractures)
-        .chain(sides)
-        .find(|(.., written, _)| written.as_ref().is_some_and(varies))
-    {
-        Some((section, i, key, _, what)) => {
-            let path = [section, &i.to_string(), key];
-            Err(at(&path, Problem::Timeless { key, what }))
-        }
-        None => Ok(()),
     }
 }

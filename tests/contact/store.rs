@@ -117,7 +117,11 @@ fn store(seed: u64) -> String {
             _ => "z = ['-2700 m', '-1600 m']\n",
         };
         if name == "central" || r.chance(0.4) {
-            toml += &format!("throw = '{} m'\n", r.between(0.0, 200.0).round());
+            let throw = r.between(0.0, 200.0).round();
+            // less is lost between the lines of the grid, and refused
+            if throw > 0.25 * size.round() {
+                toml += &format!("throw = '{throw} m'\n");
+            }
         }
         if leans && r.chance(0.8) {
             toml += &format!("dip = '{} deg'\n", r.between(65.0, 115.0));

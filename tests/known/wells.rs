@@ -40,7 +40,7 @@ fn block(fracture: &str, time: &str, more: &str) -> String {
     for axis in ["x", "y", "z"] {
         toml += &format!("{axis} = {{ from = '0 m', to = '4 m', cells = 4 }}\n");
     }
-    toml += "[[material]]\nname = 'rock'\nyoung = '25 GPa'\npoisson = 0.25\n";
+    toml += "[[material]]\nname = 'rock'\nyoung = '25 GPa'\npoisson = 0.25\ndensity = '0 kg/m3'\n";
     toml += "[[fracture]]\nname = 'F'\nplane = 'z'\nat = '2 m'\nfriction_angle = '30 deg'\n";
     toml += &format!("{fracture}\n[fluid]\nviscosity = '1 cP'\n[time]\n{time}\n");
     toml += "[initial_stress]\nconstant = { xx = '-10 MPa', yy = '-10 MPa', zz = '-10 MPa' }\n";

@@ -503,6 +503,11 @@ fn what_the_grid_cannot_follow_is_refused_with_its_line() {
         ),
         (
             "cuts = [\"clay\"]",
+            "cuts = []",
+            "s.toml:48:8: `cuts` of fracture \"east\" is an empty list; name the layers that it cuts, e.g. cuts = [\"clay\"], or leave `cuts` out",
+        ),
+        (
+            "cuts = [\"clay\"]",
             "cuts = [\"gas\"]",
             "s.toml:48:8: no layer is named \"gas\"",
         ),
@@ -543,6 +548,12 @@ fn what_the_grid_cannot_follow_is_refused_with_its_line() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    // the ends of the range that the sentence names
+    for dip in ["30 deg", "150 deg", "29.9999 deg"] {
+        let dip_of = format!("dip = \"{dip}\"\nlevel = \"-600 m\"");
+        let error = small("dip = \"70 deg\"", &dip_of).err();
+        assert_eq!(error.is_some(), dip == "29.9999 deg", "{dip}: {error:?}");
+    }
     let text = SMALL.replacen("[geology]", "[geologi]", 1) + HELD;
     let error = Scene::from_toml(&text, "s.toml").unwrap_err().to_string();
     assert!(
@@ -568,6 +579,90 @@ fn layers_say_how_far_a_fault_reaches() {
     let z = scene.sections().fracture[1].z.as_ref().unwrap();
     // clay from -500 to -800 m, 100 m lower before the fault and 50 m lower behind it
     assert_eq!([z[0].si(), z[1].si()], [-900.0, -550.0]);
+}
+
+/// Two faults across x and y with throws [m], listed as they come or the other way round, with x and y as they are or exchanged.
+fn two_throws(throws: [f64; 2], turned: bool, exchanged: bool, z: &str) -> Result<Scene, String> {
+    let fault = |k: usize| {
+        let axis = ["x", "y"][k ^ usize::from(exchanged)];
+        format!(
+            "[[fracture]]\nname = '{}'\nplane = '{axis}'\nat = '{} m'\nthrow = '{} m'\n",
+            ["A", "B"][k],
+            [-300.0, 200.0][k],
+            throws[k]
+        )
+    };
+    let faults = match turned {
+        false => fault(0) + &fault(1),
+        true => fault(1) + &fault(0),
+    };
+    let text = format!(
+        "title = 'two'\n[mesh]\nx = {{ from = '-2 km', to = '2 km', size = '100 m' }}\ny = {{ from = '-2 km', to = '2 km', size = '100 m' }}\n\
+         z = {{ {z} }}\n[geology]\nbottom = '-2 km'\nlayers = [{{ top = '0 m', material = 'sand' }}, {{ top = '-500 m', material = 'clay' }}, \
+         {{ top = '-1200 m', material = 'rock' }}]\n\
+         [[material]]\nname = 'sand'\nyoung = '1 GPa'\npoisson = 0.2\n[[material]]\nname = 'clay'\nyoung = '1 GPa'\npoisson = 0.2\n\
+         [[material]]\nname = 'rock'\nyoung = '1 GPa'\npoisson = 0.2\n{faults}{HELD}"
+    );
+    Scene::from_toml(&text, "s.toml").map_err(|error| error.to_string())
+}
+
+/// Where lines are close, neither the order of lists nor the names of axes decide which of them stays.
+#[test]
+fn lines_that_become_one_do_not_depend_on_lists_and_axes() {
+    let r = &mut Random::new(77);
+    let mut merged = 0;
+    for _ in 0..60 {
+        // in cells of 100 m lines within 25 m are one
+        let throws = [0, 1].map(|_| f64::from(r.whole(26, 70)));
+        let levels = |turned, exchanged| {
+            let scene = two_throws(throws, turned, exchanged, "size = '100 m'").unwrap();
+            let geology = scene.geology().unwrap();
+            let mut all: Vec<([[f64; 2]; 3], usize)> = (geology.pieces.iter())
+                .map(|piece| {
+                    let [x, y, z] = piece.ends;
+                    (
+                        if exchanged { [y, x, z] } else { [x, y, z] },
+                        piece.material,
+                    )
+                })
+                .collect();
+            all.sort_by(|a, b| a.partial_cmp(b).unwrap());
+            (all, geology.moved.len())
+        };
+        let first = levels(false, false);
+        merged += usize::from(first.1 > 0);
+        for (turned, exchanged) in [(true, false), (false, true), (true, true)] {
+            assert_eq!(first, levels(turned, exchanged), "{throws:?}");
+        }
+    }
+    assert!(merged > 10, "{merged}");
+}
+
+/// A throw of which the grid takes nothing is refused, with the cells that would take it.
+#[test]
+fn a_throw_that_no_cell_takes_is_refused() {
+    for (throw, z, size) in [
+        (20.0, "size = '100 m'", 40.0),
+        (-20.0, "size = '100 m'", 40.0),
+        (20.0, "from = '-2 km', to = '0 m', cells = 20", 20.0),
+    ] {
+        let error = two_throws([throw, 60.0], false, false, z).unwrap_err();
+        let sentence = format!(
+            "the throw of {throw} m of fracture \"A\" is lost: the tops that it offsets lie on the same grid lines on both of its sides; take cells of less than {size} m in [mesh.z]"
+        );
+        assert!(
+            error.starts_with("s.toml:") && error.contains(&sentence),
+            "{error}"
+        );
+        let finer = match z.contains("cells") {
+            true => "from = '-2 km', to = '0 m', cells = 101".to_owned(),
+            false => format!("size = '{} m'", size - 1.0),
+        };
+        assert!(
+            two_throws([throw, 60.0], false, false, &finer).is_ok(),
+            "{finer}"
+        );
+    }
 }
 
 /// Lines closer than a quarter of a cell become one, and that is said.

@@ -1,6 +1,6 @@
 //! Claim: whatever is wrong with a scene is said with its place, what it is, and what to do.
 
-use fracas::scene::{Scene, SceneError, named};
+use fracas::scene::{Body, Scene, SceneError, named};
 use proptest::prelude::*;
 
 const SCENE: &str = r#"title = "Two blocks"
@@ -482,6 +482,127 @@ fn keys_that_would_change_nothing_are_refused() {
     ] {
         let text = refused(from, to);
         assert!(text.starts_with(place) && text.contains(sentence), "{text}");
+    }
+}
+
+/// Builds the scene with a piece of text replaced and sections added.
+fn built(from: &str, to: &str, more: &str) -> Result<Body, SceneError> {
+    let text = SCENE.replacen(from, to, 1) + more;
+    Scene::from_toml(&text, "s.toml").and_then(|scene| scene.build())
+}
+
+#[test]
+fn gravity_needs_a_density_of_every_material() {
+    let gravity = "[gravity]\nz = \"-9.81 m/s2\"\n";
+    let weight = format!(
+        "{gravity}[initial_stress]\nweight = {{ horizontal = [0.7, 0.8], fluid = \"1000 kg/m3\" }}\n"
+    );
+    for more in [gravity, &weight] {
+        let text = built("", "", more).unwrap_err().to_string();
+        let sentence = "s.toml:8:1: material \"rock\" has no `density`, by which [gravity] acts on it; give one, e.g. density = \"2500 kg/m3\"";
+        assert!(text.starts_with(sentence), "{text}");
+    }
+    let rock = "poisson = 0.25\ndensity = \"0 kg/m3\"";
+    assert!(built("poisson = 0.25", rock, gravity).is_ok());
+    assert!(built("", "", "[gravity]\nz = \"0 m/s2\"\n").is_ok());
+}
+
+#[test]
+fn tables_that_begin_after_the_run_are_refused() {
+    let time = "[time]\nend = \"2 year\"\nsteps = 2\n";
+    for (from, to, more, what) in [
+        (
+            "poisson = 0.25",
+            "poisson = 0.25\npore_pressure = { points = [[\"FIRST year\", \"30 bar\"], [\"2020 year\", \"1 bar\"]] }",
+            "",
+            "`pore_pressure` of material \"rock\"",
+        ),
+        (
+            "poisson = 0.25",
+            "poisson = 0.25\npore_pressure = { points = [[\"FIRST year\", \"30 bar\"], [\"2020 year\", \"1 bar\"]], between = \"steps\" }",
+            "",
+            "`pore_pressure` of material \"rock\"",
+        ),
+        (
+            "poisson = 0.25",
+            "poisson = 0.25\npressure_change = \"1 MPa\"\npressure_history = [[\"FIRST year\", 0], [\"2020 year\", 1]]",
+            "",
+            "`pressure_history` of material \"rock\"",
+        ),
+        (
+            "at = \"2 m\"",
+            "at = \"2 m\"\npressure = \"1 MPa\"\npressure_history = [[\"FIRST year\", 0], [\"2020 year\", 1]]",
+            "",
+            "`pressure_history` of fracture \"F\"",
+        ),
+        (
+            "",
+            "",
+            "[[boundary]]\nside = \"x+\"\npressure = \"1 MPa\"\nhistory = [[\"FIRST year\", 0], [\"2020 year\", 1]]\n",
+            "`history` of x+",
+        ),
+        (
+            "at = \"2 m\"",
+            "at = \"2 m\"\nconductivity = \"1e-13 m3\"",
+            "[fluid]\nviscosity = \"1 cP\"\n[[source]]\nfracture = \"F\"\nrate = \"1 L/s\"\nhistory = [[\"FIRST year\", 0], [\"2020 year\", 1]]\n",
+            "`history` of [[source]] of fracture \"F\"",
+        ),
+        (
+            "at = \"2 m\"",
+            "at = \"2 m\"\nconductivity = \"1e-13 m3\"",
+            "[fluid]\nviscosity = \"1 cP\"\n[[well]]\nname = \"W\"\nfrom = [\"1 m\", \"1.5 m\", \"1.5 m\"]\nto = [\"3 m\", \"1.5 m\", \"1.5 m\"]\nrate = \"1 L/s\"\nhistory = [[\"FIRST year\", 0], [\"2020 year\", 1]]\n",
+            "`history` of [[well]] \"W\"",
+        ),
+        (
+            "",
+            "",
+            "[[boundary]]\nside = \"x+\"\npressure = \"1 MPa\"\n[time]\nhistory = [[\"FIRST year\", 0], [\"2020 year\", 1]]\n",
+            "`history` of [time]",
+        ),
+    ] {
+        let tried = |first: &str| {
+            let more = match more.contains("[time]") {
+                true => more.replace("[time]\n", time),
+                false => format!("{more}{time}"),
+            };
+            built(
+                from,
+                &to.replace("FIRST", first),
+                &more.replace("FIRST", first),
+            )
+        };
+        for late in ["1990", "2"] {
+            let text = tried(late).err().map(|e| e.to_string()).unwrap_or_default();
+            let sentence = format!("{what} begins at {late} year, and the run ends at 2 year");
+            assert!(text.contains(&sentence), "{to}{more}: {text}");
+        }
+        // the end may lie within a table, and before what comes after its first row
+        for early in ["0", "1.5"] {
+            if let Err(error) = tried(early) {
+                panic!("{to}{more}: {error}");
+            }
+        }
+    }
+    // a constant
+    let single = "poisson = 0.25\npore_pressure = { points = [[\"1990 year\", \"30 bar\"]] }";
+    assert!(built("poisson = 0.25", single, time).is_ok());
+}
+
+#[test]
+fn loads_on_what_is_held_are_refused() {
+    let held = "[[boundary]]\nside = \"x+\"\nhold = \"roller\"\n";
+    let loaded = |load: &str| format!("{held}[[boundary]]\nside = \"x+\"\n{load}\n");
+    for (load, key) in [
+        ("pressure = \"1 MPa\"", "pressure"),
+        ("traction = { x = \"1 MPa\" }", "traction"),
+    ] {
+        let text = built("", "", &loaded(load)).unwrap_err().to_string();
+        let sentence =
+            format!("`{key}` of x+ has no effect: the displacement along it is prescribed");
+        assert!(text.contains(&sentence), "{text}");
+    }
+    for free in ["traction = { y = \"1 MPa\" }", "pressure = \"0 MPa\""] {
+        assert!(built("", "", &loaded(free)).is_ok(), "{free}");
     }
 }
 

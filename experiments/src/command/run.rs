@@ -26,7 +26,7 @@ pub(super) struct Run {
     /// Goes on from a checkpoint: a file, or the folder of a run for its last one.
     #[arg(long, value_name = "CHECKPOINT")]
     restart: Option<PathBuf>,
-    /// Stops after N steps; --restart goes on.
+    /// Stops after N steps, of which step 0, the equilibrium at time 0, is one; --restart goes on.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     steps: Option<u32>,
     /// Writes fields for ParaView every N steps and at the end.
@@ -66,13 +66,16 @@ impl Run {
             match run.advance(&Signals, &mut progress)? {
                 Taken::Step(done) => {
                     warn(&done.events, &progress);
-                    progress.tell(&line(&done.record));
+                    progress.tell(&line(&done.record, &done.events));
                     progress.step(run.steps_left());
                 }
                 Taken::Ended(ended) => break ended,
             }
         };
         warn(&ended.events, &progress);
+        for remark in &ended.remarks {
+            progress.tell(&format!("warning: {remark}"));
+        }
         if let Some(reason) = &ended.reason {
             progress.say(reason);
         }
@@ -106,19 +109,47 @@ fn warn(events: &[Event], progress: &Progress) {
     }
 }
 
-/// A step in a line.
-fn line(record: &StepRecord) -> String {
+/// A step in a line, and where H or the stabilization of pressures acts on more than its states constrain.
+fn line(record: &StepRecord, events: &[Event]) -> String {
     let [stick, new_slip, slip, open] = record.faces;
     let cuts = match record.cuts {
         0 => String::new(),
         n => format!(", cut {n} times"),
     };
+    let held = events.iter().find_map(|event| match event {
+        Event::Stabilized { faces } => {
+            Some(format!("; stabilized on {faces} faces beyond their states"))
+        }
+        _ => None,
+    });
     format!(
-        "step {}, t = {} s: {} rounds, {} Newton, {} Krylov{cuts}; {stick} stick, {new_slip} new-slip, {slip} slip, {open} open",
+        "step {}, t = {} s: {} rounds, {} Newton, {} Krylov{cuts}; {stick} stick, {new_slip} new-slip, {slip} slip, {open} open{}",
         record.step,
         format_real(record.time),
         record.active_it,
         record.newton_it,
         record.lin_it,
+        held.unwrap_or_default(),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_says_where_more_is_held_than_its_states_constrain() {
+        let record = StepRecord {
+            step: 3,
+            time: 0.5,
+            faces: [4, 3, 2, 1],
+            ..StepRecord::default()
+        };
+        let plain =
+            "step 3, t = 0.5 s: 0 rounds, 0 Newton, 0 Krylov; 4 stick, 3 new-slip, 2 slip, 1 open";
+        assert_eq!(line(&record, &[Event::Torn { faces: vec![1] }]), plain);
+        let held = [Event::Stabilized { faces: 7 }];
+        let more = format!("{plain}; stabilized on 7 faces beyond their states");
+        assert_eq!(line(&record, &held), more);
+    }
 }

@@ -104,21 +104,36 @@ impl Axis {
         }
     }
 
-    /// The same, more where there would be less than two numbers, which say no length, as long as they fit.
-    pub(super) fn ticks_of_two(
+    /// The same, more where there would be less than three numbers, which hardly say a length, as long as they fit: every other one of
+    /// them keeps its number where all of them do not. Two, or what fits, where three do not.
+    pub(super) fn ticks_of_three(
         &self,
         ends: [f64; 2],
         most: usize,
         fit: impl Fn(&[Tick]) -> bool,
     ) -> Vec<Tick> {
         let labelled = |ticks: &[Tick]| ticks.iter().filter(|t| t.label.is_some()).count();
-        let more = (most..most + 4).map(|most| self.ticks(ends, most));
-        let mut found = more.filter(|ticks| labelled(ticks) > 1 && fit(ticks));
-        found.next().unwrap_or_else(|| {
-            let fewer = (1..=most).rev().map(|most| self.ticks(ends, most));
-            let mut fewer = fewer.filter(|ticks| fit(ticks));
-            fewer.next().unwrap_or_else(|| self.ticks(ends, most))
-        })
+        let more = || (most..most + 4).map(|most| self.ticks(ends, most));
+        let thinned = (most..most + 4)
+            .filter(|_| self.scale == Scale::Linear)
+            .flat_map(|most| {
+                let all = self.ticks(ends, most);
+                // 0 keeps its number
+                let zero = all.iter().position(|t| t.at == 0.0).unwrap_or(0);
+                [zero % 2, 1 - zero % 2].map(|first| every_other(&all, first))
+            });
+        let enough = |least: usize| {
+            let (labelled, fit) = (&labelled, &fit);
+            move |ticks: &Vec<Tick>| labelled(ticks) >= least && fit(ticks)
+        };
+        (more().find(enough(3)))
+            .or_else(|| thinned.into_iter().find(enough(3)))
+            .or_else(|| more().find(enough(2)))
+            .unwrap_or_else(|| {
+                let fewer = (1..=most).rev().map(|most| self.ticks(ends, most));
+                let mut fewer = fewer.filter(|ticks| fit(ticks));
+                fewer.next().unwrap_or_else(|| self.ticks(ends, most))
+            })
     }
 
     /// Ticks between the (linearized) ends, at most about `most` with a label.
@@ -143,6 +158,15 @@ impl Axis {
 pub(super) struct Tick {
     pub(super) at: f64,
     pub(super) label: Option<String>,
+}
+
+/// The same, numbers on every other one.
+fn every_other(ticks: &[Tick], first: usize) -> Vec<Tick> {
+    let keep = |(k, tick): (usize, &Tick)| Tick {
+        at: tick.at,
+        label: (tick.label.clone()).filter(|_| k % 2 == first),
+    };
+    ticks.iter().enumerate().map(keep).collect()
 }
 
 fn linear_ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {

@@ -104,11 +104,11 @@ impl Figure {
         };
         if self.equal_aspect {
             // The box follows the data, within limits; beyond them the shorter range is widened.
-            let natural = width * (y[1] - y[0]) / (x[1] - x[0]);
+            let natural = width * self.stretch * (y[1] - y[0]) / (x[1] - x[0]);
             let tallest = if self.cells.is_some() { 1.0 } else { 0.85 };
             height = natural.clamp(0.30 * width, tallest * width);
-            widen(&mut y, (x[1] - x[0]) * height / width);
-            widen(&mut x, (y[1] - y[0]) * width / height);
+            widen(&mut y, (x[1] - x[0]) * height / (self.stretch * width));
+            widen(&mut x, (y[1] - y[0]) * self.stretch * width / height);
         }
         let top = if self.title.is_empty() { 12.0 } else { 34.0 };
         let frame = Frame {
@@ -267,8 +267,8 @@ impl Frame<'_> {
             let ends: Vec<[f64; 2]> = ends.collect();
             x_names || ends.windows(2).all(|pair| pair[0][1] + 3.0 < pair[1][0])
         };
-        let x_ticks = (self.figure.x).ticks_of_two(self.x, most.clamp(2, 8), beside);
-        let y_ticks = (self.figure.y).ticks_of_two(self.y, tick_count(self.height), |_| true);
+        let x_ticks = (self.figure.x).ticks_of_three(self.x, most.clamp(2, 8), beside);
+        let y_ticks = (self.figure.y).ticks_of_three(self.y, tick_count(self.height), |_| true);
         let major = |t: &&Tick| t.label.is_some();
         for tick in x_ticks.iter().filter(major).filter(|_| !x_names) {
             let x = self.at([tick.at, self.y[0]])[0];

@@ -18,8 +18,10 @@ pub struct Figure {
     pub x: Axis,
     /// Vertical axis.
     pub y: Axis,
-    /// One unit of x is as long as one of y (complex plane).
+    /// Lengths are as they are in both directions (complex plane, map).
     pub equal_aspect: bool,
+    /// Length of one unit of y over that of one of x, where lengths are as they are: heights in a plane that dips have more than 1.
+    pub stretch: f64,
     /// Shaded regions, drawn first.
     pub shades: Vec<Shade>,
     /// Coloured cells, drawn behind the data.
@@ -42,6 +44,7 @@ impl Figure {
             x,
             y,
             equal_aspect: false,
+            stretch: 1.0,
             shades: Vec::new(),
             cells: None,
             outlines: Vec::new(),

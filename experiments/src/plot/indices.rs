@@ -91,7 +91,12 @@ fn set(result: &mut String, text: &str, size: f64) {
 fn line(result: &mut String, text: &str, drop: Option<f64>) {
     match drop {
         Some(drop) if !text.trim().is_empty() => {
-            let _ = write!(result, "<tspan dy=\"-{drop:.1}\">{text}</tspan>");
+            // some viewers leave out a space with which a span begins
+            let (space, text) = match text.strip_prefix(' ') {
+                Some(rest) => (" ", rest),
+                None => ("", text),
+            };
+            let _ = write!(result, "{space}<tspan dy=\"-{drop:.1}\">{text}</tspan>");
         }
         _ => result.push_str(text),
     }
@@ -104,8 +109,8 @@ mod tests {
     #[test]
     fn indices_are_spans_that_return_to_the_line() {
         let set = lower("<text font-size=\"10\">n_it and C_s [1]</text>\n");
-        let expected = "<text font-size=\"10\">n<tspan dy=\"2.2\" font-size=\"7.5\">it</tspan><tspan dy=\"-2.2\"> and C</tspan>\
-                        <tspan dy=\"2.2\" font-size=\"7.5\">s</tspan><tspan dy=\"-2.2\"> [1]</tspan></text>\n";
+        let expected = "<text font-size=\"10\">n<tspan dy=\"2.2\" font-size=\"7.5\">it</tspan> <tspan dy=\"-2.2\">and C</tspan>\
+                        <tspan dy=\"2.2\" font-size=\"7.5\">s</tspan> <tspan dy=\"-2.2\">[1]</tspan></text>\n";
         assert_eq!(set, expected);
         let plain = "<text font-size=\"10\">file_ name _x</text>";
         assert_eq!(lower(plain), plain);

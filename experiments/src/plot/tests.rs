@@ -28,6 +28,42 @@ fn linear_ticks_are_round_numbers() {
     );
 }
 
+/// Panels of a page are narrow: 90 to 200 points beside their bar. Numbers there have about 6 points a digit.
+#[test]
+fn narrow_axes_have_three_numbers_that_do_not_touch() {
+    for (low, high) in [
+        (-4400.0, 4400.0),
+        (-4000.0, 4000.0),
+        (-2200.0, 2200.0),
+        (-50.0, 2050.0),
+        (-3300.0, 0.0),
+        (0.0, 1.05),
+        (16_000.0, 24_000.0),
+    ] {
+        for width in [120.0, 135.0, 170.0, 200.0] {
+            let beside = |ticks: &[super::axis::Tick]| {
+                let ends = ticks.iter().filter_map(|t| {
+                    let half = 0.5 * 6.2 * t.label.as_ref()?.chars().count() as f64;
+                    let at = width * (t.at - low) / (high - low);
+                    Some([at - half, at + half])
+                });
+                let ends: Vec<[f64; 2]> = ends.collect();
+                ends.windows(2).all(|pair| pair[0][1] + 3.0 < pair[1][0])
+            };
+            let most = ((width / 60.0) as usize).max(2);
+            let ticks = Axis::linear("x").ticks_of_three([low, high], most, beside);
+            let labels: Vec<_> = ticks.iter().filter_map(|t| t.label.as_deref()).collect();
+            assert!(
+                beside(&ticks) && labels.len() >= 3,
+                "{low} {high} {width}: {labels:?}"
+            );
+            if low * high < 0.0 {
+                assert!(labels.contains(&"0"), "{labels:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn logarithmic_ticks_are_decades_or_plain_numbers() {
     let axis = Axis::log("x");

@@ -166,7 +166,7 @@ impl<'a> View<'a> {
         };
         let (cut, layers) = normals.iter().map(through).unzip();
         let area = |normal: &[f64; 3]| {
-            let [a, b] = super::in_plane(*normal).map(|d| {
+            let [a, b] = super::in_plane(*normal, std::iter::empty()).map(|d| {
                 let [low, high] = ends(d.along, nodes);
                 high - low
             });

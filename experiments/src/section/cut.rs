@@ -29,7 +29,7 @@ impl Section {
     /// O(elements), and O(elements cut) for the lines.
     pub(crate) fn new(body: &Body, plane: Plane, most: usize) -> Self {
         let mesh = &body.mesh;
-        let directions = in_plane(plane.normal);
+        let directions = in_plane(plane.normal, mesh.nodes.iter().copied());
         let flat = |x: [f64; 3]| [0, 1].map(|d: usize| directions[d].at(x));
         let sides: Vec<f64> = mesh.nodes.iter().map(|x| plane.at(*x)).collect();
         let mut patches = Patches::default();

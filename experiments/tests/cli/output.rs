@@ -201,6 +201,11 @@ fn the_clock_fills_its_column_and_no_other() {
         read(plain.join("history.csv")),
         read(timed.join("history.csv")),
     );
+    // the equilibrium at time 0 is the first of two
+    let numbers: Vec<&str> = (plain.lines().skip(1))
+        .filter_map(|row| row.split(',').next())
+        .collect();
+    assert_eq!(numbers, ["0", "1"]);
     for (a, b) in plain.lines().zip(timed.lines()).skip(1) {
         let wall = b.split(',').nth(18).unwrap();
         assert_eq!(a, b.replacen(&format!(",{wall},"), ",,", 1));

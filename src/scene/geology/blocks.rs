@@ -120,20 +120,44 @@ fn breaks(axis: usize, faults: &[Fault], compartments: &[Compartment], ends: [f6
     all
 }
 
-/// The boxes of all layers and compartments: disjoint, and the whole of the box together. Tops become lines of z.
-pub(super) fn pieces(
-    layers: &Layers,
-    faults: &[Fault],
-    compartments: &[Compartment],
-    extents: &[[f64; 2]; 3],
-    z: &mut Lines,
-) -> Result<Vec<Piece>, Located> {
-    let breaks = [0, 1].map(|d: usize| breaks(d, faults, compartments, extents[d]));
-    let mut pieces = Vec::new();
-    for y in breaks[1].windows(2) {
-        for x in breaks[0].windows(2) {
-            let middle = [0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])];
-            let levels = block(layers, faults, middle, z)?;
+/// Blocks of a geology, and where tops lie in each.
+pub(super) struct Blocks {
+    /// Where tops and compartments divide x and y, increasing [m].
+    breaks: [Vec<f64>; 2],
+    /// Levels of tops and of the base in each block, x first [m].
+    levels: Vec<Vec<f64>>,
+}
+
+impl Blocks {
+    /// Tops become lines of z: those that lie where they are written are there already.
+    pub(super) fn new(
+        layers: &Layers,
+        faults: &[Fault],
+        compartments: &[Compartment],
+        extents: &[[f64; 2]; 3],
+        z: &mut Lines,
+    ) -> Result<Self, Located> {
+        let breaks = [0, 1].map(|d: usize| breaks(d, faults, compartments, extents[d]));
+        let written: Vec<Vec<f64>> = (middles(&breaks))
+            .map(|middle| block(layers, faults, middle))
+            .collect::<Result<_, _>>()?;
+        z.settle(written.iter().flatten().copied());
+        let levels = written.iter().map(|levels| placed(layers, levels, z));
+        Ok(Self {
+            levels: levels.collect::<Result<_, _>>()?,
+            breaks,
+        })
+    }
+
+    /// The boxes of all layers and compartments: disjoint, and the whole of the box together.
+    pub(super) fn pieces(&self, layers: &Layers, compartments: &[Compartment]) -> Vec<Piece> {
+        let mut pieces = Vec::new();
+        let columns = self.breaks[0].len() - 1;
+        for (b, (middle, levels)) in middles(&self.breaks).zip(&self.levels).enumerate() {
+            let [x, y] = [
+                &self.breaks[0][b % columns..][..2],
+                &self.breaks[1][b / columns..][..2],
+            ];
             for (k, name) in layers.names.iter().enumerate() {
                 let inside = |c: &&Compartment| c.layer == *name && c.holds(middle);
                 let part = compartments.iter().rfind(inside);
@@ -143,38 +167,74 @@ pub(super) fn pieces(
                 });
             }
         }
+        (0..2).fold(pieces, joined)
     }
-    Ok((0..2).fold(pieces, joined))
+
+    /// A fault with a throw on both sides of which every top that it offsets lies at one level: between the same centres of cells where the
+    /// lines of z are given.
+    pub(super) fn lost<'f>(
+        &self,
+        layers: &Layers,
+        faults: &'f [Fault],
+        lines: Option<&[f64]>,
+    ) -> Option<&'f Fault> {
+        let columns = self.breaks[0].len() - 1;
+        let centres: Option<Vec<f64>> =
+            lines.map(|lines| lines.windows(2).map(|l| 0.5 * (l[0] + l[1])).collect());
+        let below = |level: f64| match &centres {
+            None => level,
+            Some(centres) => centres.partition_point(|c| *c < level) as f64,
+        };
+        let tops = 1..layers.levels.len() - 1;
+        let is_taken = |fault: &Fault| {
+            let stride = [1, columns][fault.axis];
+            (0..self.levels.len()).any(|behind| {
+                let along = [behind % columns, behind / columns][fault.axis];
+                let is_beside = along > 0 && fault.at.contains(&self.breaks[fault.axis][along]);
+                is_beside
+                    && (tops.clone())
+                        .filter(|k| fault.cuts(layers.levels[*k]))
+                        .any(|k| {
+                            below(self.levels[behind - stride][k]) != below(self.levels[behind][k])
+                        })
+            })
+        };
+        faults
+            .iter()
+            .find(|fault| fault.moves() && !is_taken(fault))
+    }
 }
 
-/// Levels of tops and of the base in the block around a point.
-fn block(
-    layers: &Layers,
-    faults: &[Fault],
-    middle: [f64; 2],
-    z: &mut Lines,
-) -> Result<Vec<f64>, Located> {
+/// Middles of blocks, x first.
+fn middles([x, y]: &[Vec<f64>; 2]) -> impl Iterator<Item = [f64; 2]> + '_ {
+    let middle = |pair: &[f64]| 0.5 * (pair[0] + pair[1]);
+    (y.windows(2)).flat_map(move |y| x.windows(2).map(move |x| [middle(x), middle(y)]))
+}
+
+/// Levels of tops and of the base in the block around a point, as written and offset.
+fn block(layers: &Layers, faults: &[Fault], middle: [f64; 2]) -> Result<Vec<f64>, Located> {
     let last = layers.levels.len() - 1;
     let offset = |k: usize| layers.offset(k, faults, middle);
     let written: Vec<f64> = (0..=last).map(|k| layers.levels[k] - offset(k)).collect();
-    let problem =
-        |k: usize, problem: GeologyProblem| at(&["geology", "layers", &k.to_string()], problem);
-    if let Some(k) = (0..last).find(|k| written[*k] <= written[k + 1]) {
-        let eaten = GeologyProblem::Eaten {
-            name: layers.names[k].clone(),
-            at: middle,
-            top: written[k],
-            base: written[k + 1],
-        };
-        return Err(problem(k, eaten));
+    match (0..last).find(|k| written[*k] <= written[k + 1]) {
+        Some(k) => {
+            let eaten = GeologyProblem::Eaten {
+                name: layers.names[k].clone(),
+                at: middle,
+                top: written[k],
+                base: written[k + 1],
+            };
+            Err(at(&["geology", "layers", &k.to_string()], eaten))
+        }
+        None => Ok(written),
     }
-    let what = |k: usize| format!("the top of \"{}\"", layers.names[k]);
-    let placed: Vec<f64> = (0..=last)
-        .map(|k| match offset(k) == 0.0 {
-            true => written[k],
-            false => z.place(written[k], || what(k)),
-        })
-        .collect();
+}
+
+/// The same levels on lines of z.
+fn placed(layers: &Layers, written: &[f64], z: &mut Lines) -> Result<Vec<f64>, Located> {
+    let last = layers.levels.len() - 1;
+    let top = |k: usize| format!("the top of \"{}\"", layers.names[k]);
+    let placed: Vec<f64> = (0..=last).map(|k| z.place(written[k], || top(k))).collect();
     match (0..last).find(|k| placed[*k] <= placed[k + 1]) {
         Some(k) => {
             let thin = GeologyProblem::Thin {
@@ -182,7 +242,7 @@ fn block(
                 from: written[k + 1],
                 to: written[k],
             };
-            Err(problem(k, thin))
+            Err(at(&["geology", "layers", &k.to_string()], thin))
         }
         None => Ok(placed),
     }

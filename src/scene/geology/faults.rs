@@ -11,6 +11,9 @@ use crate::units::Measure;
 /// Dips that the grid follows [deg].
 const DIPS: std::ops::RangeInclusive<f64> = 30.0..=150.0;
 
+/// What an angle may lose on its way from degrees to radians and back [deg].
+const ROUNDING: f64 = 1e-9;
+
 /// A fracture across x or y.
 #[derive(Clone, Debug)]
 pub(super) struct Fault {
@@ -26,7 +29,7 @@ pub(super) struct Fault {
     /// Levels, as written, between which it offsets tops [m].
     cut: [f64; 2],
     /// How much lower layers lie beyond it [m].
-    throw: f64,
+    pub(super) throw: f64,
     /// Level at which it lies at its position, where it is written [m].
     level: Option<f64>,
     /// True where it has a `dip`.
@@ -69,6 +72,9 @@ impl Fault {
             (Some(z), None) => {
                 let z = [z[0].si(), z[1].si()];
                 (z, z)
+            }
+            (None, Some(cuts)) if cuts.is_empty() => {
+                return Err(here("cuts", GeologyProblem::NoCut { name }.into()));
             }
             (None, Some(cuts)) => {
                 let cut = layers.span(cuts);
@@ -128,7 +134,8 @@ impl Fault {
             }
         }
         let dip = fracture.dip.as_ref().map(|dip| dip.si().to_degrees());
-        if let Some(dip) = dip.filter(|dip| !DIPS.contains(dip)) {
+        let within = |dip: &f64| (DIPS.start() - ROUNDING..=DIPS.end() + ROUNDING).contains(dip);
+        if let Some(dip) = dip.filter(|dip| !within(dip)) {
             return Err(here("dip", GeologyProblem::Dip { name, dip }.into()));
         }
         if fracture.level.is_some() && dip.is_none() {
@@ -159,9 +166,14 @@ impl Fault {
         self.throw != 0.0
     }
 
+    /// True where it offsets a top of this level.
+    pub(super) fn cuts(&self, top: f64) -> bool {
+        (self.cut[0]..=self.cut[1]).contains(&top)
+    }
+
     /// How much lower a top of this level lies at a point because of it [m].
     pub(super) fn offset(&self, top: f64, point: [f64; 2]) -> f64 {
-        if !(self.cut[0]..=self.cut[1]).contains(&top) {
+        if !self.cuts(top) {
             return 0.0;
         }
         let passed = self.at.iter().filter(|at| point[self.axis] > **at).count();

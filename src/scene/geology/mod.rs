@@ -30,11 +30,12 @@ use super::located::{Located, at};
 use super::mesh_sections::{AxisName, AxisSection, FractureSection, MapSection};
 use super::one_or_many::OneOrMany;
 use super::sections::{BoxSection, MaterialSection, SceneSections};
+use crate::mesh::MAX_NODES;
 use crate::units::{Length, Measure};
-use blocks::{Compartment, pieces};
+use blocks::{Blocks, Compartment};
 use faults::Fault;
 use layers::Layers;
-use lines::{Lines, follows};
+use lines::{CLOSE, Lines, follows};
 
 /// Size of a cell over that of its finer neighbour where lines follow from a geology and none is given: that of the scene `storage`. Unit: 1.
 const GROWTH: f64 = 1.35;
@@ -57,19 +58,7 @@ impl fmt::Display for Geology {
             let name = &self.materials[piece.material];
             writeln!(f, "geology     \"{name}\": x {x} m, y {y} m, z {z} m")?;
         }
-        for Moved {
-            what,
-            axis,
-            from,
-            to,
-        } in &self.moved
-        {
-            writeln!(
-                f,
-                "geology     {what} lies on the grid line {axis} = {to} m, and not at {from} m"
-            )?;
-        }
-        Ok(())
+        (self.moved.iter()).try_for_each(|moved| writeln!(f, "geology     {moved}"))
     }
 }
 
@@ -113,8 +102,14 @@ pub(super) fn expand(sections: &mut SceneSections) -> Result<Option<Geology>, Lo
     }
     let mut z = Lines::new("z", &sections.mesh.z, extents[2], &mut moved);
     layers.levels.iter().for_each(|level| z.keep(*level));
-    let pieces = pieces(&layers, &faults, &compartments, &extents, &mut z)?;
+    let blocks = Blocks::new(&layers, &faults, &compartments, &extents, &mut z)?;
+    let follow = follows(&sections.mesh.z);
     upwards(sections, &mut faults, z, extents[2])?;
+    // more nodes are refused when the mesh is made
+    if follow || sections.mesh.nodes() <= MAX_NODES {
+        require_throws(&sections.mesh.z, follow, (&layers, &faults, &blocks))?;
+    }
+    let pieces = blocks.pieces(&layers, &compartments);
     fill(sections, &pieces, &extents)?;
     lean(sections, &faults, &extents)?;
     for fracture in &mut sections.fracture {
@@ -172,6 +167,7 @@ fn across(
     let mut lines = Lines::new(name, axis, ends, moved);
     let positions = faults.iter().filter(|f| f.axis == d).flat_map(|f| &f.at);
     positions.for_each(|at| lines.keep(*at));
+    lines.settle(compartments.iter().flat_map(|c| c.ends[d]));
     for compartment in compartments {
         for end in &mut compartment.ends[d] {
             *end = lines.place(*end, || {
@@ -179,6 +175,8 @@ fn across(
             });
         }
     }
+    let spans = (sections.fracture.iter()).filter_map(|f| [&f.x, &f.y][d].as_ref());
+    lines.settle(spans.flatten().map(Measure::si));
     for fracture in &mut sections.fracture {
         place_span(d, fracture, &mut lines);
     }
@@ -228,6 +226,15 @@ fn upwards(
     [bottom, top]: [f64; 2],
 ) -> Result<(), Located> {
     let mut level = Vec::new();
+    let flat = (sections.fracture.iter()).filter(|f| f.plane == Some(AxisName::Z));
+    lines.settle(flat.flat_map(|f| f.at.iter().flat_map(OneOrMany::si)));
+    let has_ends = |fault: &&Fault| {
+        let fracture = &sections.fracture[fault.section];
+        fracture.z.is_some() || fracture.cuts.is_some()
+    };
+    let ends: Vec<f64> = (faults.iter().filter(has_ends))
+        .flat_map(|f| f.reach)
+        .collect();
     for fracture in &mut sections.fracture {
         if fracture.plane == Some(AxisName::Z)
             && let Some(positions) = &mut fracture.at
@@ -243,6 +250,7 @@ fn upwards(
             }
         }
     }
+    lines.settle(ends);
     for fault in faults.iter_mut() {
         let fracture = &mut sections.fracture[fault.section];
         if fracture.z.is_none() && fracture.cuts.is_none() {
@@ -294,6 +302,32 @@ fn upwards(
     axis.near = (!near.is_empty()).then(|| many(near));
     axis.through = (!through.is_empty()).then(|| many(through));
     Ok(())
+}
+
+/// Refuses a throw of which no cell takes a share; the lines of z follow tops, or have them between centres of cells.
+fn require_throws(
+    z: &AxisSection,
+    follow: bool,
+    (layers, faults, blocks): (&Layers, &[Fault], &Blocks),
+) -> Result<(), Located> {
+    let lines = match follow {
+        true => None,
+        false => {
+            let lines = axis(z, "z")?.lines(2);
+            Some(lines.map_err(|problem| at(&["mesh", "z"], problem))?)
+        }
+    };
+    let Some(fault) = blocks.lost(layers, faults, lines.as_deref()) else {
+        return Ok(());
+    };
+    // two lines that each moved by as much as they may
+    let cells = if follow { 0.5 / CLOSE } else { 1.0 };
+    let lost = GeologyProblem::LostThrow {
+        name: fault.name.clone(),
+        throw: fault.throw,
+        size: cells * fault.throw.abs(),
+    };
+    Err(at(&["fracture", &fault.section.to_string(), "throw"], lost))
 }
 
 /// Gives each material its boxes.

@@ -98,6 +98,14 @@ pub enum GeologyProblem {
         /// The key.
         key: &'static str,
     },
+    /// An empty list of layers.
+    #[error(
+        "`cuts` of fracture \"{name}\" is an empty list; name the layers that it cuts, e.g. cuts = [\"clay\"], or leave `cuts` out where it cuts all of them"
+    )]
+    NoCut {
+        /// Its name.
+        name: String,
+    },
     /// A throw that moves nothing.
     #[error(
         "fracture \"{name}\" has a throw of {throw} m and moves no top: none between the top and the bottom of the box is written from {from} m to {to} m{}; let its depth range reach one, or leave `throw` out", tops.iter().map(|top| format!("{top} m")).reduce(|a, b| format!("{a}, {b}")).map_or(String::new(), |tops| format!(", they are at {tops}"))
@@ -113,6 +121,18 @@ pub enum GeologyProblem {
         to: f64,
         /// Tops that could move [m].
         tops: Vec<f64>,
+    },
+    /// A throw smaller than the grid can tell.
+    #[error(
+        "the throw of {throw} m of fracture \"{name}\" is lost: the tops that it offsets lie on the same grid lines on both of its sides; take cells of less than {size} m in [mesh.z], or leave `throw` out"
+    )]
+    LostThrow {
+        /// Its name.
+        name: String,
+        /// As written [m].
+        throw: f64,
+        /// Size of cells with which it is not lost [m].
+        size: f64,
     },
     /// An angle too flat.
     #[error(

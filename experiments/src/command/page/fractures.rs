@@ -126,7 +126,9 @@ impl Shown {
             // of a closed surface, seen from above
             normal = [0.0, 0.0, 1.0];
         }
-        let directions = in_plane(normal);
+        let nodes = own.iter().flat_map(|(_, face)| face.minus.nodes);
+        let points = nodes.map(|a| body.mesh.nodes[a as usize]);
+        let directions = in_plane(normal, points);
         let mut patches = Patches::default();
         for (f, face) in own {
             let place = |a: u32| {

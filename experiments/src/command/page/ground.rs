@@ -71,11 +71,13 @@ pub(super) struct Ground {
 
 impl Ground {
     fn axis(&self, d: usize) -> Axis {
-        Axis::linear(&format!("{} [m]", self.directions[d].name))
+        Axis::linear(&format!("{} [m]", self.directions[d].label))
     }
 
     fn sides(&self) -> [f64; 2] {
-        self.patches.extent().map(|[low, high]| high - low)
+        let [a, b] = &self.directions;
+        let [[left, right], [low, high]] = self.patches.extent();
+        [a.stretch() * (right - left), b.stretch() * (high - low)]
     }
 
     /// An empty map.
@@ -83,6 +85,8 @@ impl Ground {
         let mut figure = Figure::new(id, title, caption, self.axis(0), self.axis(1));
         let [a, b] = self.sides();
         figure.equal_aspect = a.min(b) > LONG * a.max(b);
+        let [across, up] = self.directions.each_ref().map(Direction::stretch);
+        figure.stretch = up / across;
         figure.outlines.clone_from(&self.outlines);
         figure
     }
