@@ -206,8 +206,9 @@ mod tests {
     use super::super::samples::sparse;
     use super::super::{InnerChoice, SaddleBlocks, SaddleMethod, SaddleOperator};
     use super::*;
-    use crate::Prepare;
+    use crate::krylov::Gmres;
     use crate::smoothers::Jacobi;
+    use crate::{Prepare, Silent};
     use fracas_operators::Preconditioner;
     use std::borrow::Cow;
 

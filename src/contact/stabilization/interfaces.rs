@@ -53,7 +53,7 @@ impl Interfaces {
         let is_wide = |f: u32, nodes: [u8; 2]| alike[f as usize][(side(nodes) + 2) % 4] != NONE;
         let acts = |(edge, _): &(&FractureEdge, &[u32])| {
             let [k, l] = edge.faces;
-            !differs(edge) || !(is_wide(k, edge.nodes_k) && is_wide(l, edge.nodes_l))
+            !(differs(edge) && is_wide(k, edge.nodes_k) && is_wide(l, edge.nodes_l))
         };
         edges.iter().map(acts).collect()
     }
