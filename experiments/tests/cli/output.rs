@@ -6,7 +6,7 @@
 )]
 
 use crate::block::{ROWS, done, names, read, run, scene};
-use crate::run::{fracas, scratch};
+use crate::run::{fracas, scratch, write};
 use fracas::scene::Scene;
 use serde_json::Value;
 use std::fs;
@@ -324,4 +324,34 @@ fn a_page_of_many_cells_is_bounded() {
     let page = read(out.join("report.html"));
     assert!(page.contains("Squares stand for what lies at their centres"));
     assert!(page.len() < 10 << 20, "{} bytes", page.len());
+}
+
+/// What `check` says of lines that have become one, `run` says on its console and in its log.
+#[test]
+fn run_says_as_check_does_what_lies_on_another_grid_line() {
+    let folder = scratch("moved");
+    let (path, out) = (folder.join("moved.toml"), folder.join("out"));
+    let side = |side: &str| format!("[[boundary]]\nside = '{side}'\nhold = 'roller'\n");
+    let held: String = ["x-", "x+", "y-", "y+", "z-"].map(side).concat();
+    let text = format!(
+        "title = 'moved'\n[mesh]\nx = {{ from = '-1 km', to = '1 km', size = '200 m' }}\ny = {{ from = '0 m', to = '200 m', cells = 1 }}\n\
+         z = {{ size = '200 m' }}\n[geology]\nbottom = '-2 km'\nlayers = [{{ top = '0 m', material = 'sand' }}, {{ top = '-1 km', material = 'rock' }}]\n\
+         [[material]]\nname = 'sand'\nyoung = '1 GPa'\npoisson = 0.2\n[[material]]\nname = 'rock'\nyoung = '2 GPa'\npoisson = 0.2\n\
+         [[fracture]]\nname = 'F'\nplane = 'x'\nat = '0 m'\nz = ['-1500 m', '-970 m']\nfriction_angle = '30 deg'\n\
+         [time]\nend = '1 s'\nsteps = 1\n{held}"
+    );
+    write(&path, &text);
+    let scene = path.to_str().unwrap();
+    let moved = "an end of fracture \"F\" lies on the grid line z = -1000 m, and not at -970 m";
+    let checked = fracas(&["check", scene]);
+    assert!(checked.stdout.contains(moved), "{}", checked.stdout);
+    let ran = fracas(&["run", scene, "--out", out.to_str().unwrap(), "--steps", "1"]);
+    assert!(
+        ran.stderr.contains(&format!("warning: {moved}")),
+        "{}",
+        ran.stderr
+    );
+    let log = read(out.join("log.jsonl"));
+    assert!(log.contains(&moved.replace('"', "\\\"")), "{log}");
+    fs::remove_dir_all(folder).unwrap();
 }
