@@ -3,13 +3,11 @@
 use super::precision;
 use super::set_up::SetUp;
 use super::solver::{Equations, Names, Solver};
-use super::{Finding, Loaded, Problem, Rounding, SolveError};
+use super::{Finding, Loaded, Problem, RightHandSide, Rounding, SolveError};
 use crate::elasticity::FreeStiffness;
 use crate::scene::Body;
 use crate::undetermined::blamed;
-use fracas_solvers::saddle::{
-    HalvedBlocks, InnerChoice, Measure, Ready, SaddleBlocks, SaddleMethod,
-};
+use fracas_solvers::saddle::{HalvedBlocks, InnerChoice, Ready, SaddleBlocks, SaddleMethod, T};
 use fracas_solvers::{SetupError, Silent};
 use std::sync::Arc;
 use std::time::Instant;
@@ -22,6 +20,8 @@ impl SetUp<'_> {
     pub(super) fn assembled(mut self, method: SaddleMethod) -> Result<Solver, SolveError> {
         let loaded = self.problem.load(self.observer)?;
         self.observer.say(&loaded.sizes());
+        let own = loaded.traction_unit(self.settings.measure);
+        let unit = self.settings.traction_unit.unwrap_or(own);
         let Loaded {
             blocks,
             has_rhs,
@@ -29,14 +29,14 @@ impl SetUp<'_> {
             body,
             is_ours,
         } = loaded;
-        // where residuals are compared, a foreign system is measured in its own units
-        let is_balanced = is_ours || self.settings.measure == Measure::Error;
-        let unit = self.settings.traction_unit.unwrap_or(match is_balanced {
-            true => blocks.traction_unit(),
-            false => 1.0,
-        });
         let blocks = in_unit(blocks, unit);
-        let (rhs, b) = self.right_hand_side(has_rhs, blocks.rhs());
+        let (rhs, mut b) = self.right_hand_side(has_rhs, blocks.rhs());
+        // rows of another code, and entries that are given by a rule, are in its units
+        let row_unit = if is_ours { 1.0 } else { unit };
+        if rhs != RightHandSide::System {
+            let [b_t] = blocks.layout().split_mut([T], &mut b);
+            b_t.iter_mut().for_each(|b| *b *= row_unit);
+        }
         let start = Instant::now();
         self.observer.say(&"setting up");
         let stiffness = match &body {
@@ -72,6 +72,7 @@ impl SetUp<'_> {
             rhs,
             b,
             unit,
+            row_unit,
             setup_s: start.elapsed().as_secs_f64(),
             findings: self.findings,
             fallbacks: usize::from(in_f64),

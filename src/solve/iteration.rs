@@ -170,12 +170,16 @@ impl Solver {
         let cost = Cost::new(operator, self.inverse(&double));
         let sharp = norms.entries().filter(|_| refinements > 0);
         let residual = equations.residual(&x, b, sharp);
+        let relative_residual = match self.row_unit {
+            1.0 => residual.relative,
+            unit => equations.relative_residual_in(unit, (&x, b), sharp),
+        };
         (x[stresses].iter_mut()).for_each(|t| *t *= self.unit);
         let names = self.names.clone();
         let mut solved = Solved {
             outcome: End::Breakdown,
             iterations: 0,
-            relative_residual: residual.relative,
+            relative_residual,
             measure,
             error_u: number(error[U]),
             error_t: number(error[T]),

@@ -66,6 +66,7 @@ impl SetUp<'_> {
             rhs,
             b,
             unit: saddle.unit(),
+            row_unit: 1.0,
             equations: Equations::MatrixFree {
                 system: Box::new(equations),
                 stuck: stuck.clone(),

@@ -9,7 +9,7 @@ use fracas_operators::Layout;
 use fracas_operators::matrix_market::read_sizes;
 use fracas_solvers::Observer;
 use fracas_solvers::saddle::folder::read_folder;
-use fracas_solvers::saddle::{P, SaddleBlocks, T, U};
+use fracas_solvers::saddle::{Measure, P, SaddleBlocks, T, U};
 use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -158,6 +158,17 @@ impl Loaded {
             body: None,
             findings: Vec::new(),
             is_ours: false,
+        }
+    }
+
+    /// The unit of tractions that is taken where none is asked for: the one that balances both rows. A system of another code keeps its own
+    /// where residuals are compared, or beside flow.
+    pub(crate) fn traction_unit(&self, measure: Measure) -> f64 {
+        let is_free = self.is_ours || measure == Measure::Error && self.blocks.flow.is_none();
+        if is_free {
+            self.blocks.traction_unit()
+        } else {
+            1.0
         }
     }
 

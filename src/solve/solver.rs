@@ -29,6 +29,8 @@ pub struct Solver {
     pub(super) b: Vec<f64>,
     /// Of the tractions.
     pub(super) unit: f64,
+    /// What rows of tractions were multiplied by that residuals are told without: the unit for systems of other codes, 1 for ours.
+    pub(super) row_unit: f64,
     pub(super) setup_s: f64,
     pub(super) findings: Vec<Finding>,
     /// Times that f32 gave way to f64.

@@ -21,7 +21,7 @@ struct Section {
 }
 
 /// Random layers; the fault reaches the ground, the base, both or neither.
-fn section(r: &mut Random, dip: f64) -> Section {
+fn section(r: &mut Random) -> Section {
     let n = r.whole(2, 4) as usize;
     let mut lines = vec![0.0];
     let (mut tops, mut rocks, mut materials) = (Vec::new(), Vec::new(), String::new());
@@ -53,7 +53,7 @@ fn section(r: &mut Random, dip: f64) -> Section {
     let quoted: Vec<String> = lines.iter().map(|z| format!("'{z} m'")).collect();
     let toml = format!(
         "title = 'layers'\n[mesh]\nx = {{ from = '-300 m', to = '300 m', cells = 6 }}\ny = {{ from = '0 m', to = '60 m', cells = {} }}\nz = {{ lines = [{}] }}\n\
-         {materials}[[fracture]]\nname = 'f'\nplane = 'x'\nat = '0 m'\nz = ['{} m', '{} m']\ndip = '{dip} deg'\nfriction_angle = '60 deg'\ncohesion = '1 GPa'\n",
+         {materials}[[fracture]]\nname = 'f'\nplane = 'x'\nat = '0 m'\nz = ['{} m', '{} m']\nfriction_angle = '60 deg'\ncohesion = '1 GPa'\n",
         r.whole(1, 2),
         quoted.join(", "),
         lines[below],
@@ -86,7 +86,7 @@ impl Section {
 fn layers_that_are_strained_and_depleted_have_their_tractions() {
     for seed in 0..CASES {
         let r = &mut Random::new(seed);
-        let section = section(r, 90.0);
+        let section = section(r);
         let strain = r.between(1e-5, 1e-3);
         let toml = format!(
             "{}{}[[boundary]]\nside = 'x+'\ndisplacement = {{ x = '{} m' }}\n",
@@ -114,9 +114,8 @@ fn layers_that_are_strained_and_depleted_have_their_tractions() {
 fn level_layers_rest_under_their_weight_wherever_a_fault_ends() {
     for seed in 0..CASES {
         let r = &mut Random::new(1000 + seed);
-        let dip = r.between(50.0, 130.0);
         let [k_x, k_y] = [0, 1].map(|_| r.between(0.5, 1.1));
-        let section = section(r, dip);
+        let section = section(r);
         let mut toml = section.toml.clone();
         for i in 0..section.rocks.len() {
             let pore = format!("pressure_change = '{} Pa'\n", -section.rocks[i][1]);
@@ -127,8 +126,12 @@ fn level_layers_rest_under_their_weight_wherever_a_fault_ends() {
         } else {
             ""
         };
+        let [bottom, top] = [section.tops.last().unwrap(), &0.0];
+        // it stays within half of the box
+        let lean = (150.0 / bottom.abs()).atan().to_degrees().min(40.0);
+        let dip = 90.0 + r.between(-lean, lean);
         toml += &format!(
-            "[gravity]\nz = '-10 m/s2'\n[initial_stress]\nweight = {{ horizontal = [{k_x}, {k_y}]{fluid} }}\n{}",
+            "[mesh.map]\nshear = [{{ plane = 'x', at = '0 m', level = '-50 m', dip = '{dip} deg', z = ['{bottom} m', '{top} m'] }}]\n[gravity]\nz = '-10 m/s2'\n[initial_stress]\nweight = {{ horizontal = [{k_x}, {k_y}]{fluid} }}\n{}",
             rollers(&["x-", "x+", "y-", "y+", "z-"])
         );
         let (body, state) = at_rest(&toml);

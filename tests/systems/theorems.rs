@@ -52,18 +52,41 @@ fn c_equal_to_h_dominating_makes_exact_h_cluster_between_one_half_and_one() {
     assert!(report.re_max.unwrap() < 1.0 + 1e-9);
 }
 
+/// The largest eigenvalue with exact S_u and a C that dominates H: `H ≤ 2 blkdiag(H)`, `blkdiag(H) ≤ 3 diag(H)`, `λ ≤ max(1, λ_max(Ĥ))`.
+fn limit(choice: AugmentationChoice, blocks: &SaddleBlocks) -> Option<f64> {
+    let h = blocks.h.as_ref()?;
+    match choice {
+        AugmentationChoice::FaceBlock => Some(2.0),
+        AugmentationChoice::HalfH => Some(4.0),
+        AugmentationChoice::FittedH => Some(30.0),
+        AugmentationChoice::LocalH => {
+            let mut rows = h.outer_iterator().enumerate();
+            let diagonal = rows.all(|(i, row)| {
+                row.iter()
+                    .all(|(j, v)| i == j || i / 3 != j / 3 || *v == 0.0)
+            });
+            Some(if diagonal { 2.0 } else { 6.0 })
+        }
+        _ => None,
+    }
+}
+
+/// Unknowns up to which every C and the unsymmetric problems are affordable. Unit: 1.
+const SMALL: usize = 700;
+
 #[test]
 fn every_eigenvalue_of_every_scene_lies_in_the_proved_region() {
-    let mut judged = 0;
-    for entry in gallery() {
+    let (mut judged, mut limited) = (0, 0);
+    for (number, entry) in gallery().iter().enumerate() {
         for with_h in [false, true] {
             let blocks = blocks(entry.name, with_h);
-            for augmentation in AugmentationChoice::ALL {
-                // the unsymmetric problem is affordable on the smaller scenes
-                let inners: &[&str] = if blocks.size() < 700 {
-                    &["exact", "jacobi", "ssor"]
-                } else {
-                    &["exact"]
+            for (c, augmentation) in AugmentationChoice::ALL.into_iter().enumerate() {
+                let limit = limit(augmentation, &blocks);
+                let turn = number + c + usize::from(with_h);
+                let inners: &[&str] = match blocks.size() < SMALL {
+                    true => [&["exact", "jacobi"], &["exact", "ssor"]][turn % 2],
+                    false if limit.is_some() || turn.is_multiple_of(4) => &["exact"],
+                    false => &[],
                 };
                 for inner in inners {
                     let case = format!(
@@ -79,6 +102,11 @@ fn every_eigenvalue_of_every_scene_lies_in_the_proved_region() {
                                 report.outside.first()
                             );
                             judged += 1;
+                            if let (Some(limit), "exact") = (limit, *inner) {
+                                let largest = report.re_max.unwrap();
+                                assert!(largest <= limit * (1.0 + 1e-9), "{case}: {largest}");
+                                limited += 1;
+                            }
                         }
                         // BᵀA⁻¹B needs a regular A and independent columns of B
                         Err(
@@ -100,36 +128,7 @@ fn every_eigenvalue_of_every_scene_lies_in_the_proved_region() {
         }
     }
     assert!(judged > 100, "only {judged} spectra were judged");
-}
-
-#[test]
-fn what_dominates_h_keeps_the_exact_spectrum_below_two() {
-    // H ≤ 2 blkdiag(H) and blkdiag(H) ≤ 3 diag(H); λ ≤ max(1, λ_max(Ĥ))
-    for entry in gallery() {
-        let blocks = blocks(entry.name, true);
-        let h = blocks.h.as_ref().unwrap();
-        let diagonal_blocks = h.outer_iterator().enumerate().all(|(i, row)| {
-            row.iter()
-                .all(|(j, v)| i == j || i / 3 != j / 3 || *v == 0.0)
-        });
-        for (choice, limit) in [
-            (AugmentationChoice::FaceBlock, 2.0),
-            (AugmentationChoice::HalfH, 4.0),
-            (AugmentationChoice::FittedH, 30.0),
-            (
-                AugmentationChoice::LocalH,
-                if diagonal_blocks { 2.0 } else { 6.0 },
-            ),
-        ] {
-            let report = spectrum(&blocks, choice, "exact").unwrap();
-            let largest = report.re_max.unwrap();
-            assert!(
-                largest <= limit * (1.0 + 1e-9),
-                "{}, {choice}: {largest}",
-                entry.name
-            );
-        }
-    }
+    assert!(limited > 40, "only {limited} were held against a limit");
 }
 
 #[test]

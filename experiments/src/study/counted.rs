@@ -15,7 +15,7 @@ use fracas_operators::sparse::Csr;
 use fracas_operators::vector::norm2;
 use fracas_solvers::krylov::{Criteria, Outcome as Ended, System};
 use fracas_solvers::saddle::{
-    Cost, Elimination, Racp, RacpInverse, Ready, SaddleBlocks, SaddleMethod, SaddleOperator,
+    Cost, Elimination, Racp, RacpInverse, Ready, SaddleBlocks, SaddleMethod, SaddleOperator, T,
 };
 use fracas_solvers::{Observer, SetupError, Silent};
 use std::time::Instant;
@@ -65,7 +65,13 @@ pub(super) fn counted(
         SaddleMethod::Racp(racp) if is_blind => blind(&racp, blocks)?,
         method => ready(&method, prepared, blocks)?,
     };
-    let rhs = right_hand_side(case, blocks.rhs());
+    let mut rhs = right_hand_side(case, blocks.rhs());
+    if rhs != blocks.rhs() {
+        let [rhs_t] = blocks.layout().split_mut([T], &mut rhs);
+        // entries that are given by a rule are in the units of the rows
+        let row_unit = if prepared.is_ours { 1.0 } else { unit };
+        rhs_t.iter_mut().for_each(|b| *b *= row_unit);
+    }
     // rows that determine their own traction are met from the start on
     let elimination = match settings.method {
         SaddleMethod::Racp(_) if !is_blind => Elimination::new(blocks),

@@ -29,6 +29,8 @@ pub(super) struct Prepared {
     pub(super) state: Option<Linearized>,
     pub(super) mesh_s: f64,
     pub(super) assembly_s: f64,
+    /// Of a scene, or exported by fracas.
+    pub(super) is_ours: bool,
     /// Tractions may be counted in another unit.
     is_free: bool,
     /// Of tractions in these blocks [Pa].
@@ -81,6 +83,7 @@ impl Prepared {
         let mut prepared = match case.stuck()? {
             None => {
                 let loaded = case.problem()?.load(&mut Silent)?;
+                let has_flow = loaded.blocks.flow.is_some();
                 Self {
                     case: case.clone(),
                     raw,
@@ -89,7 +92,8 @@ impl Prepared {
                     state: None,
                     mesh_s: 0.0,
                     assembly_s: start.elapsed().as_secs_f64(),
-                    is_free: loaded.is_ours || measure == Measure::Error,
+                    is_ours: loaded.is_ours,
+                    is_free: loaded.is_ours || measure == Measure::Error && !has_flow,
                     unit: 1.0,
                     stiffness: None,
                     schur: None,
@@ -112,6 +116,7 @@ impl Prepared {
                     raw,
                     body: Some((body, stuck)),
                     blocks: blocks.into(),
+                    is_ours: true,
                     is_free: state.is_none(),
                     state,
                     mesh_s,

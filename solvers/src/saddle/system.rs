@@ -24,6 +24,30 @@ pub trait SaddleSystem {
     /// Norms of errors in u and t; `own` where the right-hand side is that of the system, with its prescribed displacements.
     fn norms(&self, own: bool) -> EnergyNorms<'_>;
 
+    /// `‖b − 𝒜x‖₂ / ‖b‖₂` with rows of tractions divided by the unit that they were multiplied by.
+    fn relative_residual_in(
+        &self,
+        unit: f64,
+        (x, b): (&[f64], &[f64]),
+        entries: Option<&SaddleBlocks>,
+    ) -> Option<f64> {
+        let operator = self.operator();
+        let (mut r, mut b) = (b.to_vec(), b.to_vec());
+        match entries {
+            Some(blocks) => blocks.residual(&b, &[x], &mut r),
+            None => operator.apply_add(-1.0, x, &mut r, &mut vec![0.0; operator.work_len()]),
+        }
+        for v in [&mut r, &mut b] {
+            let [t] = self.layout().split_mut([T], v);
+            t.iter_mut().for_each(|t| *t /= unit);
+        }
+        let relative = match vector::norm2(&r) {
+            0.0 => 0.0,
+            size => size / vector::norm2(&b),
+        };
+        relative.is_finite().then_some(relative)
+    }
+
     /// Measures of `b − 𝒜x`; in twice the digits from the entries of 𝒜, where they are given.
     fn residual(&self, x: &[f64], b: &[f64], entries: Option<&SaddleBlocks>) -> ResidualNorms {
         let operator = self.operator();

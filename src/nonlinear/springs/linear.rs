@@ -205,8 +205,7 @@ impl SpringLinear {
                 rhs: residual,
             };
             let krylov = KrylovChoice::default().flexible_for(inverse);
-            let (method, seen) = (krylov.method(), self.smallest_ritz);
-            let probed = probe(method, &system, norms, seen, observer);
+            let probed = probe(krylov.method(), &system, norms, None, observer);
             self.smallest_ritz = least([self.smallest_ritz, probed.ritz]);
             self.probed = true;
         }

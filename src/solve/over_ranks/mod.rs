@@ -154,6 +154,7 @@ impl Solve {
             rhs,
             b,
             unit,
+            row_unit: 1.0,
             setup_s,
             findings,
             fallbacks: 0,
