@@ -65,6 +65,35 @@ fn folders_that_are_no_system() {
 }
 
 #[test]
+fn what_makes_a_system_of_a_scene_is_refused_beside_a_folder() {
+    let folder = system_folder("left-alone");
+    let system = folder.to_str().unwrap();
+    let set = "--set mesh.x.cells=8 has no effect on a system folder";
+    for command in ["solve", "spectrum", "check"] {
+        let line = [command, "--system", system, "--set", "mesh.x.cells=8"];
+        refused(&line, set);
+    }
+    for command in ["solve", "spectrum"] {
+        let line = [command, "--system", system, "--stabilization", "0"];
+        refused(
+            &line,
+            "--stabilization has no effect on a system folder, whose H is in H.mtx",
+        );
+    }
+    for (key, value) in [("state", "'stick', 'slip:0.25'"), ("stabilization", "1, 0")] {
+        let study = format!(
+            "title = 'Folders'\nmeasures = ['n_it']\n[axes]\nsystem = ['{system}']\n{key} = [{value}]\n"
+        );
+        let file = folder.join(format!("{key}.toml"));
+        std::fs::write(&file, study).unwrap();
+        refused(
+            &["study", file.to_str().unwrap()],
+            &format!("`{key}` has no effect on a system folder"),
+        );
+    }
+}
+
+#[test]
 fn files_with_defects() {
     const HEAD: &str = "%%MatrixMarket matrix coordinate real general\n";
     let cases = [
