@@ -11,7 +11,7 @@ const POISSON: f64 = 0.25;
 /// Scenes tried of each kind.
 const CASES: u64 = 24;
 
-/// Layers from the ground down, each of at least two rows of cells, and a fault.
+/// Layers from the ground down, each of at least three rows of cells, and a fault.
 struct Section {
     /// Young's modulus [Pa] and fall of pore pressure [Pa] per layer.
     rocks: Vec<[f64; 2]>,
@@ -30,7 +30,8 @@ fn section(r: &mut Random) -> Section {
         tops.push(z);
         let height = r.between(20.0, 60.0);
         let growth = r.between(0.7, 1.4);
-        let rows = r.whole(2, 4);
+        // where the fault ends within a layer its patch has a row less
+        let rows = r.whole(3, 5);
         (0..rows).fold(z, |z, k| {
             lines.push(z - height * growth.powi(k as i32));
             *lines.last().unwrap()

@@ -5,7 +5,7 @@
 //! `FOREIGN_CASES=2000 FOREIGN_SEED=7 cargo test --release --test systems foreign_accuracy:: -- --nocapture` tries more systems.
 
 use super::reference::reference;
-use fracas::solve::{End, InnerRule, Problem, Solve};
+use fracas::solve::{End, InnerRule, Problem, Solve, Solved};
 use fracas_operators::random::Random;
 use fracas_operators::sparse::{SparseMatrix, Triplets};
 use fracas_solvers::Silent;
@@ -226,6 +226,16 @@ fn converged_means_accurate_for_systems_of_other_codes() {
     assert!(few, "too few were solved: {converged:?} of {known}");
 }
 
+/// By this method, all else by default.
+fn by_default(method: &str, blocks: &SaddleBlocks) -> Solved {
+    let settings = Solve {
+        method: method.parse().unwrap(),
+        ..Solve::default()
+    };
+    let problem = Problem::from(blocks.clone());
+    settings.solve(&problem, &mut Silent).unwrap()
+}
+
 /// Rock in SI units beside a traction that acts on nothing and that H holds: C and the norms have its unit from H.
 #[test]
 fn a_traction_that_moves_nothing_is_solved_in_the_units_of_the_others() {
@@ -269,13 +279,7 @@ fn a_traction_that_moves_nothing_is_solved_in_the_units_of_the_others() {
         };
         let exact = reference(&blocks, &blocks.rhs()).unwrap();
         for name in ["racp", "racp:published", "mcp", "block_triangular"] {
-            let settings = Solve {
-                method: name.parse().unwrap(),
-                ..Solve::default()
-            };
-            let solved = settings
-                .solve(&Problem::from(blocks.clone()), &mut Silent)
-                .unwrap();
+            let solved = by_default(name, &blocks);
             assert_eq!(
                 solved.outcome,
                 End::Converged,
@@ -327,13 +331,7 @@ fn rows_that_leave_no_definite_matrix_behind_are_augmented() {
         indefinite += usize::from(!is_definite);
         let exact = reference(&blocks, &blocks.rhs()).unwrap();
         for name in ["racp", "mcp", "block_triangular"] {
-            let settings = Solve {
-                method: name.parse().unwrap(),
-                ..Solve::default()
-            };
-            let solved = settings
-                .solve(&Problem::from(blocks.clone()), &mut Silent)
-                .unwrap();
+            let solved = by_default(name, &blocks);
             if solved.outcome == End::Converged {
                 let [u, t] = errors(&blocks, &solved.x, &exact);
                 assert!(

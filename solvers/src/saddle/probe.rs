@@ -140,8 +140,11 @@ fn may_hide(
     let (mut before, mut kept) = (first, 0);
     for _ in 0..CORRECTIONS {
         operator.apply(&e, &mut r, &mut work);
+        // M in f32 holds no more than 38 orders
+        let size = system.norm2(&r);
+        r.iter_mut().for_each(|r| *r /= size);
         m.solve(&r, &mut z, &mut work);
-        axpy(-1.0, &z, &mut e);
+        axpy(-size, &z, &mut e);
         probed.products += 1;
         probed.solves += 1;
         let left = of_tractions.norm(&e[place.clone()]);
