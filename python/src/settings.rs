@@ -58,7 +58,17 @@ impl Asked {
     /// The settings; `unit` is that of the tractions of a system whose units we know.
     pub(crate) fn settings(&self, unit: Option<f64>) -> PyResult<Settings> {
         let mut lent = Vec::new();
-        let unit = self.traction_unit.or(unit);
+        // parts of one's own know a system of another code in its own units
+        let objects = [
+            Some(&self.preconditioner),
+            self.augmentation.as_ref(),
+            self.inner.as_ref(),
+        ];
+        let is_own = objects
+            .into_iter()
+            .flatten()
+            .any(|part| matches!(part, Named::Object(_)));
+        let unit = self.traction_unit.or(unit).or(is_own.then_some(1.0));
         let method = match &self.preconditioner {
             Named::Text(text) => read(text)?,
             Named::Object(part) => {

@@ -31,8 +31,9 @@ impl SetUp<'_> {
         } = loaded;
         let blocks = in_unit(blocks, unit);
         let (rhs, mut b) = self.right_hand_side(has_rhs, blocks.rhs());
-        // rows of another code, and entries that are given by a rule, are in its units
-        let row_unit = if is_ours { 1.0 } else { unit };
+        // rows of another code, and entries that are given by a rule, are in its units, unless another one is asked for
+        let is_asked = self.settings.traction_unit.is_some();
+        let row_unit = if is_ours || is_asked { 1.0 } else { unit };
         if rhs != RightHandSide::System {
             let [b_t] = blocks.layout().split_mut([T], &mut b);
             b_t.iter_mut().for_each(|b| *b *= row_unit);

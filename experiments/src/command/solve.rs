@@ -35,7 +35,7 @@ pub(super) struct Solve {
     #[arg(long, value_name = "N", default_value_t = 1000)]
     max_iterations: usize,
     /// Unit of the tractions while iterating, so that the residual sees the contact rows; default: balanced for a scene
-    /// and its export, 1 for a system folder of another code.
+    /// and its export, and for a system folder of another code unless residuals are compared or beside flow; else 1.
     #[arg(long, value_name = "S", value_parser = unit)]
     traction_unit: Option<f64>,
     /// Right-hand side [default: that of the system, or b_i = sin(i), i = 1…n, when it has none].

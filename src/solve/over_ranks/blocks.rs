@@ -34,8 +34,12 @@ impl BlockRows {
             return Err(refused("a B2 other than B1ᵀ"));
         }
         loaded.blocks.check()?;
-        let own = loaded.traction_unit(settings.measure);
-        let unit = settings.traction_unit.unwrap_or(own);
+        let unit = settings
+            .traction_unit
+            .unwrap_or_else(|| match loaded.is_ours {
+                true => loaded.blocks.traction_unit(),
+                false => 1.0,
+            });
         let blocks = Arc::unwrap_or_clone(loaded.blocks).into_traction_unit(unit);
         let start = Instant::now();
         let direct = racp.inner.backend().solver()?;
