@@ -21,7 +21,7 @@ struct Section {
 }
 
 /// Random layers; the fault reaches the ground, the base, both or neither.
-fn section(r: &mut Random) -> Section {
+fn section(r: &mut Random, strain: f64) -> Section {
     let n = r.whole(2, 4) as usize;
     let mut lines = vec![0.0];
     let (mut tops, mut rocks, mut materials) = (Vec::new(), Vec::new(), String::new());
@@ -36,7 +36,9 @@ fn section(r: &mut Random) -> Section {
             lines.push(z - height * growth.powi(k as i32));
             *lines.last().unwrap()
         });
-        rocks.push([r.scale(1e9, 1e11), r.between(0.0, 1e7)]);
+        let young = r.scale(1e9, 1e11);
+        // less than what opens the fault
+        rocks.push([young, r.between(0.0, strain * young)]);
         let [young, fall] = rocks[i];
         materials += &format!(
             "[[material]]\nname = 'm{i}'\nyoung = '{young} Pa'\npoisson = {POISSON}\ndensity = '{} kg/m3'\nPORE{i}layers = [['{} m', '{z} m']]\n",
@@ -87,8 +89,8 @@ impl Section {
 fn layers_that_are_strained_and_depleted_have_their_tractions() {
     for seed in 0..CASES {
         let r = &mut Random::new(seed);
-        let section = section(r);
         let strain = r.between(1e-5, 1e-3);
+        let section = section(r, strain);
         let toml = format!(
             "{}{}[[boundary]]\nside = 'x+'\ndisplacement = {{ x = '{} m' }}\n",
             section.toml,
@@ -116,7 +118,7 @@ fn level_layers_rest_under_their_weight_wherever_a_fault_ends() {
     for seed in 0..CASES {
         let r = &mut Random::new(1000 + seed);
         let [k_x, k_y] = [0, 1].map(|_| r.between(0.5, 1.1));
-        let section = section(r);
+        let section = section(r, 1e-4);
         let mut toml = section.toml.clone();
         for i in 0..section.rocks.len() {
             let pore = format!("pressure_change = '{} Pa'\n", -section.rocks[i][1]);
