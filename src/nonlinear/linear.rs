@@ -21,7 +21,7 @@ use fracas_operators::Preconditioner;
 use fracas_operators::sparse::SparseMatrix;
 use fracas_solvers::krylov::{KrylovChoice, Sqmr, System, least};
 use fracas_solvers::saddle::{
-    Block, EnergyNorms, InnerChoice, Racp, RacpInverse, SaddleBlocks, T, U, probe,
+    Block, EnergyNorms, InnerChoice, Left, Racp, RacpInverse, SaddleBlocks, T, U, probe,
 };
 use fracas_solvers::{Observer, Step};
 
@@ -213,7 +213,13 @@ impl Linear {
                 rhs: residual,
             };
             let krylov = KrylovChoice::default().flexible_for(&inverse);
-            let probed = probe(krylov.method(), &system, norms, None, observer);
+            let probed = probe(
+                krylov.method(),
+                &system,
+                norms,
+                (None, Left::Half),
+                observer,
+            );
             drop(inverse);
             self.smallest_ritz = least([self.smallest_ritz, probed.ritz]);
             self.probed = true;

@@ -1,6 +1,6 @@
 //! An iteration that goes on until the error, not the residual, is small.
 
-use super::probe::Probed;
+use super::probe::{Left, Probed};
 use super::remainder::Remainder;
 use super::{EnergyNorms, ErrorJudge, Judged, probe};
 use crate::Observer;
@@ -213,7 +213,13 @@ impl Search<'_> {
         }
         if !std::mem::replace(&mut self.is_probed, true) {
             let seen = self.totals.smallest_ritz;
-            let probed = probe(self.method, self.system, self.norms, seen, observer);
+            let probed = probe(
+                self.method,
+                self.system,
+                self.norms,
+                (seen, Left::Little),
+                observer,
+            );
             self.totals.add(probed);
         }
         (self.left).judged(x, &mut self.errors, self.totals.smallest_ritz)

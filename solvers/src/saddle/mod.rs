@@ -61,7 +61,7 @@ pub use mcp::{Mcp, McpInverse};
 pub use method::{CustomMethod, NoSuchPart, SaddleMethod, SaddleSettings, UnknownSaddleMethod};
 pub use monolithic::Direct;
 pub use operator::SaddleOperator;
-pub use probe::{Probed, probe};
+pub use probe::{Left, Probed, probe};
 pub use racp::{Racp, RacpInverse};
 pub use relaxation::{REACH, RELAXATION, Relaxation, RelaxationSummary};
 pub use simple::{Correction, Simple, SimpleInverse};

@@ -23,8 +23,24 @@ const SUSPECT: f64 = 0.02;
 /// Most times that such tractions are corrected by M: then what is left of them counts as all but lost. Unit: 1.
 const CORRECTIONS: usize = 20;
 
-/// Share of them that may be left without any more looking. Unit: 1.
-const LEFT: f64 = 0.05;
+/// What of such tractions corrections may leave without any more looking.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Left {
+    /// A twentieth: of one solve, which is told to be accurate.
+    Little,
+    /// Half: of a run, for which a look would take several times its memory.
+    Half,
+}
+
+impl Left {
+    /// Unit: 1.
+    fn share(self) -> f64 {
+        match self {
+            Self::Little => 0.05,
+            Self::Half => 0.5,
+        }
+    }
+}
 
 /// What was found, and its cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -50,13 +66,13 @@ pub fn probe(
     method: &dyn KrylovMethod<f64>,
     system: &System<'_, f64>,
     norms: &EnergyNorms<'_>,
-    seen: Option<f64>,
+    (seen, left): (Option<f64>, Left),
     observer: &mut dyn Observer,
 ) -> Probed {
     let m = system.preconditioner.properties();
     let mut probed = Probed::default();
     let is_rough = m.local || m.single && norms.stiffness().exceeds_single();
-    if !is_rough && !may_hide(system, norms, seen, &mut probed) {
+    if !is_rough && !may_hide(system, norms, (seen, left), &mut probed) {
         return probed;
     }
     let mut w = norms.random_residual();
@@ -114,7 +130,7 @@ fn leave_unmoving(system: &System<'_, f64>, norms: &EnergyNorms<'_>, w: &mut [f6
 fn may_hide(
     system: &System<'_, f64>,
     norms: &EnergyNorms<'_>,
-    seen: Option<f64>,
+    (seen, least_left): (Option<f64>, Left),
     probed: &mut Probed,
 ) -> bool {
     let of_tractions = norms.of_tractions();
@@ -148,7 +164,7 @@ fn may_hide(
         probed.products += 1;
         probed.solves += 1;
         let left = of_tractions.norm(&e[place.clone()]);
-        if left <= LEFT * first {
+        if left <= least_left.share() * first {
             return false;
         }
         // NaN is kept, too
@@ -267,7 +283,7 @@ mod tests {
         let mut x = vec![0.0; system.size()];
         let report = gmres.solve(&system, &criteria, &mut x, &mut Silent);
         let seen = report.unwrap().smallest_ritz.unwrap();
-        let probed = probe(&gmres, &system, &norms, None, &mut Silent);
+        let probed = probe(&gmres, &system, &norms, (None, Left::Little), &mut Silent);
         // 1 − cos(π/(n + 1)) of Jacobi, times its damping
         let found = probed.ritz.unwrap();
         let least = 1.0 - (std::f64::consts::PI / (LONG + 1) as f64).cos();

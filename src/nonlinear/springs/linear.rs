@@ -12,7 +12,7 @@ use fracas_operators::{LinearOperator, Preconditioner};
 use fracas_solvers::Observer;
 use fracas_solvers::krylov::{Cg, KrylovChoice, System, least};
 use fracas_solvers::saddle::{
-    AugmentationMatrix, Block, EnergyNorms, InnerChoice, Racp, SaddleBlocks, TRUSTED, probe,
+    AugmentationMatrix, Block, EnergyNorms, InnerChoice, Left, Racp, SaddleBlocks, TRUSTED, probe,
 };
 
 /// Iterations after which a preconditioner that was made for other springs is made anew. Unit: 1.
@@ -205,7 +205,13 @@ impl SpringLinear {
                 rhs: residual,
             };
             let krylov = KrylovChoice::default().flexible_for(inverse);
-            let probed = probe(krylov.method(), &system, norms, None, observer);
+            let probed = probe(
+                krylov.method(),
+                &system,
+                norms,
+                (None, Left::Half),
+                observer,
+            );
             self.smallest_ritz = least([self.smallest_ritz, probed.ritz]);
             self.probed = true;
         }
