@@ -5,6 +5,7 @@ use super::workspace::{Workspace, fitted};
 use crate::inner::{Hope, Standstill};
 use fracas_solvers::Observer;
 use fracas_solvers::krylov::{Breakdown, Criteria, KrylovChoice, Outcome, System, Watch};
+use fracas_solvers::saddle::{EnergyNorms, Left, probe};
 
 /// Relative residual up to which a system that rounding or the limit of iterations keeps from its tolerance is taken: Newton
 /// corrects it, and fails where it cannot. Unit: 1.
@@ -23,6 +24,16 @@ pub(super) struct Asked {
     pub(super) patience: Option<usize>,
     /// Another inner solver goes on where the iteration gets nowhere.
     pub(super) gives_way: bool,
+}
+
+/// The Ritz value nearest to zero that a [`probe`] of a system of a run finds, where M may hide one.
+pub(super) fn small_eigenvalue(
+    system: &System<'_, f64>,
+    norms: &EnergyNorms<'_>,
+    observer: &mut dyn Observer,
+) -> Option<f64> {
+    let krylov = KrylovChoice::default().flexible_for(system.preconditioner);
+    probe(krylov.method(), system, norms, (None, Left::Half), observer).ritz
 }
 
 /// An iteration that got nowhere.

@@ -5,7 +5,7 @@ use super::assembled::Assembled;
 use super::chosen::chosen;
 use super::jacobian::FaceTangent;
 use super::kept::{Kept, Ready};
-use super::krylov::{self, Asked, Solved};
+use super::krylov::{self, Asked, Solved, small_eigenvalue};
 use super::newton::{Attempt, Iterate};
 use super::pressed::PressureSolver;
 use super::stability::{AtLimits, Holding, SOLVED};
@@ -21,7 +21,7 @@ use fracas_operators::Preconditioner;
 use fracas_operators::sparse::SparseMatrix;
 use fracas_solvers::krylov::{KrylovChoice, Sqmr, System, least};
 use fracas_solvers::saddle::{
-    Block, EnergyNorms, InnerChoice, Left, Racp, RacpInverse, SaddleBlocks, T, U, probe,
+    Block, EnergyNorms, InnerChoice, Racp, RacpInverse, SaddleBlocks, T, U,
 };
 use fracas_solvers::{Observer, Step};
 
@@ -193,7 +193,7 @@ impl Linear {
     }
 
     /// `e ← M⁻¹ r`, an estimate of the error that leaves the residual r; and the Ritz value nearest to zero that was seen, by a
-    /// [`probe`], too, where M is of one level.
+    /// [look](small_eigenvalue), too, where M is of one level.
     pub(super) fn error_of(
         &mut self,
         problem: &ContactProblem<'_>,
@@ -212,16 +212,9 @@ impl Linear {
                 preconditioner: &inverse,
                 rhs: residual,
             };
-            let krylov = KrylovChoice::default().flexible_for(&inverse);
-            let probed = probe(
-                krylov.method(),
-                &system,
-                norms,
-                (None, Left::Half),
-                observer,
-            );
+            let found = small_eigenvalue(&system, norms, observer);
             drop(inverse);
-            self.smallest_ritz = least([self.smallest_ritz, probed.ritz]);
+            self.smallest_ritz = least([self.smallest_ritz, found]);
             self.probed = true;
         }
         Ok((e, self.smallest_ritz))

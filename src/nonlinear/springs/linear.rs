@@ -5,14 +5,14 @@ use super::operator::SpringJacobian;
 use crate::mesh::FractureFace;
 use crate::nonlinear::assembled::Assembled;
 use crate::nonlinear::kept::{Kept, Ready};
-use crate::nonlinear::krylov::{self, Asked, Ended, Solved};
+use crate::nonlinear::krylov::{self, Asked, Ended, Solved, small_eigenvalue};
 use crate::nonlinear::workspace::Resources;
 use crate::nonlinear::{ContactProblem, LinearFailure, Prepared};
 use fracas_operators::{LinearOperator, Preconditioner};
 use fracas_solvers::Observer;
 use fracas_solvers::krylov::{Cg, KrylovChoice, System, least};
 use fracas_solvers::saddle::{
-    AugmentationMatrix, Block, EnergyNorms, InnerChoice, Left, Racp, SaddleBlocks, TRUSTED, probe,
+    AugmentationMatrix, Block, EnergyNorms, InnerChoice, Racp, SaddleBlocks, TRUSTED,
 };
 
 /// Iterations after which a preconditioner that was made for other springs is made anew. Unit: 1.
@@ -167,7 +167,7 @@ impl SpringLinear {
     }
 
     /// `e_u ← S̃⁻¹ r`, an estimate of the error that leaves the residual r, with `e_t = D Bᵀ e_u`; and the Ritz value nearest to zero
-    /// that was seen, by a [`probe`], too, where S̃ is of one level.
+    /// that was seen, by a [look](small_eigenvalue), too, where S̃ is of one level.
     ///
     /// Where that value θ is small, as near a load at which slip runs away, `e_u = J⁻¹ r` to a relative residual of θ/10, which is worth
     /// less than a tenth of S̃⁻¹r; the value is 1 then.
@@ -204,15 +204,8 @@ impl SpringLinear {
                 preconditioner: inverse,
                 rhs: residual,
             };
-            let krylov = KrylovChoice::default().flexible_for(inverse);
-            let probed = probe(
-                krylov.method(),
-                &system,
-                norms,
-                (None, Left::Half),
-                observer,
-            );
-            self.smallest_ritz = least([self.smallest_ritz, probed.ritz]);
+            let found = small_eigenvalue(&system, norms, observer);
+            self.smallest_ritz = least([self.smallest_ritz, found]);
             self.probed = true;
         }
         if let Some(ritz) = self.smallest_ritz.filter(|ritz| *ritz < TRUSTED) {
