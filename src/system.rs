@@ -1,6 +1,6 @@
 //! From a body to its saddle point: `[A B; Bᵀ −H]` with every fracture face in stick.
 
-use crate::contact::{ContactState, Coupling, JumpStabilization, prescribed_jump};
+use crate::contact::{ContactState, Coupling, JumpStabilization, Rocks, prescribed_jump};
 use crate::elasticity::{
     Constraints, Elastic, ElasticityError, FreeStiffness, Restricted, lift, loads, matrix_free,
     reduced, stiffness,
@@ -23,7 +23,7 @@ pub struct StickSystem<'a> {
     /// Elastic constants per region, of which A is made.
     pub materials: &'a [Elastic],
     /// Those of which H is made: the same, but where rock creeps, as H must not change with the length of a step.
-    pub jump_materials: &'a [Elastic],
+    pub jump_rocks: Rocks<'a>,
     /// Prescribed displacements.
     pub constraints: &'a Constraints,
     /// Jump stabilization, or `None` for the bare pair (H = 0).
@@ -69,9 +69,9 @@ impl StickSystem<'_> {
         &self,
         state: impl Fn(usize) -> ContactState + Sync,
     ) -> Option<SparseMatrix<f64>> {
-        let h =
-            self.stabilization?
-                .assemble_for(self.mesh, self.fractures, self.jump_materials, state);
+        let h = self
+            .stabilization?
+            .assemble_for(self.mesh, self.fractures, self.jump_rocks, state);
         (h.nnz() > 0).then_some(h)
     }
 
@@ -87,7 +87,7 @@ impl StickSystem<'_> {
 
 impl Body {
     /// Nodal forces of body force, surface tractions, fluid in fractures and pores and initial stress over all displacements [N],
-    /// `3·node + component`, every load at the factor 1 of its history.
+    /// `3·node + component`, every load at the factor 1 of its history and every face closed.
     ///
     /// # Errors
     /// [`ElasticityError`] for an inverted element.
@@ -114,8 +114,10 @@ impl Body {
                 let stress = |region: usize, x: [f64; 3]| self.initial_stress_at(region, x);
                 let stressed = loads::initial_stress(&self.mesh, stress)?;
                 axpy(1.0, &stressed, &mut force);
-                let pull = |face: &FractureFace, x, n| self.initial_pull_at(face, x, n);
-                loads::add_between_faces(&self.mesh, &self.fractures.faces, pull, &mut force);
+                for face in &self.fractures.faces {
+                    let beyond = self.pull_beyond_mean(face);
+                    loads::between_sides(face, &beyond, |dof, f| force[dof] += f);
+                }
             }
         }
         let change = |region: usize| match self.pore_pressures[region] {
@@ -142,6 +144,11 @@ impl Body {
             coupling.apply_add(1.0, &pressure, &mut force, &mut work);
         }
         Ok(force)
+    }
+
+    /// What the initial stress pulls on the corners of a closed face beyond its mean on it, at the side that its normal leaves [N].
+    pub(crate) fn pull_beyond_mean(&self, face: &FractureFace) -> [[f64; 3]; 4] {
+        loads::pull_beyond_mean(&self.mesh, face, |x, n| self.initial_pull_at(face, x, n))
     }
 
     /// (p, 0, 0) of every face whose fracture has a pressure of that history, the initial one of a fluid included [Pa]; `None` where
@@ -197,7 +204,10 @@ impl Body {
             mesh: &self.mesh,
             fractures: &self.fractures,
             materials: &self.materials,
-            jump_materials: &self.materials,
+            jump_rocks: Rocks {
+                elastic: &self.materials,
+                first_alike: &self.first_alike,
+            },
             constraints: &self.constraints,
             stabilization,
         }

@@ -3,7 +3,7 @@
 use crate::plot::{Axis, Figure, Mark, Series};
 use crate::report::{Check, Experiment, Findings, Level, Table};
 use faer::Mat;
-use fracas::contact::{JumpStabilization, Junctions};
+use fracas::contact::{JumpStabilization, Junctions, Rocks};
 use fracas::elasticity::{Constraints, Elastic};
 use fracas::mesh::{BoxGrid, BuiltMesh, PlaneFracture};
 use fracas::system::StickSystem;
@@ -157,7 +157,10 @@ fn blocks(
         mesh: &built.mesh,
         fractures: &built.fractures,
         materials: &[ROCK],
-        jump_materials: &[ROCK],
+        jump_rocks: Rocks {
+            elastic: &[ROCK],
+            first_alike: &[0],
+        },
         constraints: &constraints,
         stabilization,
     };

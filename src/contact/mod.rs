@@ -14,7 +14,7 @@ pub use coupling::{Coupling, prescribed_jump};
 pub use friction::{Friction, Weakening};
 pub use law::{FaceLaw, FacePoint, FaceRows};
 pub use stabilization::{
-    Interfaces, JumpStabilization, Junctions, Lengths, Side, face_compliance, side_stiffness,
+    Interfaces, JumpStabilization, Junctions, Lengths, Rocks, Side, face_compliance, side_stiffness,
 };
 pub use state::ContactState;
 pub use transition::{FaceMeasure, Thresholds, next_state};

@@ -10,7 +10,7 @@ use crate::mesh::{FaceSide, FractureEdge, FractureFace, FractureMesh, HexMesh, I
 use fracas_operators::sparse::SparseMatrix;
 use rayon::prelude::*;
 
-pub use interfaces::Interfaces;
+pub use interfaces::{Interfaces, Rocks};
 pub use junctions::Junctions;
 pub use lengths::{Lengths, Side, side_stiffness};
 
@@ -74,9 +74,9 @@ impl JumpStabilization {
         &self,
         mesh: &HexMesh,
         fractures: &FractureMesh,
-        materials: &[Elastic],
+        rocks: Rocks<'_>,
     ) -> SparseMatrix<f64> {
-        self.assemble_for(mesh, fractures, materials, |_| ContactState::Stick)
+        self.assemble_for(mesh, fractures, rocks, |_| ContactState::Stick)
     }
 
     /// Assembles H for faces in given states: an edge couples the components that both of its faces constrain (all
@@ -87,13 +87,14 @@ impl JumpStabilization {
         &self,
         mesh: &HexMesh,
         fractures: &FractureMesh,
-        materials: &[Elastic],
+        rocks: Rocks<'_>,
         state: impl Fn(usize) -> ContactState + Sync,
     ) -> SparseMatrix<f64> {
         let faces = &fractures.faces;
-        let beside = self.beside(mesh, faces, materials);
+        let beside = self.beside(mesh, faces, rocks.elastic);
         let mut edges: Vec<(&FractureEdge, &[u32])> = self.junctions.edges(fractures).collect();
-        let mut acts = self.interfaces.acts(mesh, fractures, &edges).into_iter();
+        let acts = self.interfaces.acts(mesh, fractures, rocks, &edges);
+        let mut acts = acts.into_iter();
         edges.retain(|_| acts.next().unwrap_or(true));
         let edges_of = Incidence::new(faces.len(), || {
             let ends = edges.iter().enumerate();

@@ -10,6 +10,9 @@ pub type Voigt = [f64; 6];
 /// Place of σ_ij in [`Voigt`].
 pub(crate) const VOIGT: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
 
+/// Share of the largest pull on a face below which what differs from its mean is rounding. Unit: 1.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
 /// Calls `visit(e, points)` for every element.
 fn for_each_element(
     mesh: &HexMesh,
@@ -83,31 +86,44 @@ pub fn initial_stress(
     Ok(force)
 }
 
-/// Adds what an initial stress pulls on the two sides of faces beyond its mean on each:
-/// `f_a ± ( ∫ N_a σ0 n dS − A_a σ0(centre) n )`, + on the side that n leaves.
+/// What an initial stress pulls on the corners of a face beyond its mean on it, `∫ N_a σ0 n dS − A_a σ0(centre) n` [N]; `pull(x, n)` is
+/// σ0 n. 0 where that is rounding.
 ///
-/// [`initial_stress`] is that of the cut body, and a face holds its two sides by one traction: where σ0 grows with depth, its corners were
-/// pulled apart or pressed by what differs from it, and level layers moved.
-pub fn add_between_faces(
+/// [`initial_stress`] is that of the cut body, and a closed face holds its two sides by one traction: where σ0 grows with depth, its corners
+/// were pulled apart or pressed by what differs from it, and level layers moved. An open face holds nothing.
+pub fn pull_beyond_mean(
     mesh: &HexMesh,
-    faces: &[FractureFace],
-    pull: impl Fn(&FractureFace, [f64; 3], [f64; 3]) -> [f64; 3],
-    force: &mut [f64],
+    face: &FractureFace,
+    pull: impl Fn([f64; 3], [f64; 3]) -> [f64; 3],
+) -> [[f64; 3]; 4] {
+    let corners = face.minus.nodes.map(|node| mesh.nodes[node as usize]);
+    let mean = pull(face.center, face.frame[0]);
+    let mut beyond = face.node_areas.map(|area| mean.map(|t| -area * t));
+    let mut size = mean
+        .iter()
+        .fold(0.0, |m: f64, t| m.max(face.area * t.abs()));
+    for_each_point(&corners, |x, shape, n| {
+        let pulled = pull(x, n);
+        for a in 0..4 {
+            (0..3).for_each(|i| beyond[a][i] += shape[a] * pulled[i]);
+        }
+        size = pulled.iter().fold(size, |m, t| m.max(t.abs()));
+    });
+    match beyond.iter().flatten().any(|f| f.abs() > ROUNDING * size) {
+        true => beyond,
+        false => [[0.0; 3]; 4],
+    }
+}
+
+/// Calls `add(3·node + component, f)` with what such corners pull at the side that the normal of the face leaves, and with −f at the other.
+pub fn between_sides(
+    face: &FractureFace,
+    corners: &[[f64; 3]; 4],
+    mut add: impl FnMut(usize, f64),
 ) {
-    for face in faces {
-        let corners = face.minus.nodes.map(|node| mesh.nodes[node as usize]);
-        let mean = pull(face, face.center, face.frame[0]);
-        let mut beyond = face.node_areas.map(|area| mean.map(|t| -area * t));
-        for_each_point(&corners, |x, shape, n| {
-            let pulled = pull(face, x, n);
-            for a in 0..4 {
-                (0..3).for_each(|i| beyond[a][i] += shape[a] * pulled[i]);
-            }
-        });
-        for (nodes, sign) in [(face.minus.nodes, 1.0), (face.plus.nodes, -1.0)] {
-            for (node, beyond) in nodes.iter().zip(&beyond) {
-                (0..3).for_each(|i| force[3 * *node as usize + i] += sign * beyond[i]);
-            }
+    for (nodes, sign) in [(face.minus.nodes, 1.0), (face.plus.nodes, -1.0)] {
+        for (node, own) in nodes.iter().zip(corners) {
+            (0..3).for_each(|i| add(3 * *node as usize + i, sign * own[i]));
         }
     }
 }

@@ -75,7 +75,8 @@ impl Simulation<'_> {
         };
         let mut at = |state: &State| {
             let u = self.displacement(state);
-            let load = problem.loads().at(state.time, state.loaded);
+            let loads = problem.loads();
+            let load = loads.beside(&loads.opened(&state.states), state.time, state.loaded);
             At {
                 internal: product(&u),
                 elastic: 0.0,

@@ -1,8 +1,8 @@
 //! Loads as sums of cases, one per history.
 
 use super::Load;
-use crate::contact::prescribed_jump;
-use crate::elasticity::{Constraints, ElasticityError, lift};
+use crate::contact::{ContactState, prescribed_jump};
+use crate::elasticity::{Constraints, ElasticityError, lift, loads};
 use crate::mesh::FractureFace;
 use crate::scene::Body;
 use fracas_operators::LinearOperator;
@@ -23,6 +23,22 @@ pub struct Loads<'a> {
     cases: Vec<Case>,
     /// Initial opening of the faces, weighted by area [m³].
     gap: Vec<f64>,
+    /// Faces that the initial stress pulls beyond its mean on them, and [what it pulls](loads::pull_beyond_mean) [N].
+    pulled: Vec<(usize, [[f64; 3]; 4])>,
+}
+
+/// Which of the faces that the initial stress pulls beyond its mean are taken as open: nothing pulls at their sides.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Opened(Vec<bool>);
+
+impl Opened {
+    /// These and others.
+    pub(super) fn or(mut self, other: &Self) -> Self {
+        for (own, other) in self.0.iter_mut().zip(&other.0) {
+            *own |= *other;
+        }
+        self
+    }
 }
 
 impl<'a> Loads<'a> {
@@ -56,10 +72,42 @@ impl<'a> Loads<'a> {
         for (g, face) in gap.chunks_exact_mut(3).zip(&body.fractures.faces) {
             g[0] = face.area * body.gaps[usize::from(face.fracture)];
         }
-        Ok(Self { body, cases, gap })
+        let faces = body.fractures.faces.iter().enumerate();
+        let faces = faces.filter(|_| body.initial_stress.is_some());
+        let pulled = faces
+            .map(|(f, face)| (f, body.pull_beyond_mean(face)))
+            .filter(|(_, corners)| corners.iter().flatten().any(|f| *f != 0.0))
+            .collect();
+        Ok(Self {
+            body,
+            cases,
+            gap,
+            pulled,
+        })
     }
 
-    /// The load at a time [s] of which a share is applied.
+    /// Those that are open in these states.
+    pub(super) fn opened(&self, states: &[ContactState]) -> Opened {
+        let is_open = |(f, _): &(usize, _)| states[*f] == ContactState::Open;
+        Opened(self.pulled.iter().map(is_open).collect())
+    }
+
+    /// [`at`](Self::at), without what the initial stress pulls at the sides of open faces.
+    pub(super) fn beside(&self, opened: &Opened, time: f64, share: f64) -> Load {
+        let mut load = self.at(time, share);
+        let constraints = &self.body.constraints;
+        let open = self.pulled.iter().zip(&opened.0).filter(|(_, open)| **open);
+        for ((f, corners), _) in open {
+            loads::between_sides(&self.body.fractures.faces[*f], corners, |dof, f| {
+                if let Some(i) = constraints.free_index(dof) {
+                    load.force[i] -= share * f;
+                }
+            });
+        }
+        load
+    }
+
+    /// The load at a time [s] of which a share is applied, every face closed.
     pub fn at(&self, time: f64, share: f64) -> Load {
         let mut force = vec![0.0; self.body.constraints.free_len()];
         let mut jump = self.gap.clone();

@@ -4,7 +4,7 @@ use super::active_set::{Log, Settled};
 use super::creeping::step_from;
 use super::fields::slip_after;
 use super::linear::Linear;
-use super::loads::initial_traction;
+use super::loads::{Opened, initial_traction};
 use super::newton::{Attempt, Iterate};
 use super::record::count;
 use super::springs::SpringMethod;
@@ -21,6 +21,10 @@ use fracas_operators::vector::axpy;
 use fracas_solvers::Observer;
 use fracas_solvers::saddle::{InnerChoice, Racp};
 use fracas_solvers::steering::Steering;
+
+/// Times that faces may open and close with what the initial stress pulls at their sides, before those that opened stay without it until
+/// the end of the step. Unit: 1.
+const RETURNS: usize = 3;
 
 /// A body in contact, stepped through time.
 pub struct Simulation<'a> {
@@ -118,7 +122,8 @@ impl<'a> Simulation<'a> {
     }
 
     /// The next step: the equilibrium at time 0 first, then time by time. A failed attempt is repeated from all-stick, then
-    /// the step is halved; so is one in which slip may have run away, until that shows or there is a step without.
+    /// the step is halved; so is one in which slip may have run away, until that shows or there is a step without. What the initial stress
+    /// pulls at the sides of faces beyond its mean ends where they open: the step goes on from what it found until both agree.
     ///
     /// # Errors
     /// [`StepFailure`] with the reason of the last attempt; `state` is still good.
@@ -265,10 +270,16 @@ impl<'a> Simulation<'a> {
         self.take_step(step_from(state, target))?;
         let problem = &self.problem;
         let before = problem.loads().at(state.time, state.loaded);
-        let mut load = problem.loads().at(target.time, target.loaded);
-        if state.creep.is_some() {
-            problem.remember(state, &self.displacement(state), &mut load);
-        }
+        let crept = state.creep.is_some().then(|| self.displacement(state));
+        let load_beside = |opened: &Opened| {
+            let mut load = (problem.loads()).beside(opened, target.time, target.loaded);
+            if let Some(u) = &crept {
+                problem.remember(state, u, &mut load);
+            }
+            load
+        };
+        let mut opened = problem.loads().opened(&state.states);
+        let mut load = load_beside(&opened);
         // tractions of the initial stress come with the loads of time 0
         let mut t = state.t.clone();
         axpy(target.loaded - state.loaded, &self.initial_traction, &mut t);
@@ -289,6 +300,11 @@ impl<'a> Simulation<'a> {
         let pressures = flow.as_ref().map(|_| &state.p[..]);
         let loads = [&before, &load];
         let scale = problem.scale(&t, loads, pressures).max(state.force);
+        let mut from = (
+            states,
+            Iterate::new([&state.u, &t, &state.p], flow.as_ref()),
+        );
+        let mut passes = 0;
         loop {
             let attempt = Attempt {
                 problem,
@@ -303,11 +319,10 @@ impl<'a> Simulation<'a> {
                 attempt: *attempts,
             };
             *attempts += 1;
-            let x = Iterate::new([&state.u, &t, &state.p], flow.as_ref());
-            let from = states.clone();
+            let (states, x) = from.clone();
             let settled = match &mut self.springs {
-                Some(springs) => stable(&attempt, from, x, springs, log, observer),
-                None => stable(&attempt, from, x, &mut self.linear, log, observer),
+                Some(springs) => stable(&attempt, states, x, springs, log, observer),
+                None => stable(&attempt, states, x, &mut self.linear, log, observer),
             };
             let told = match &mut self.springs {
                 Some(springs) => &mut springs.resources.fallbacks.events,
@@ -316,11 +331,24 @@ impl<'a> Simulation<'a> {
             log.events.append(told);
             match settled {
                 Err(Failure::Torn { faces }) => {
-                    start.torn.resize(states.len(), false);
+                    start.torn.resize(problem.faces().len(), false);
                     faces.iter().for_each(|f| start.torn[*f] = true);
                     log.events.push(Event::Torn { faces });
                 }
-                settled => return Ok((attempt.with_flow(settled?, target.loaded), load)),
+                settled => {
+                    let settled = settled?;
+                    let mut now = problem.loads().opened(&settled.states);
+                    passes += 1;
+                    if passes > RETURNS {
+                        now = now.or(&opened);
+                    }
+                    if now == opened || settled.unstable.is_some() {
+                        return Ok((attempt.with_flow(settled, target.loaded), load));
+                    }
+                    opened = now;
+                    load = load_beside(&opened);
+                    from = (settled.states, settled.x);
+                }
             }
         }
     }

@@ -58,8 +58,10 @@ pub struct Body {
     pub fractures: FractureMesh,
     /// Friction per fracture, where the scene gives it.
     pub friction: Vec<Option<Friction>>,
-    /// Names of the materials; `mesh.regions` indexes all three lists.
+    /// Names of the materials; `mesh.regions` indexes all lists of materials.
     pub material_names: Vec<String>,
+    /// Of every material the first one that deforms as it does: equal elastic constants, viscosity, and stress and pressure that come with it.
+    pub first_alike: Vec<usize>,
     /// Elastic constants per material.
     pub materials: Vec<Elastic>,
     /// Density per material [kg/m³].

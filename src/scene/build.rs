@@ -17,6 +17,7 @@ use super::{
     Body, Friction, InitialStress, Method, Problem, SceneError, SolverSection, TimeTable,
     Weakening, WeightStress,
 };
+use crate::contact::Rocks;
 use crate::creep::LONGEST;
 use crate::elasticity::{Constraints, Elastic};
 use crate::mesh::{BoxGrid, BuiltMesh, Hold, MAX_NODES, MeshError, bodies};
@@ -129,31 +130,33 @@ fn assemble(sections: &SceneSections, folder: &Path) -> Result<Body, Located> {
     let afloat = weight
         .and_then(|w| w.fluid.as_ref())
         .map_or(0.0, Measure::si);
+    let materials: Vec<Elastic> = sections.material.iter().map(elastic).collect();
+    let viscosities = viscosities(sections, time)?;
+    let isotropic: Vec<bool> = (sections.material.iter())
+        .map(|m| m.isotropic_stress)
+        .collect();
+    let pressed = |i: usize| Some(pore_pressures[i]).filter(|(change, _)| *change != 0.0);
+    let alike = |i: usize, j: usize| {
+        materials[i] == materials[j]
+            && viscosities[i] == viscosities[j]
+            && isotropic[i] == isotropic[j]
+            && pressed(i) == pressed(j)
+    };
     Ok(Body {
+        first_alike: Rocks::first_alike(materials.len(), alike),
         weight_stress,
         mesh: built.mesh,
         fractures: built.fractures,
         friction,
         material_names: sections.material.iter().map(|m| m.name.clone()).collect(),
-        materials: sections
-            .material
-            .iter()
-            .map(|m| Elastic {
-                young: m.young.si(),
-                poisson: m.poisson.si(),
-            })
-            .collect(),
+        materials,
         body_force: densities
             .iter()
             .map(|rho| [0, 1, 2].map(|d: usize| (rho - afloat) * gravity[d] + extra[d]))
             .collect(),
         densities,
-        viscosities: viscosities(sections, time)?,
-        isotropic: sections
-            .material
-            .iter()
-            .map(|m| m.isotropic_stress)
-            .collect(),
+        viscosities,
+        isotropic,
         constraints,
         prescribed_histories,
         tractions,
@@ -297,6 +300,13 @@ fn time_table(
     ))
 }
 
+fn elastic(material: &MaterialSection) -> Elastic {
+    Elastic {
+        young: material.young.si(),
+        poisson: material.poisson.si(),
+    }
+}
+
 /// Viscosities of the materials, checked against the steps.
 fn viscosities(
     sections: &SceneSections,
@@ -307,10 +317,7 @@ fn viscosities(
         let Some(viscosity) = m.viscosity.as_ref().map(Measure::si) else {
             return Ok(None);
         };
-        let rock = Elastic {
-            young: m.young.si(),
-            poisson: m.poisson.si(),
-        };
+        let rock = elastic(m);
         let relaxation = viscosity / rock.shear();
         if step <= LONGEST * relaxation {
             return Ok(Some(viscosity));

@@ -100,7 +100,7 @@ pub struct SolverSection {
     pub stabilization: Lengths,
     /// Whether H acts across the junctions of fractures: `joined`, while the faces that cross stick, or `apart`, as published.
     pub junctions: Junctions,
-    /// Whether H acts where a fracture leaves one material for another.
+    /// Whether H acts where a fracture leaves one material for another that deforms differently.
     pub interfaces: Interfaces,
     /// How contact states are searched for.
     #[serde(deserialize_with = "fracas_solvers::steering::in_range")]

@@ -1,6 +1,6 @@
 //! Claim: a uniform stress passes a closed fracture exactly, t = σ·n on every face and no jump, whatever the mesh.
 
-use fracas::contact::{Coupling, JumpStabilization};
+use fracas::contact::{Coupling, JumpStabilization, Rocks};
 use fracas::elasticity::{Constraints, Elastic, loads};
 use fracas::mesh::{BoxGrid, BuiltMesh, Distort, Incline, PlaneFracture};
 use fracas::system::StickSystem;
@@ -61,7 +61,10 @@ fn solve(built: &BuiltMesh) -> (SaddleBlocks, Vec<f64>) {
         mesh: &built.mesh,
         fractures: &built.fractures,
         materials: &[ROCK],
-        jump_materials: &[ROCK],
+        jump_rocks: Rocks {
+            elastic: &[ROCK],
+            first_alike: &[0],
+        },
         constraints: &constraints,
         stabilization: Some(JumpStabilization::default()),
     };

@@ -1,6 +1,8 @@
 //! Claim: what is uniform in every level layer is reproduced exactly beside a fault that sticks and crosses them: tractions of layers that are
-//! strained or depleted, and rest under their weight, whatever the contrast, the dip, the grading, and where the fault ends.
+//! strained or depleted, and rest under their weight, whatever the contrast, the dip, the grading, and where the fault ends. A fault that is
+//! opened keeps nothing of the stress of before.
 
+use fracas::contact::{Interfaces, JumpStabilization};
 use fracas::nonlinear::{Simulation, State};
 use fracas::scene::{Body, Scene};
 use fracas_operators::random::Random;
@@ -150,5 +152,88 @@ fn level_layers_rest_under_their_weight_wherever_a_fault_ends() {
                 );
             }
         }
+    }
+}
+
+#[test]
+fn an_opened_fault_is_the_side_of_half_a_body() {
+    for seed in 0..CASES {
+        let r = &mut Random::new(2000 + seed);
+        let [k_x, k_y] = [0, 1].map(|_| r.between(0.5, 1.1));
+        let section = section(r, 1e-4);
+        let [bottom, top] = [*section.tops.last().unwrap(), 0.0];
+        // more than the stress of its deepest face, at most 2700 kg/m³
+        let pressure = r.between(1.1, 2.0) * 27000.0 * k_x * bottom.abs();
+        let (body, _) = section.toml.split_once("[[fracture]]").unwrap();
+        let weight = format!(
+            "[gravity]\nz = '-10 m/s2'\n[initial_stress]\nweight = {{ horizontal = [{k_x}, {k_y}] }}\n"
+        );
+        let whole = format!(
+            "{body}{weight}[[fracture]]\nname = 'f'\nplane = 'x'\nat = '0 m'\nz = ['{bottom} m', '{top} m']\nfriction_angle = '30 deg'\npressure = '{pressure} Pa'\n{}",
+            rollers(&["x-", "x+", "y-", "y+", "z-"])
+        );
+        let half = format!(
+            "{}{weight}[[boundary]]\nside = 'x+'\npressure = '{pressure} Pa'\n{}",
+            body.replace("to = '300 m', cells = 6", "to = '0 m', cells = 3"),
+            rollers(&["x-", "y-", "y+", "z-"])
+        );
+        let (whole, half) = (at_rest(&whole), at_rest(&half));
+        assert!(whole.1.t.iter().all(|t| *t == 0.0), "seed {seed}");
+        let moved = |(body, state): &(Body, State)| -> Vec<[[f64; 3]; 2]> {
+            let u = body.constraints.expand(&state.u);
+            let of_node = |n: u32| {
+                let place = body.mesh.nodes[n as usize];
+                [place, [0, 1, 2].map(|i| u[3 * n as usize + i])]
+            };
+            let elements = body.mesh.elements.iter().map(|e| e.map(of_node));
+            let is_left = |nodes: &[[[f64; 3]; 2]; 8]| nodes.iter().all(|[x, _]| x[0] <= 0.0);
+            elements.filter(is_left).flatten().collect()
+        };
+        let (found, expected) = (moved(&whole), moved(&half));
+        let size = expected
+            .iter()
+            .flat_map(|[_, u]| u)
+            .fold(0.0f64, |m, u| m.max(u.abs()));
+        assert_eq!(found.len(), expected.len());
+        for ([x, u], [y, v]) in found.iter().zip(&expected) {
+            assert_eq!(x, y, "seed {seed}");
+            let off = (0..3).fold(0.0f64, |m, i| m.max((u[i] - v[i]).abs()));
+            assert!(off < 1e-6 * size, "seed {seed}: {u:?}, {v:?} at {x:?}");
+        }
+    }
+}
+
+#[test]
+fn materials_are_told_apart_by_what_they_do() {
+    for seed in 0..CASES {
+        let r = &mut Random::new(3000 + seed);
+        let section = section(r, 1e-4);
+        let [young, fall] = section.rocks[0];
+        let mut one = section.toml.clone();
+        for [own, own_fall] in &section.rocks[1..] {
+            one = one.replace(
+                &format!("young = '{own} Pa'"),
+                &format!("young = '{young} Pa'"),
+            );
+            one = one.replace(&format!("'{} Pa'", -own_fall), &format!("'{} Pa'", -fall));
+        }
+        let pressed = one.replacen(&format!("'{} Pa'", -fall), "'0 Pa'", 1);
+        let h = |toml: &str| {
+            let toml = format!("{toml}{}", rollers(&["x-", "x+", "y-", "y+", "z-"]));
+            let body = Scene::from_toml(&toml, "layers.toml")
+                .unwrap()
+                .build()
+                .unwrap();
+            let of = |form| body.stick_system(Some(form)).stabilization().unwrap();
+            let apart = body.jump_stabilization();
+            let joined = JumpStabilization {
+                interfaces: Interfaces::Joined,
+                ..apart
+            };
+            [of(apart), of(joined)]
+        };
+        let ([own, all], [parts, whole]) = (h(&one), h(&pressed));
+        assert!(own == all && whole == all, "seed {seed}");
+        assert!(parts.nnz() < all.nnz(), "seed {seed}");
     }
 }

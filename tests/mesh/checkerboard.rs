@@ -1,6 +1,6 @@
 //! Claim: without stabilization a closed N×N fracture has 2N−1 spurious modes per traction component; with it, none.
 
-use fracas::contact::JumpStabilization;
+use fracas::contact::{JumpStabilization, Rocks};
 use fracas::elasticity::{Constraints, Elastic};
 use fracas::mesh::{BoxGrid, BuiltMesh, PlaneFracture};
 use fracas::system::StickSystem;
@@ -37,7 +37,10 @@ fn blocks(built: &BuiltMesh, stabilization: Option<JumpStabilization>) -> Saddle
         mesh: &built.mesh,
         fractures: &built.fractures,
         materials: &[ROCK],
-        jump_materials: &[ROCK],
+        jump_rocks: Rocks {
+            elastic: &[ROCK],
+            first_alike: &[0],
+        },
         constraints: &constraints,
         stabilization,
     };

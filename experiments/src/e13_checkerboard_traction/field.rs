@@ -1,6 +1,6 @@
 //! A stress field in equilibrium, and a fractured block that it loads.
 
-use fracas::contact::JumpStabilization;
+use fracas::contact::{JumpStabilization, Rocks};
 use fracas::elasticity::{Constraints, Elastic, loads};
 use fracas::mesh::{BoxGrid, BuiltMesh, Distort, PlaneFracture, face_geometry};
 use fracas::system::StickSystem;
@@ -154,7 +154,10 @@ pub(super) fn solve(
         mesh: &built.mesh,
         fractures: &built.fractures,
         materials: &[ROCK],
-        jump_materials: &[ROCK],
+        jump_rocks: Rocks {
+            elastic: &[ROCK],
+            first_alike: &[0],
+        },
         constraints: &constraints,
         stabilization,
     };

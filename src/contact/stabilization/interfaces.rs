@@ -1,11 +1,12 @@
 //! What the stabilization does where a fracture leaves one rock for another.
 
+use crate::elasticity::Elastic;
 use crate::mesh::{FractureEdge, FractureMesh, HexMesh};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// What the jump stabilization H does at an edge whose faces lie in different materials, on one side of the fracture or on both. Written as
-/// `"apart"` or `"joined"`.
+/// `"apart"` or `"joined"`. Materials that deform alike, as those that differ in name or density alone, are one ([`Rocks`]).
 ///
 /// Stiffness, pore pressure and thermal strain of a material jump there, and the traction of the solution does, too: H takes that for a
 /// checkerboard and lets a jump of displacement through that no finer mesh makes smaller relative to a cell. Left apart, the faces of a
@@ -24,6 +25,23 @@ pub enum Interfaces {
     Joined,
 }
 
+/// What H knows of the materials of a body; `mesh.regions` indexes both lists.
+#[derive(Clone, Copy, Debug)]
+pub struct Rocks<'a> {
+    /// Elastic constants.
+    pub elastic: &'a [Elastic],
+    /// The first material that behaves as this one does: tractions go from one to the other without a jump.
+    pub first_alike: &'a [usize],
+}
+
+impl Rocks<'_> {
+    /// Of every material the first one that `alike` holds equal to it.
+    pub fn first_alike(n: usize, alike: impl Fn(usize, usize) -> bool) -> Vec<usize> {
+        let first = |i| (0..i).find(|j| alike(*j, i)).unwrap_or(i);
+        (0..n).map(first).collect()
+    }
+}
+
 /// No neighbour across this side of a face.
 const NONE: u32 = u32::MAX;
 
@@ -33,13 +51,15 @@ impl Interfaces {
         self,
         mesh: &HexMesh,
         fractures: &FractureMesh,
+        rocks: Rocks<'_>,
         edges: &[(&FractureEdge, &[u32])],
     ) -> Vec<bool> {
-        let region = |f: u32| {
+        let sides = |f: u32| {
             let face = &fractures.faces[f as usize];
-            [face.minus, face.plus].map(|side| mesh.regions[side.element as usize])
+            let region = |e: u32| usize::from(mesh.regions[e as usize]);
+            [face.minus, face.plus].map(|side| rocks.first_alike[region(side.element)])
         };
-        let differs = |edge: &FractureEdge| region(edge.faces[0]) != region(edge.faces[1]);
+        let differs = |edge: &FractureEdge| sides(edge.faces[0]) != sides(edge.faces[1]);
         if self == Self::Joined || !edges.iter().any(|(edge, _)| differs(edge)) {
             return vec![true; edges.len()];
         }

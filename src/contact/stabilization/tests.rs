@@ -1,6 +1,14 @@
 use super::*;
 use crate::mesh::{BoxGrid, Incline, PlaneFracture};
 
+/// A body of one material.
+fn one(rock: &[Elastic; 1]) -> Rocks<'_> {
+    Rocks {
+        elastic: rock,
+        first_alike: &[0],
+    }
+}
+
 /// The same sum, edge by edge, into a dense matrix.
 fn oracle(
     (lengths, junctions): (Lengths, Junctions),
@@ -89,7 +97,7 @@ fn rows_gathered_face_by_face_are_the_sum_over_edges() {
             junctions,
             ..JumpStabilization::default()
         };
-        let h = stabilization.assemble_for(&built.mesh, &built.fractures, &rocks, state);
+        let h = stabilization.assemble_for(&built.mesh, &built.fractures, one(&rocks), state);
         let dense = oracle(choice, &built.mesh, &built.fractures, &rocks, state);
         let size = dense.iter().flatten().fold(0.0f64, |m, v| m.max(v.abs()));
         assert!(size > 0.0 && h.nnz() > h.rows() / 2);
@@ -124,14 +132,18 @@ fn faces_are_neighbours_across_a_fracture_while_it_sticks() {
     }];
     let of = |f: usize| built.fractures.faces[f].fracture;
     let coupled = |state: ContactState| {
-        let h =
-            JumpStabilization::default().assemble_for(&built.mesh, &built.fractures, &rocks, |f| {
+        let h = JumpStabilization::default().assemble_for(
+            &built.mesh,
+            &built.fractures,
+            one(&rocks),
+            |f| {
                 if of(f) == 1 {
                     state
                 } else {
                     ContactState::Stick
                 }
-            });
+            },
+        );
         // F is coupled along all of its height, or falls apart at G
         let faces = (0..built.fractures.faces.len()).filter(|f| of(*f) == 0);
         let blocks = faces.map(|f| h.outer_view(3 * f).unwrap().nnz());
