@@ -236,6 +236,10 @@ impl Search<'_, '_> {
         if faces > 0 {
             log.events.push(Event::Stabilized { faces });
         }
+        let faces = beyond(&found.states, form);
+        if faces > 0 {
+            log.events.push(Event::Unstabilized { faces });
+        }
         let faces = self.returning.torn_faces();
         if !faces.is_empty() {
             log.events.push(Event::Torn { faces });

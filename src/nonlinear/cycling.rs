@@ -11,6 +11,8 @@ pub(super) struct Cycle {
     pub(super) faces: Vec<usize>,
     /// Per face the state of the cycle that constrains most.
     pub(super) most_constrained: Vec<ContactState>,
+    /// Per face the one that constrains least.
+    pub(super) least_constrained: Vec<ContactState>,
     /// Faces that are open in some of it.
     pub(super) opened: Vec<usize>,
 }
@@ -32,16 +34,14 @@ impl Rounds {
         let differs = |f: &usize| cycle.iter().any(|round| round[*f] != states[*f]);
         let open = |f: usize| cycle.iter().any(|round| round[f] == ContactState::Open);
         let is_open = |f: &usize| open(*f);
-        let most = |f: usize| {
-            let states = cycle.iter().map(|round| round[f]);
-            states
-                .max_by_key(|s| s.constrained())
-                .unwrap_or(ContactState::Stick)
-        };
+        let of = |f: usize| cycle.iter().map(move |round| round[f]);
+        let most = |f: usize| of(f).max_by_key(|s| s.constrained());
+        let least = |f: usize| of(f).min_by_key(|s| s.constrained());
         Some(Cycle {
             period: cycle.len(),
             faces: (0..states.len()).filter(differs).collect(),
-            most_constrained: (0..states.len()).map(most).collect(),
+            most_constrained: (0..states.len()).filter_map(most).collect(),
+            least_constrained: (0..states.len()).filter_map(least).collect(),
             opened: (0..states.len()).filter(is_open).collect(),
         })
     }
@@ -64,6 +64,7 @@ mod tests {
             period: 3,
             faces: vec![0, 1],
             most_constrained: vec![Stick, Stick, Open],
+            least_constrained: vec![Open, Slip, Open],
             opened: vec![0, 2],
         };
         assert_eq!(rounds.enter(&a), Some(cycle));

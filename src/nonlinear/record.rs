@@ -107,6 +107,11 @@ pub enum Event {
         /// Number of faces that one acts on beyond their state.
         faces: usize,
     },
+    /// H acts on less than the states constrain: with all of theirs they return, open with an overlap and closed in tension.
+    Unstabilized {
+        /// Number of faces whose rows of H have less.
+        faces: usize,
+    },
     /// Rounding leaves errors above `tolerance`, below `state_tolerance`.
     Rounding {
         /// What has the larger one: `displacements` or `tractions`.

@@ -27,6 +27,8 @@ const TURNS: u8 = 3;
 pub(super) struct Returning {
     /// Per face the state whose rows of H it keeps; empty: none.
     form: Vec<Option<ContactState>>,
+    /// Per face the state of whose rows of H it has no more; empty: none.
+    free: Vec<Option<ContactState>>,
     /// [Joined](crate::flow::FlowStep::joined) faces; empty: none.
     pub(super) joined: Vec<bool>,
     /// Faces whose cohesion is lost; empty: none.
@@ -96,10 +98,11 @@ impl Returning {
         self.joined.iter().filter(|joined| **joined).count()
     }
 
-    /// States, or those that are held where these constrain more: what H is that of.
+    /// States, or those that are held where these constrain more, or free where these constrain less: what H is that of.
     pub(super) fn form(&self, states: &[ContactState]) -> Vec<ContactState> {
-        let of = |(f, state): (usize, &ContactState)| match self.form.get(f) {
-            Some(Some(form)) if form.constrained() > state.constrained() => *form,
+        let of = |(f, state): (usize, &ContactState)| match (self.form.get(f), self.free.get(f)) {
+            (Some(Some(form)), _) if form.constrained() > state.constrained() => *form,
+            (_, Some(Some(free))) if free.constrained() < state.constrained() => *free,
             _ => *state,
         };
         states.iter().enumerate().map(of).collect()
@@ -146,6 +149,21 @@ impl Returning {
         let fewer = self.most.unwrap_or(cycle.faces.len()) / 2;
         self.most = Some(fewer.max(1));
         fewer > 0
+    }
+
+    /// States have returned where nothing flows: faces that change among them keep what H does in the state that constrains least. False
+    /// where they have no more than that already.
+    pub(super) fn freed(&mut self, cycle: &Cycle) -> bool {
+        self.free.resize(cycle.least_constrained.len(), None);
+        let mut grown = false;
+        for f in &cycle.faces {
+            let least = cycle.least_constrained[*f];
+            if self.free[*f].is_none_or(|own| least.constrained() < own.constrained()) {
+                self.free[*f] = Some(least);
+                grown = true;
+            }
+        }
+        grown
     }
 
     /// Of held faces, those that are to change: so many open or close as are farthest from what they ask for.
@@ -232,6 +250,7 @@ mod tests {
             period: 2,
             faces: vec![0, 1, 2, 3],
             most_constrained: vec![Stick, Slip, Slip, Stick, Open],
+            least_constrained: vec![Open; 5],
             opened: vec![0, 1, 2, 3, 4],
         };
         assert!(returning.entered(&cycle, |_| false));
@@ -256,6 +275,7 @@ mod tests {
             period: 2,
             faces: vec![0, 1],
             most_constrained: vec![Stick, Slip, Slip],
+            least_constrained: vec![Open, Slip, Slip],
             opened: vec![0],
         };
         // a face that only slips and sticks keeps its cohesion

@@ -323,7 +323,11 @@ impl Search<'_, '_> {
                     period: cycle.period,
                     faces: cycle.faces.clone(),
                 });
-                if attempt.flow.is_some() && self.returning.entered(&cycle, cohesive) {
+                let goes_on = match attempt.flow {
+                    Some(_) => self.returning.entered(&cycle, cohesive),
+                    None => fixed.is_none() && self.returning.freed(&cycle),
+                };
+                if goes_on {
                     return self.rounds_holding(states, x, fixed, most - done - 1, log);
                 }
                 return Ok(Ended::Not(cycle.most_constrained, None));

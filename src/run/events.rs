@@ -25,6 +25,10 @@ pub fn event(event: &Event) -> (&'static str, Value) {
             "stabilized",
             json!({ "faces": faces, "text": "the stabilization of jumps or pressures acts on these many faces beyond their states" }),
         ),
+        Event::Unstabilized { faces } => (
+            "unstabilized",
+            json!({ "faces": faces, "text": "the stabilization of jumps leaves out these many faces, whose states return with it" }),
+        ),
         Event::Torn { faces } => (
             "torn",
             json!({ "faces": faces, "text": "faces that open and close again within the step have no cohesion until its end" }),

@@ -109,17 +109,18 @@ fn warn(events: &[Event], progress: &Progress) {
     }
 }
 
-/// A step in a line, and where H or the stabilization of pressures acts on more than its states constrain.
+/// A step in a line, and where H or the stabilization of pressures acts on more or less than its states constrain.
 fn line(record: &StepRecord, events: &[Event]) -> String {
     let [stick, new_slip, slip, open] = record.faces;
     let cuts = match record.cuts {
         0 => String::new(),
         n => format!(", cut {n} times"),
     };
-    let held = events.iter().find_map(|event| match event {
+    let other_h = events.iter().find_map(|event| match event {
         Event::Stabilized { faces } => {
             Some(format!("; stabilized on {faces} faces beyond their states"))
         }
+        Event::Unstabilized { faces } => Some(format!("; {faces} faces left unstabilized")),
         _ => None,
     });
     format!(
@@ -129,7 +130,7 @@ fn line(record: &StepRecord, events: &[Event]) -> String {
         record.active_it,
         record.newton_it,
         record.lin_it,
-        held.unwrap_or_default(),
+        other_h.unwrap_or_default(),
     )
 }
 
@@ -151,5 +152,8 @@ mod tests {
         let held = [Event::Stabilized { faces: 7 }];
         let more = format!("{plain}; stabilized on 7 faces beyond their states");
         assert_eq!(line(&record, &held), more);
+        let free = [Event::Unstabilized { faces: 2 }];
+        let less = format!("{plain}; 2 faces left unstabilized");
+        assert_eq!(line(&record, &free), less);
     }
 }
