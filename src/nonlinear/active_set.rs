@@ -135,15 +135,16 @@ pub(super) fn active_set(
     }
     // pressures stay where they are until a round settles
     let is_finite = x.p.iter().all(|p| p.is_finite());
-    let pressed = attempt.pressed(if is_finite { &x } else { &from });
     let kept = search.returning.kept(attempt);
     let frozen = kept.attempt(attempt);
+    let pressed = frozen.pressed(if is_finite { &x } else { &from });
     let frozen = frozen.at_load(pressed.as_ref());
     let last = log.rounds + most - patience;
     match search.by_natural_map(&frozen, (held, from), last, log)? {
         Some(settled) => Ok(settled),
-        None => Err(search
-            .rounding
+        None => Err(attempt
+            .overdrawn()
+            .or(search.rounding)
             .or(why)
             .unwrap_or_else(|| Failure::ActiveSet {
                 rounds: log.rounds,

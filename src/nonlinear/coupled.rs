@@ -4,19 +4,19 @@ use super::jacobian::ContactJacobian;
 use super::krylov::{self, Asked, Solved};
 use super::linear::Linear;
 use super::newton::{Attempt, Iterate};
-use super::pressed::{CoupledJacobian, Pressed, PressureSolver};
+use super::pressed::{CoupledJacobian, Pressed, PressureSolver, of_contact};
 use super::{Evaluation, LinearFailure};
 use crate::contact::ContactState;
 use crate::flow::surface;
 use fracas_operators::Preconditioner;
-use fracas_operators::sparse::Csr;
+use fracas_operators::sparse::{Csr, SparseMatrix, Triplets};
 use fracas_operators::vector::norm2;
 use fracas_solvers::krylov::System;
 use fracas_solvers::saddle::{FlowBlocks, PressureSchur, ThreeFieldsInverse};
 use fracas_solvers::{Observer, SetupError};
 
 impl Linear {
-    /// `δ ← J⁻¹ (−r)` for `J = [A B1 Q1; B2 −H 0; Q2 0 T]` by the block LDU in the order t, u, p around RACP, or with
+    /// `δ ← J⁻¹ (−r)` for `J = [A B1 Q1; B2 −H N; Q2 0 T]` by the block LDU in the order t, u, p around RACP, or with
     /// `inner = "exact"` by a sparse LU factorization of all fields.
     ///
     /// Its rows of p are multiplied by S_p⁻¹ ([`Pressed`]).
@@ -71,14 +71,15 @@ impl Linear {
                 linear.prepare(problem, jacobian, states, observer)?;
                 let inverse = linear.inverse(problem, jacobian, states)?;
                 let pressed = Pressed::new(pressures, flow);
-                let q1 = Csr::new(flow.q1.clone());
+                let (q1, layout) = (of_open(&flow.q1, states), attempt.layout());
                 let mut r = residual.to_vec();
-                pressed.scale(&attempt.layout(), &mut r);
+                pressed.scale(&layout, &mut r);
                 let form = linear.settings().flow.form;
                 let q2 = flow.is_coupled().then(|| pressed.q2());
                 let preconditioner =
                     ThreeFieldsInverse::new(inverse, &q1, q2, pressed.unit(), form);
                 preconditioner.solve(&r, &mut e, &mut vec![0.0; preconditioner.work_len()]);
+                of_contact(&layout, states, &mut e);
                 Ok(())
             },
         )?;
@@ -157,13 +158,13 @@ impl Linear {
     ) -> Result<Solved, LinearFailure> {
         let problem = attempt.problem;
         let pressed = Pressed::new(pressures, flow);
-        let q1 = Csr::new(flow.q1.clone());
-        let operator = CoupledJacobian::new(jacobian, (&q1, &pressed), attempt.layout());
+        let (q1, layout) = (of_open(&flow.q1, states), attempt.layout());
+        let operator = CoupledJacobian::new(jacobian, (&q1, &pressed), states, layout.clone());
         let mut rhs = rhs.to_vec();
-        pressed.scale(&attempt.layout(), &mut rhs);
+        pressed.scale(&layout, &mut rhs);
         let form = self.settings().flow.form;
         let at = (jacobian, states);
-        self.around(
+        let solved = self.around(
             problem,
             at,
             observer,
@@ -186,6 +187,19 @@ impl Linear {
                 correction.fill(0.0);
                 krylov::solve(&system, asked, correction, observer, work)
             },
-        )
+        )?;
+        of_contact(&layout, states, correction);
+        Ok(solved)
     }
+}
+
+/// Q1 without the columns of closed faces.
+pub(super) fn of_open(q1: &SparseMatrix<f64>, states: &[ContactState]) -> Csr<f64> {
+    let mut open = Triplets::new((q1.rows(), q1.cols()));
+    for (value, (i, f)) in q1 {
+        if states[f as usize] == ContactState::Open {
+            open.add_triplet(i as usize, f as usize, *value);
+        }
+    }
+    Csr::new(open.to_csr())
 }

@@ -1,5 +1,6 @@
 //! The linear systems of rock, contact and flow by one factorization: the exact choice.
 
+use super::jacobian::{ContactJacobian, FaceTangent};
 use super::krylov::Solved;
 use super::linear::Linear;
 use super::newton::{Attempt, Iterate};
@@ -10,13 +11,13 @@ use fracas_operators::sparse::{Csr, SparseMatrix, Triplets};
 use fracas_operators::vector::{axpy, norm2};
 use fracas_solvers::SetupError;
 use fracas_solvers::direct::Kind;
-use fracas_solvers::saddle::{SaddleBlocks, SaddleOperator};
+use fracas_solvers::saddle::SaddleBlocks;
 
 /// Share of the compliance of a face that its tractions are given as a pivot. Unit: 1.
 const FIRM: f64 = 1e-9;
 
 impl Linear {
-    /// `δ ← J⁻¹ b` for `J = [A B1 Q1; B2 −H 0; Q2 0 T]` by a sparse LU factorization of all fields.
+    /// `δ ← J⁻¹ b` for `J = [A B1 Q1; B2 −H N; Q2 0 T]`, [`through_pressure`] N, by a sparse LU factorization of all fields.
     ///
     /// # Errors
     /// [`LinearFailure::Singular`] where the states hold too little; other states may hold more.
@@ -38,10 +39,13 @@ impl Linear {
         };
         let place = (h, x);
         let blocks = attempt.coupled((stick.clone(), unit), states, place, at, lagged);
-        let matrix = firm(&blocks, attempt.problem).assembled();
+        let jacobian = attempt.problem.jacobian(states, h, at, lagged);
+        let through = through_pressure(&jacobian, &blocks);
+        let matrix = &firm(&blocks, attempt.problem).assembled() + &through;
+        let matrix = &matrix + &firm_under_pressure(states, &blocks, attempt.problem);
         let singular = |error: SetupError| match error {
             SetupError::Singular { .. } => {
-                LinearFailure::Singular(error.in_block("[A B1 Q1; B2 −H 0; Q2 0 T]"))
+                LinearFailure::Singular(error.in_block("[A B1 Q1; B2 −H N; Q2 0 T]"))
             }
             error => LinearFailure::Setup(error),
         };
@@ -51,7 +55,7 @@ impl Linear {
         let mut work = vec![0.0; factors.work_len()];
         factors.solve(rhs, correction, &mut work);
         // refined on J itself
-        let operator = SaddleOperator::new(&blocks);
+        let operator = Csr::new(&blocks.assembled() + &through);
         let mut products = vec![0.0; operator.work_len()];
         let mut left = rhs.to_vec();
         operator.apply_add(-1.0, correction, &mut left, &mut products);
@@ -69,6 +73,46 @@ impl Linear {
             setup: true,
         })
     }
+}
+
+/// `N = D H E`, E the place of a pressure in the normal row of its face, in a matrix of all fields: H does not act on what a pressure changes
+/// of t_N.
+pub(super) fn through_pressure(
+    jacobian: &ContactJacobian<'_>,
+    blocks: &SaddleBlocks,
+) -> SparseMatrix<f64> {
+    let (n_u, n_t) = (blocks.n_u(), blocks.n_t());
+    let n = blocks.layout().len();
+    let mut through = Triplets::new((n, n));
+    for (i, row) in jacobian
+        .h
+        .iter()
+        .flat_map(|h| h.matrix().outer_iterator().enumerate())
+    {
+        let (face, m) = (i / 3, i % 3);
+        let d = (jacobian.faces.as_ref()).map_or(FaceTangent::STICK.by_jump, |f| f[face].by_jump);
+        for (j, value) in row.iter().filter(|(j, _)| j % 3 == 0) {
+            for k in (0..3).filter(|k| d[*k][m] != 0.0) {
+                through.add_triplet(n_u + 3 * face + k, n_u + n_t + j / 3, d[k][m] * value);
+            }
+        }
+    }
+    through.to_csr()
+}
+
+/// What the pivots of [`firm`] take of pressures: they are those of `t_N − p` where a face is closed.
+fn firm_under_pressure(
+    states: &[ContactState],
+    blocks: &SaddleBlocks,
+    problem: &ContactProblem<'_>,
+) -> SparseMatrix<f64> {
+    let (n_u, n_t) = (blocks.n_u(), blocks.n_t());
+    let n = blocks.layout().len();
+    let mut pivots = Triplets::new((n, n));
+    for (f, _) in (states.iter().enumerate()).filter(|(_, s)| **s != ContactState::Open) {
+        pivots.add_triplet(n_u + 3 * f, n_u + n_t + f, FIRM * problem.law_entry(f));
+    }
+    pivots.to_csr()
 }
 
 /// The blocks with `ε ω A_f` on the diagonal of H: tractions that no displacement sees (one cell between rollers) have a pivot, and the

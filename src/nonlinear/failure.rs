@@ -142,6 +142,19 @@ pub enum Failure {
         /// What is missing [m³].
         volume: f64,
     },
+    /// A fluid is expanded until nothing of it is left.
+    #[error(
+        "the pressure in {} falls to {pressure:.3e} Pa, below the {empty:.3e} Pa at which a fluid of this `compressibility` has no mass left: more is taken than is there; take less, or prescribe a pressure in place of the rate",
+        quoted(fractures)
+    )]
+    Emptied {
+        /// Names of the fractures.
+        fractures: Vec<String>,
+        /// The lowest pressure [Pa].
+        pressure: f64,
+        /// `−1/c_f` [Pa].
+        empty: f64,
+    },
     /// A block has lost what held it.
     #[error("with {open} faces open nothing{} holds the body of {elements} elements around ({:.6}, {:.6}, {:.6}) m: {}{free} rigid motions are free, so that there {} no equilibrium ({reason})", but_slipping(*slipping), center[0], center[1], center[2], if *slipping > 0 { "without them " } else { "" }, if *slipping > 0 { "may be" } else { "is" })]
     Loose {

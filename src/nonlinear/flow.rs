@@ -2,7 +2,7 @@
 
 use super::active_set::Settled;
 use super::newton::{Attempt, Iterate, relative};
-use super::{ContactProblem, Evaluation, Failure, Load, Simulation, SimulationError, State};
+use super::{ContactProblem, Evaluation, Failure, Load, Simulation, SimulationError, Start, State};
 use crate::contact::ContactState;
 use crate::elasticity::ElasticityError;
 use crate::flow::{FlowStep, Fluid};
@@ -12,6 +12,7 @@ use fracas_operators::sparse::{Csr, SparseMatrix, Triplets};
 use fracas_operators::vector::{axpy, norm2};
 use fracas_operators::{Fields, Layout};
 use fracas_solvers::saddle::{EnergyNorms, FlowBlocks, P, PressureSchur, SaddleBlocks};
+use std::collections::BTreeSet;
 
 /// How much more strictly lost volume is judged than residuals: a run adds the losses of its steps up. Unit: 1.
 const STRICT: f64 = 1e3;
@@ -173,10 +174,11 @@ impl Attempt<'_> {
         x: &Iterate,
     ) -> Evaluation {
         let problem = self.problem;
-        let mut at = problem.evaluate(states, h, [&x.u, &x.t], self.start, self.load);
+        let point = [&x.u[..], &x.t];
         let (Some(step), Some(balance)) = (self.flow, problem.balance()) else {
-            return at;
+            return problem.evaluate(states, h, point, self.start, self.load);
         };
+        let mut at = problem.evaluate(states, h, point, &self.start_under(&x.p), self.load);
         let pushed = problem.pressure_forces(&x.p, 1.0);
         axpy(1.0, &pushed, &mut at.residual[..pushed.len()]);
         let step = &step.controlled(&x.wells);
@@ -361,23 +363,65 @@ impl Attempt<'_> {
     }
 
     fn drained(&self, faces: &[u32], volume: f64) -> Failure {
-        let body = self.problem.body();
-        let mut fractures: Vec<u16> = faces
-            .iter()
-            .map(|f| body.fractures.faces[*f as usize].fracture)
-            .collect();
-        fractures.dedup();
-        fractures.sort_unstable();
-        fractures.dedup();
-        let name = |f: &u16| body.fractures.names[usize::from(*f)].clone();
         Failure::Drained {
-            fractures: fractures.iter().map(name).collect(),
+            fractures: self.fractures_of(faces),
             volume,
         }
     }
 
-    /// The load with the pressures of an iterate among its forces; `None` where nothing flows.
-    pub(super) fn pressed(&self, x: &Iterate) -> Option<Load> {
+    /// Names of the fractures of faces.
+    fn fractures_of(&self, faces: &[u32]) -> Vec<String> {
+        let body = self.problem.body();
+        let fracture = |f: &u32| body.fractures.faces[*f as usize].fracture;
+        let fractures: BTreeSet<u16> = faces.iter().map(fracture).collect();
+        let name = |f: &u16| body.fractures.names[usize::from(*f)].clone();
+        fractures.iter().map(name).collect()
+    }
+
+    /// Fractures of which more is asked than they hold, though all of their faces are closed.
+    pub(super) fn overdrawn(&self) -> Option<Failure> {
+        let (step, balance) = (self.flow?, self.problem.balance()?);
+        let closed = vec![ContactState::Stick; self.problem.faces().len()];
+        let mut parts = balance.sealed(&closed, step).into_iter();
+        let part = parts.find(|part| part.excess < 0.0)?;
+        Some(self.drained(&part.faces, -part.excess))
+    }
+
+    /// Refuses pressures at which the fluid has no mass left, `1 + c_f p < 0`.
+    ///
+    /// # Errors
+    /// [`Failure::Emptied`].
+    pub(super) fn require_mass(&self, p: &[f64]) -> Result<(), Failure> {
+        let (Some(_), Some(balance)) = (self.flow, self.problem.balance()) else {
+            return Ok(());
+        };
+        let empty = -1.0 / balance.fluid().compressibility;
+        let below: Vec<u32> = (0..p.len() as u32)
+            .filter(|f| p[*f as usize] < empty)
+            .collect();
+        if below.is_empty() {
+            return Ok(());
+        }
+        Err(Failure::Emptied {
+            fractures: self.fractures_of(&below),
+            pressure: p.iter().copied().fold(f64::INFINITY, f64::min),
+            empty,
+        })
+    }
+
+    /// The start where H acts on what changes of the traction of the rock, `t_N − p`: it goes from face to face as smoothly as stress does,
+    /// while t_N follows the pressure of its own face.
+    fn start_under(&self, p: &[f64]) -> Start {
+        let mut start = self.start.clone();
+        let changed = p.iter().zip(self.problem.initial_pressures(1.0));
+        for (t, (p, p0)) in start.t.chunks_exact_mut(3).zip(changed) {
+            t[0] += p - p0;
+        }
+        start
+    }
+
+    /// The load with the pressures of an iterate among its forces, and the start under them; `None` where nothing flows.
+    pub(super) fn pressed(&self, x: &Iterate) -> Option<(Load, Start)> {
         self.flow?;
         let mut load = self.load.clone();
         axpy(
@@ -385,16 +429,17 @@ impl Attempt<'_> {
             &self.problem.pressure_forces(&x.p, 1.0),
             &mut load.force,
         );
-        Some(load)
+        Some((load, self.start_under(&x.p)))
     }
 
-    /// The same attempt without flow under another load, if there is one.
-    pub(super) fn at_load<'l>(&'l self, load: Option<&'l Load>) -> Attempt<'l> {
-        let Some(load) = load else {
+    /// The same attempt without flow under another load and from another start, if there are any.
+    pub(super) fn at_load<'l>(&'l self, pressed: Option<&'l (Load, Start)>) -> Attempt<'l> {
+        let Some((load, start)) = pressed else {
             return self.clone();
         };
         Attempt {
             load,
+            start,
             flow: None,
             ..self.clone()
         }

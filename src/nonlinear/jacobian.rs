@@ -50,6 +50,54 @@ impl ContactJacobian<'_> {
     }
 }
 
+/// What stands for the tractions of a product, each in its place.
+pub(super) struct Tractions<'x> {
+    /// What pushes on the rock: x_t of B.
+    pub(super) pushing: &'x [f64],
+    /// What H acts on.
+    pub(super) acting: &'x [f64],
+    /// What the laws of the faces take: x_t of L.
+    pub(super) in_law: &'x [f64],
+}
+
+impl ContactJacobian<'_> {
+    /// `y_u ← y_u + α (A x_u + B t_B)`, `y_t ← y_t + α (D (Bᵀ x_u − H t_H) − L t_L)`.
+    pub(super) fn add_parts(
+        &self,
+        alpha: f64,
+        x_u: &[f64],
+        t: &Tractions<'_>,
+        y: &mut [f64],
+        work: &mut [f64],
+    ) {
+        let [y_u, y_t] = self.layout.split_mut([U, T], y);
+        self.a.apply_add(alpha, x_u, y_u, work);
+        self.b.apply_add(alpha, t.pushing, y_u, work);
+        match &self.faces {
+            None => {
+                self.b.apply_adjoint_add(alpha, x_u, y_t, work);
+                if let Some(h) = self.h {
+                    h.apply_add(-alpha, t.acting, y_t, work);
+                }
+            }
+            Some(faces) => {
+                let (jump, work) = work.split_at_mut(y_t.len());
+                jump.fill(0.0);
+                self.b.apply_adjoint_add(1.0, x_u, jump, work);
+                if let Some(h) = self.h {
+                    h.apply_add(-1.0, t.acting, jump, work);
+                }
+                let (jump, x_t) = (jump.as_chunks().0, t.in_law.as_chunks().0);
+                let y_t = y_t.as_chunks_mut::<3>().0.iter_mut();
+                for (((face, jump), x), y) in faces.iter().zip(jump).zip(x_t).zip(y_t) {
+                    let (d, l) = (times(&face.by_jump, jump), times(&face.law, x));
+                    (0..3).for_each(|k| y[k] += alpha * (d[k] - l[k]));
+                }
+            }
+        }
+    }
+}
+
 impl LinearOperator<f64> for ContactJacobian<'_> {
     fn shape(&self) -> Shape {
         Shape::square(self.layout.len())
@@ -58,33 +106,12 @@ impl LinearOperator<f64> for ContactJacobian<'_> {
     fn apply_add(&self, alpha: f64, x: &[f64], y: &mut [f64], work: &mut [f64]) {
         assert_product(self.shape(), x, y);
         let [x_u, x_t] = self.layout.split([U, T], x);
-        let [y_u, y_t] = self.layout.split_mut([U, T], y);
-        // y_u += α (A x_u + B x_t)
-        self.a.apply_add(alpha, x_u, y_u, work);
-        self.b.apply_add(alpha, x_t, y_u, work);
-        // y_t += α (D (Bᵀ x_u − H x_t) − L x_t)
-        match &self.faces {
-            None => {
-                self.b.apply_adjoint_add(alpha, x_u, y_t, work);
-                if let Some(h) = self.h {
-                    h.apply_add(-alpha, x_t, y_t, work);
-                }
-            }
-            Some(faces) => {
-                let (jump, work) = work.split_at_mut(x_t.len());
-                jump.fill(0.0);
-                self.b.apply_adjoint_add(1.0, x_u, jump, work);
-                if let Some(h) = self.h {
-                    h.apply_add(-1.0, x_t, jump, work);
-                }
-                let (jump, x_t) = (jump.as_chunks().0, x_t.as_chunks().0);
-                let y_t = y_t.as_chunks_mut::<3>().0.iter_mut();
-                for (((face, jump), x), y) in faces.iter().zip(jump).zip(x_t).zip(y_t) {
-                    let (d, l) = (times(&face.by_jump, jump), times(&face.law, x));
-                    (0..3).for_each(|k| y[k] += alpha * (d[k] - l[k]));
-                }
-            }
-        }
+        let t = Tractions {
+            pushing: x_t,
+            acting: x_t,
+            in_law: x_t,
+        };
+        self.add_parts(alpha, x_u, &t, y, work);
     }
 
     fn work_len(&self) -> usize {

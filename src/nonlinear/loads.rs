@@ -142,11 +142,15 @@ fn prescribed(body: &Body, factor: impl Fn(usize) -> f64) -> Constraints {
         .with_values(|i, u| u * factor(histories[i]))
 }
 
-/// `R σ0 n` at the centre of every face, R the frame (n, t1, t2) [Pa].
+/// `R σ0 n` at the centre of every face, R the frame (n, t1, t2), and in t_N the pressure of the fluid before anything flows: what a closed
+/// face carries where rock stands still [Pa].
 pub(super) fn initial_traction(body: &Body) -> Vec<f64> {
     let of_face = |face: &FractureFace| -> [f64; 3] {
         let pull = body.initial_pull_at(face, face.center, face.frame[0]);
-        face.frame.map(|e| (0..3).map(|k| e[k] * pull[k]).sum())
+        let mut t = face.frame.map(|e| (0..3).map(|k| e[k] * pull[k]).sum());
+        let fluid = body.fluid.as_ref();
+        t[0] += fluid.map_or(0.0, |fluid| fluid.initial_pressure(face));
+        t
     };
     body.fractures.faces.iter().flat_map(of_face).collect()
 }

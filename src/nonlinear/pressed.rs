@@ -1,11 +1,12 @@
 //! Rows of p multiplied by S_p⁻¹: residuals of volume as the pressures that they stand for.
 
-use super::jacobian::ContactJacobian;
+use super::jacobian::{ContactJacobian, Tractions};
+use crate::contact::ContactState;
 use fracas_operators::operator::assert_product;
 use fracas_operators::sparse::{Csr, SparseMatrix};
 use fracas_operators::{Layout, LinearOperator, Preconditioner, Properties, Shape};
 use fracas_solvers::SetupError;
-use fracas_solvers::saddle::{FlowBlocks, P, PressureFactors, PressureSystem, U};
+use fracas_solvers::saddle::{FlowBlocks, P, PressureFactors, PressureSystem, T, U};
 
 /// Share of the diagonal of T below which the sum of a row is rounding. Unit: 1.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
@@ -195,25 +196,47 @@ impl Preconditioner<f64> for Forces {
     }
 }
 
-/// `[J Q1; b S_p⁻¹Q2 b S_p⁻¹T]` around the J of rock and contact, of which nothing is assembled.
+/// `[J Q1; b S_p⁻¹Q2 b S_p⁻¹T]` around the J of rock and contact, of which nothing is assembled, with what pressures do to the rows of t.
+///
+/// The traction of a closed face counts as that of the rock, `t̃_N = t_N − p`, which alone pushes on it and which H acts on; its law takes
+/// t_N. In an open face t_N is given by its law, and p pushes:
+/// ```text
+/// y_u = A x_u + B t̃ − B E_o p          y_t = D (Bᵀ x_u − H (t̃ − E_o p)) − L (t̃ + E_c p)
+/// ```
+/// E_o and E_c place pressures in the normal rows of open and of closed faces. Where no face slips and H acts on closed faces alone the rows
+/// of t have no pressures.
 pub(super) struct CoupledJacobian<'a> {
     rock: &'a ContactJacobian<'a>,
     q1: &'a Csr<f64>,
     pressed: &'a Pressed<'a>,
+    open: Vec<bool>,
     layout: Layout,
 }
 
 impl<'a> CoupledJacobian<'a> {
+    /// In these states; `q1` is that of open faces, its other columns empty.
     pub(super) fn new(
         rock: &'a ContactJacobian<'a>,
         (q1, pressed): (&'a Csr<f64>, &'a Pressed<'a>),
+        states: &[ContactState],
         layout: Layout,
     ) -> Self {
         Self {
             rock,
             q1,
             pressed,
+            open: states.iter().map(|s| *s == ContactState::Open).collect(),
             layout,
+        }
+    }
+}
+
+/// Increments of t_N from those of t̃_N: `δt_N = δt̃_N + δp` on closed faces, tractions and pressures in one unit.
+pub(super) fn of_contact(layout: &Layout, states: &[ContactState], x: &mut [f64]) {
+    let [x_t, x_p] = layout.split_mut([T, P], x);
+    for ((t, p), state) in x_t.chunks_exact_mut(3).zip(x_p).zip(states) {
+        if *state != ContactState::Open {
+            t[0] += *p;
         }
     }
 }
@@ -226,10 +249,27 @@ impl LinearOperator<f64> for CoupledJacobian<'_> {
     fn apply_add(&self, alpha: f64, x: &[f64], y: &mut [f64], work: &mut [f64]) {
         assert_product(self.shape(), x, y);
         let flow = self.layout.range(P).start;
-        let ((x_ut, x_p), (y_ut, y_p)) = (x.split_at(flow), y.split_at_mut(flow));
-        let n_u = self.layout.length(U);
-        self.rock.apply_add(alpha, x_ut, y_ut, work);
-        self.q1.apply_add(alpha, x_p, &mut y_ut[..n_u], work);
+        let [x_u, x_t, x_p] = self.layout.split([U, T, P], x);
+        let (y_ut, y_p) = y.split_at_mut(flow);
+        {
+            let (acting, work) = work.split_at_mut(x_t.len());
+            let (in_law, work) = work.split_at_mut(x_t.len());
+            acting.copy_from_slice(x_t);
+            in_law.copy_from_slice(x_t);
+            for (f, (p, open)) in x_p.iter().zip(&self.open).enumerate() {
+                match open {
+                    true => acting[3 * f] -= p,
+                    false => in_law[3 * f] += p,
+                }
+            }
+            let t = Tractions {
+                pushing: x_t,
+                acting,
+                in_law,
+            };
+            self.rock.add_parts(alpha, x_u, &t, y_ut, work);
+        }
+        self.q1.apply_add(alpha, x_p, &mut y_ut[..x_u.len()], work);
         // Q2 x_u + T x_p
         let w = &mut work[..x_p.len()];
         let rows = self.pressed.t.outer_iterator().zip(&self.pressed.sums);
@@ -237,16 +277,17 @@ impl LinearOperator<f64> for CoupledJacobian<'_> {
             let flux = |(j, t): (usize, &f64)| t * (x_p[j] - x_p[i]);
             *w = sum * x_p[i] + row.iter().map(flux).sum::<f64>();
         }
-        self.pressed.q2.apply_add(1.0, &x_ut[..n_u], w, &mut []);
+        self.pressed.q2.apply_add(1.0, x_u, w, &mut []);
         self.pressed.add(alpha, y_p, work);
     }
 
     fn work_len(&self) -> usize {
-        self.rock.work_len().max(self.pressed.work_len())
+        let tractions = 2 * self.layout.length(T);
+        (tractions + self.rock.work_len()).max(self.pressed.work_len())
     }
 
     fn flops(&self) -> u64 {
         let flow = self.q1.flops() + self.pressed.q2.flops() + 3 * self.pressed.t.nnz() as u64;
-        self.rock.flops() + flow + self.pressed.flops()
+        self.rock.flops() + flow + self.pressed.flops() + self.open.len() as u64
     }
 }

@@ -32,7 +32,8 @@ pub struct Start {
     pub jump: Vec<f64>,
     /// Slip (γ_1, γ_2) per face, what weakening follows [m].
     pub slip: Vec<f64>,
-    /// Tractions that H does not act on [Pa]: t_T at the start of the step, and t_N of the initial stress.
+    /// Tractions that H does not act on [Pa]: t_T at the start of the step, and t_N of the initial stress and of what the pressure of the
+    /// fluid has changed.
     pub t: Vec<f64>,
     /// Faces that opened and closed again within the step, which have lost their cohesion for the rest of it; empty where there are
     /// none.
@@ -87,7 +88,7 @@ impl Evaluation {
 /// A fractured body whose faces stick, slip or are open; A cell by cell, B face by face.
 ///
 /// Rows of face f: `A_f r` of [`FaceLaw::projected_rows`] on the mean jump `(Bᵀu + prescribed part + gap − H t*)/A_f` with
-/// `t* = (t_N − that of the initial stress, t_T − t_T at the start)`. H is that of the states, or one that acts on more: then
+/// `t* = (t_N − that of the initial stress and what the pressure of a fluid adds, t_T − t_T at the start)`. H is that of the states, or one that acts on more: then
 /// faces slip along, and open by, what H does not let through. The assembled form is
 /// [`ContactSystem`](crate::jacobian::ContactSystem), and a test holds them together.
 pub struct ContactProblem<'a> {

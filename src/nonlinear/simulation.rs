@@ -337,6 +337,7 @@ impl<'a> Simulation<'a> {
                 }
                 settled => {
                     let settled = settled?;
+                    attempt.require_mass(&settled.x.p)?;
                     let mut now = problem.loads().opened(&settled.states);
                     passes += 1;
                     if passes > RETURNS {

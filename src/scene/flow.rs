@@ -29,6 +29,10 @@ pub(super) fn fluid(
     if section_of.is_empty() {
         return Err(at(&["fluid"], FlowProblem::NoFracture));
     }
+    let is_heavy = section.density.as_ref().is_some_and(|d| d.si() > 0.0);
+    if is_heavy && gravity[..2] != [0.0; 2] {
+        return Err(at(&["gravity"], FlowProblem::TiltedGravity));
+    }
     let mut channels = Vec::with_capacity(section_of.len());
     for i in section_of {
         let fracture = &sections.fracture[*i];

@@ -6,6 +6,11 @@ pub enum FlowProblem {
     /// Nothing to flow in.
     #[error("[fluid] has no fracture to flow in; give a [[fracture]], or leave the section out")]
     NoFracture,
+    /// Heights that gravity does not go along.
+    #[error(
+        "[gravity] acts along z alone beside a [fluid] with a `density`, whose `reference` and `level` are heights; turn the scene, or leave the density out"
+    )]
+    TiltedGravity,
     /// Two meanings of pressure.
     #[error(
         "fracture \"{name}\" has a `pressure`, which nothing would change, beside [fluid], in which pressures are unknown; give `initial_pressure`, or a [[source]] with a pressure"

@@ -87,6 +87,7 @@ fn kind(reason: &Failure) -> &'static str {
         Failure::Loose { slipping: 0, .. } => "loose: open faces let a body go",
         Failure::Loose { .. } => "loose but for slipping faces",
         Failure::Drained { .. } => "drained",
+        Failure::Emptied { .. } => "emptied",
         Failure::Unstable(_) => "unstable",
         Failure::Unsolvable(_) => "unsolvable at the start",
         Failure::ActiveSet { .. } => "active set",

@@ -1,7 +1,8 @@
 //! Claim: whatever is wrong with a fluid, or with what drives it, is said in one sentence with its place.
 
-use fracas::nonlinear::Simulation;
+use fracas::nonlinear::{Failure, Simulation};
 use fracas::scene::{Body, Scene};
+use fracas_solvers::Silent;
 
 const SCENE: &str = r#"title = "Fluid"
 
@@ -147,6 +148,11 @@ fn each_slip_has_its_sentence() {
         assert!(said.iter().all(|part| text.contains(part)), "{to}: {text}");
         assert!(text.starts_with("s.toml:"), "{text}");
     }
+    let tilted = "poisson = 0.25\ndensity = \"2500 kg/m3\"\n[gravity]\nx = \"-1 m/s2\"\n";
+    let heavy = SCENE.replace("poisson = 0.25\n", tilted);
+    let heavy = heavy.replace(fluid, &format!("{fluid}density = \"1000 kg/m3\"\n"));
+    let text = built(&heavy).unwrap_err();
+    assert!(text.contains("[gravity] acts along z alone"), "{text}");
     let none = SCENE.split("[[fracture]]").next().unwrap();
     let rest = "[fluid]\nviscosity = \"1 cP\"\n[[boundary]]\nside = \"x-\"\nhold = \"fixed\"\n";
     assert!(
@@ -165,4 +171,50 @@ fn springs_and_flow_do_not_go_together() {
         Err(error) => error.to_string(),
     };
     assert!(said.contains("lagrange"), "{said}");
+}
+
+/// More is withdrawn than there is, from closed and from open faces, incompressible or not: said as such whatever the steps.
+#[test]
+fn what_is_not_there_cannot_be_taken() {
+    let whole = SCENE.replace("at = [\"2 m\", \"0.5 m\", \"0.5 m\"]\n", "");
+    let (head, tail) = whole
+        .split_once("[[source]]\nfracture = \"F\"\nedge")
+        .unwrap();
+    let (_, tail) = tail.split_once("[[boundary]]").unwrap();
+    let sides = ["x+", "y-", "y+", "z-", "z+"];
+    let rollers = sides.map(|side| format!("[[boundary]]\nside = \"{side}\"\nhold = \"roller\"\n"));
+    let scene = format!("{head}[[boundary]]{tail}{}", rollers.concat());
+    let stress =
+        "[initial_stress]\nconstant = { xx = \"-3 MPa\", yy = \"-3 MPa\", zz = \"-3 MPa\" }\n";
+    // more out than came in, and than the 0.9 L in which a compressible fluid is
+    for (compressibility, out) in [("", -2), ("compressibility = \"1e-9 1/Pa\"\n", -40)] {
+        let history = format!(
+            "rate = \"0.1 L/s\"\nhistory = [[\"0 s\", 1], [\"0.4 s\", 1], [\"0.41 s\", {out}], [\"1 s\", {out}]]\n"
+        );
+        for steps in [1, 3, 10] {
+            let text = scene
+                .replace("rate = \"1 L/s\"\n", &history)
+                .replace("steps = 1", &format!("steps = {steps}"))
+                .replace("[[source]]", &format!("{stress}[[source]]"))
+                .replace("\"1 cP\"\n", &format!("\"1 cP\"\n{compressibility}"));
+            let body = built(&text).unwrap_or_else(|e| panic!("{e}\n{text}"));
+            let mut simulation = Simulation::new(&body).unwrap();
+            let mut state = simulation.initial_state();
+            let reason = loop {
+                assert!(
+                    state.step == 0 || !simulation.is_finished(&state),
+                    "finished\n{text}"
+                );
+                match simulation.advance(&state, &mut Silent) {
+                    Ok(done) => state = done.state,
+                    Err(failure) => break failure.reason,
+                }
+            };
+            let is_said = match compressibility {
+                "" => matches!(reason, Failure::Drained { .. }),
+                _ => matches!(reason, Failure::Emptied { .. }),
+            };
+            assert!(is_said, "{reason}\n{text}");
+        }
+    }
 }

@@ -1,10 +1,13 @@
 use super::*;
 use crate::nonlinear::Start;
+use crate::nonlinear::coupled::of_open;
+use crate::nonlinear::factorized::through_pressure;
+use crate::nonlinear::pressed::{CoupledJacobian, Pressed, PressureSolver, of_contact};
 use crate::scene::{Body, named};
 use fracas_operators::LinearOperator;
 use fracas_operators::random::Random;
 use fracas_solvers::direct::{DirectChoice, Kind};
-use fracas_solvers::saddle::{SaddleOperator, T, U};
+use fracas_solvers::saddle::{T, U};
 
 /// The scene `tee` with a fluid.
 fn body() -> Body {
@@ -71,50 +74,72 @@ fn the_jacobian_of_three_fields_is_the_derivative_in_every_state() {
         };
         let h = problem.stabilization(&states);
         let at = attempt.evaluate(&states, h.as_ref(), &x);
-        let blocks = attempt
-            .assembled(&states, (h.as_ref(), &x), &at, false)
-            .unwrap();
+        let unit = problem.saddle().unit();
+        let stick = problem.stick_blocks().unwrap().into_traction_unit(unit);
+        let b = stick.b1.clone();
+        let blocks = attempt.coupled((stick, unit), &states, (h.as_ref(), &x), &at, false);
         let flow = blocks.flow.as_ref().unwrap();
         // Q2 only where open
         let open = states.contains(&ContactState::Open);
         assert_eq!(flow.q2.nnz() > 0, open);
-        let operator = SaddleOperator::new(&blocks);
-        let layout = blocks.layout();
-        let unit = problem.saddle().unit();
+        let rock = problem.jacobian(&states, h.as_ref(), &at, false);
+        let whole = Csr::new(&blocks.assembled() + &through_pressure(&rock, &blocks));
+        let (flow, _) = attempt.flow_blocks((&b, unit), &states, &at, &x).unwrap();
+        let mut pressures = PressureSolver::default();
+        pressures.prepare(&flow.t.clone().into(), &flow).unwrap();
+        let pressed = Pressed::new(&pressures, &flow);
+        let q1 = of_open(&flow.q1, &states);
+        let layout = attempt.layout();
+        let coupled = CoupledJacobian::new(&rock, (&q1, &pressed), &states, layout.clone());
         for direction in 0..4 {
             let mut d = vec![0.0; layout.len()];
-            let sizes = [(U, 1e-6), (T, 1e2), (P, 1e2)];
+            let sizes = [(U, 1e-6), (T, 1e2 / unit), (P, 1e2 / unit)];
             for (field, size) in sizes {
                 if direction == 3 || [U, T, P][direction] == field {
                     let part = &mut d[layout.range(field)];
                     part.iter_mut().for_each(|d| *d = number(-size, size));
                 }
             }
-            let mut product = vec![0.0; d.len()];
-            operator.apply(&d, &mut product, &mut vec![0.0; operator.work_len()]);
-            let moved = |s: f64| {
-                let [u, t, p] = layout.split([U, T, P], &d);
-                let mut y = x.clone();
-                axpy(s, u, &mut y.u);
-                axpy(s, t, &mut y.t);
-                axpy(s, p, &mut y.p);
-                attempt.evaluate(&states, h.as_ref(), &y).residual
+            let product = |operator: &dyn LinearOperator<f64>| {
+                let mut product = vec![0.0; d.len()];
+                operator.apply(&d, &mut product, &mut vec![0.0; operator.work_len()]);
+                product
             };
-            // the residual is −r, its rows of tractions and pressures in the balanced unit
-            let (plus, minus) = (moved(0.1), moved(-0.1));
-            for (field, scale) in [(U, 1.0), (T, unit), (P, unit)] {
-                let range = layout.range(field);
-                let size = product[range.clone()]
-                    .iter()
-                    .fold(0.0f64, |m, v| m.max(v.abs()));
-                for i in range {
-                    let difference = (minus[i] - plus[i]) / (0.2 * scale);
-                    assert!(
-                        (difference - product[i]).abs() <= 1e-5 * size,
-                        "seed {seed}, direction {direction}, {}: {i}: {difference:e} {:e}",
-                        field.letter,
-                        product[i]
-                    );
+            // the residual is −r
+            let difference = |d: &[f64]| {
+                let moved = |s: f64| {
+                    let mut y = x.clone();
+                    y.step(&x, s, &layout, d);
+                    attempt.evaluate(&states, h.as_ref(), &y).residual
+                };
+                let (plus, minus) = (moved(0.1), moved(-0.1));
+                let pairs = minus.iter().zip(&plus);
+                pairs.map(|(m, p)| (m - p) / 0.2).collect::<Vec<f64>>()
+            };
+            let mut of_t = d.clone();
+            of_contact(&layout, &states, &mut of_t);
+            let mut scaled = difference(&of_t);
+            pressed.scale(&layout, &mut scaled);
+            let pairs = [
+                (product(&whole), difference(&d)),
+                (product(&coupled), scaled),
+            ];
+            for ((product, difference), what) in pairs.into_iter().zip(["assembled", "as operator"])
+            {
+                for field in [U, T, P] {
+                    let range = layout.range(field);
+                    let size = product[range.clone()]
+                        .iter()
+                        .fold(0.0f64, |m, v| m.max(v.abs()));
+                    for i in range {
+                        assert!(
+                            (difference[i] - product[i]).abs() <= 1e-5 * size,
+                            "{what}, seed {seed}, direction {direction}, {}: {i}: {:e} {:e}",
+                            field.letter,
+                            difference[i],
+                            product[i]
+                        );
+                    }
                 }
             }
         }

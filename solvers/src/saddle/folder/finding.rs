@@ -159,7 +159,7 @@ pub enum Remark {
     EqualsNegativeTranspose,
     /// A slip Jacobian.
     #[error(
-        "differs from B1ᵀ (largest: {b2:e} against {b1:e}): unsymmetric, as slipping faces make it"
+        "differs from B1ᵀ (largest: {b2:e} against {b1:e}): unsymmetric, as faces that slip or are open make it"
     )]
     DiffersFromTranspose {
         /// Entry of B2.
@@ -172,7 +172,7 @@ pub enum Remark {
     Zero,
     /// H with a slip block.
     #[error(
-        "unsymmetric: {value:e} here, {mirrored:e} mirrored, as slipping faces make it; bounds for symmetric H do not apply"
+        "unsymmetric: {value:e} here, {mirrored:e} mirrored, as faces that slip or are open make it; bounds for symmetric H do not apply"
     )]
     Unsymmetric {
         /// Entry.
