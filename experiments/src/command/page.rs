@@ -5,6 +5,7 @@ mod fractures;
 mod ground;
 mod steps;
 mod unit;
+mod written;
 
 use crate::plot::{Axis, Figure, Mark, Series};
 use crate::report::{FIGURES, Findings, Formats, Panels, Sheet, Table};
@@ -49,10 +50,12 @@ pub fn write(
     } else {
         if rows.len() > 1 {
             findings.figures = vec![states(rows), iterations(rows), slip(rows)];
-            let written = std::fs::read_to_string(out.join("energy.csv"));
-            findings
-                .figures
-                .extend(written.ok().and_then(|t| energy(&t)));
+            let of = |file: &str| written::Rows::read(&out.join(file));
+            (findings.figures).extend(of("energy.csv").and_then(|rows| written::energy(&rows)));
+            if let Some(rows) = of("flow.csv") {
+                findings.figures.extend(written::volumes(&rows));
+                findings.figures.extend(written::wells(&rows));
+            }
         }
         (findings.panels, findings.notes) = maps(run, steps)?;
         findings.tables.push(totals(rows));
@@ -195,44 +198,6 @@ fn slip(rows: &History) -> Figure {
     .with(over_time(rows, "slip_max_m", (length, factor), ""))
 }
 
-/// What loads have done, and where it went, from `energy.csv`, a row per step; none for a file of another form.
-fn energy(csv: &str) -> Option<Figure> {
-    let mut lines = csv.lines();
-    let heading: Vec<&str> = lines.next()?.split(',').collect();
-    let rows: Vec<Vec<f64>> = lines
-        .map(|line| line.split(',').map(|x| x.parse().ok()).collect())
-        .collect::<Option<_>>()?;
-    let column = |name: &str| heading.iter().position(|h| *h == name);
-    let time = column("time_s")?;
-    let (times, length) = time_axis(rows.iter().map(|row| row[time]));
-    let summed = |names: &[&str], name: &str| {
-        let columns = names.iter().filter_map(|n| column(n));
-        let columns: Vec<usize> = columns.collect();
-        let points = rows.iter().scan(0.0, |sum, row| {
-            *sum += columns.iter().map(|k| row[*k]).sum::<f64>();
-            Some([row[time] / length, *sum])
-        });
-        series(name, points.collect())
-    };
-    let creeps = column("creep_dissipation_J").is_some();
-    let caption = match creeps {
-        true => {
-            "Energy since the beginning: work of the loads and of fluid pressures, what is stored in the rock, what friction and creep dissipate."
-        }
-        false => {
-            "Energy since the beginning: work of the loads and of fluid pressures, what is stored in the rock, what friction dissipates."
-        }
-    };
-    let figure = Figure::new("energy", "", caption, times, Axis::linear("energy [J]"))
-        .with(summed(&["external_work_J", "pressure_work_J"], "work"))
-        .with(summed(&["elastic_change_J"], "stored"))
-        .with(summed(&["dissipation_J"], "dissipated by friction"));
-    Some(match creeps {
-        true => figure.with(summed(&["creep_dissipation_J"], "dissipated by creep")),
-        false => figure,
-    })
-}
-
 /// Sums and extremes over all steps.
 fn totals(rows: &History) -> Table {
     let sum = |name| rows.column(name).sum::<f64>() as usize;
@@ -280,17 +245,5 @@ mod tests {
         assert_eq!(thin.points.last(), Some(&[9_999.0, 0.0]));
         assert!(thin.points.contains(&[7_531.0, 5.0]) && thin.points.contains(&[123.0, -2.0]));
         assert!(thin.points.is_sorted_by(|a, b| a[0] <= b[0]));
-    }
-
-    #[test]
-    fn energies_are_summed_over_the_steps() {
-        let csv =
-            "step,time_s,external_work_J,elastic_change_J,dissipation_J\n0,0,3,2,1\n1,0.5,1,-1,2\n";
-        let figure = energy(csv).unwrap();
-        let ends = figure.series.iter().map(|s| s.points[1]);
-        let ends: Vec<[f64; 2]> = ends.collect();
-        assert_eq!(ends, [[0.5, 4.0], [0.5, 1.0], [0.5, 3.0]]);
-        assert!(energy("step\n1\n").is_none());
-        assert!(energy("time_s,dissipation_J\n0,x\n").is_none());
     }
 }

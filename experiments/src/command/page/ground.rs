@@ -28,7 +28,7 @@ impl Scale {
         EVEN * match kind {
             Kind::Length => self.length,
             Kind::Stress => self.stress,
-            Kind::Share => 0.0,
+            Kind::Share | Kind::Volume | Kind::Rate => 0.0,
         }
     }
 }

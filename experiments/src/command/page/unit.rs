@@ -12,6 +12,10 @@ pub(super) enum Kind {
     Stress,
     /// A share.
     Share,
+    /// m³.
+    Volume,
+    /// m³/s.
+    Rate,
 }
 
 impl Kind {
@@ -21,6 +25,8 @@ impl Kind {
             Self::Length => &[("m", 1.0), ("mm", 1e3), ("µm", 1e6)],
             Self::Stress => &[("GPa", 1e-9), ("MPa", 1e-6), ("kPa", 1e-3), ("Pa", 1.0)],
             Self::Share => &[("1", 1.0)],
+            Self::Volume => &[("m³", 1.0), ("L", 1e3), ("mL", 1e6)],
+            Self::Rate => &[("m³/s", 1.0), ("L/s", 1e3), ("mL/s", 1e6)],
         };
         let fits = units.iter().find(|(_, factor)| largest * factor >= LEAST);
         let (unit, factor) = fits.or(units.last()).copied().unwrap_or(("1", 1.0));
