@@ -260,18 +260,16 @@ impl<'a> Balance<'a> {
         let [mobility, _] = self.mobility(states, jumps);
         let (potential, held) = self.potentials(p, step);
         self.network.visit(&mobility, &potential, &held, |edge| {
-            for (k, l, weight) in edge.pairs() {
-                let k = edge.arms[k].face as usize;
-                let l = l.map(|l| edge.arms[l].face as usize);
-                let other = l.map_or(edge.potential, |l| potential[l]);
-                let flux = step.dt * weight * (potential[k] - other);
+            for passing in edge.passing() {
+                let (k, weight) = (passing.from, passing.weight);
+                let flux = step.dt * weight * passing.drop;
                 residual[k] += flux;
                 size[k] += flux.abs();
-                rounding[k] += step.dt * weight * (potential[k].abs() + other.abs());
-                if let Some(l) = l {
+                rounding[k] += step.dt * weight * passing.apart;
+                if let Some(l) = passing.to {
                     residual[l] -= flux;
                     size[l] += flux.abs();
-                    rounding[l] += step.dt * weight * (potential[k].abs() + other.abs());
+                    rounding[l] += step.dt * weight * passing.apart;
                 }
             }
             for (k, inflow) in edge.inflows() {
@@ -371,33 +369,9 @@ impl<'a> Balance<'a> {
         let [mobility, by_width] = self.mobility(states, jumps);
         let (potential, held) = self.potentials(p, step);
         self.network.visit(&mobility, &potential, &held, |edge| {
-            for (k, l, weight) in edge.pairs() {
-                let k = edge.arms[k].face as usize;
-                let weight = step.dt * weight;
-                t[place(k, k)] += weight;
-                if let Some(l) = l {
-                    let l = edge.arms[l].face as usize;
-                    t[place(l, l)] += weight;
-                    t[place(k, l)] -= weight;
-                    t[place(l, k)] -= weight;
-                }
-            }
-            // F_k = τ_k (Φ_k − Φ_e), ∂Φ_e/∂τ_m = (Φ_m − Φ_e)/Σ τ
-            for arm in edge.arms {
-                let m = arm.face as usize;
-                let turned = step.dt * by_width[m] * arm.shape;
-                if turned == 0.0 {
-                    continue;
-                }
-                let above = potential[m] - edge.potential;
-                by_gap[place(m, m)] += turned * above;
-                if !edge.held {
-                    for (other, tau) in edge.arms.iter().zip(edge.tau) {
-                        let share = tau / edge.total;
-                        by_gap[place(other.face as usize, m)] -= turned * share * above;
-                    }
-                }
-            }
+            edge.by_potential(|k, m, value| t[place(k, m)] += step.dt * value);
+            let turn = |m: usize| step.dt * by_width[m];
+            edge.by_mobility(turn, |k, m, value| by_gap[place(k, m)] += value);
         });
         for (f, face) in self.faces.iter().enumerate() {
             let a = Fluid::aperture(states[f], jumps[3 * f]);

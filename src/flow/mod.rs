@@ -3,6 +3,8 @@
 //! | formula | file |
 //! |---|---|
 //! | `q = −(C_f/μ)(∇p − ρ g)`, two-point fluxes, star–delta at junctions | `network` |
+//! | the same where faces are no rectangles: multi-point fluxes | `vertex` |
+//! | what goes from face to face, and its derivatives | `edge_flow` |
 //! | `C_f = C_f0 + g_N³/12` where open | [`Fluid::conductivity`] |
 //! | volume per face: aperture, compression, flux, sources | `balance` |
 //! | what of it is rounding | `point` |
@@ -13,6 +15,7 @@
 
 mod balance;
 mod control;
+mod edge_flow;
 mod fluid;
 mod front;
 mod network;
@@ -22,6 +25,7 @@ mod record;
 mod sealed;
 mod step;
 mod surface;
+mod vertex;
 mod well;
 
 pub use balance::{Balance, FlowTangent};

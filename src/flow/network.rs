@@ -1,6 +1,8 @@
 //! The graph that fluid flows along: faces that meet on edges.
 
 use super::Well;
+use super::edge_flow::EdgeFlow;
+use super::vertex::{Vertex, leans};
 use super::well::Driven;
 use crate::mesh::{FractureFace, HexMesh};
 use std::ops::Range;
@@ -10,14 +12,17 @@ use std::ops::Range;
 pub(super) struct Arm {
     /// The face.
     pub(super) face: u32,
-    /// Length of the edge over its distance from the centre of the face: `τ = C_f shape/μ`.
+    /// Length of the edge, or of its half, over its distance from the centre of the face: `τ = C_f shape/μ`.
     pub(super) shape: f64,
 }
 
 /// An edge of the network.
 #[derive(Clone, Debug, PartialEq)]
 struct Edge {
+    /// Those of the whole edge, or of the half whose vertex leaves it two-point fluxes.
     arms: Range<usize>,
+    /// False where the vertices at both ends decide on what flows.
+    two_point: bool,
     middle: [f64; 3],
     /// Number of its prescribed pressure.
     held: Option<usize>,
@@ -34,59 +39,34 @@ struct Edge {
 /// ```
 /// An edge of prescribed pressure has its own Φ_e and takes `τ_k (Φ_k − Φ_e)`. Nothing flows across other edges of one face.
 ///
+/// This is exact for linear potentials where the normals through the centres of faces meet edges in their middles, as in rectangles.
+/// Elsewhere it does not converge: faces that lean by θ let 1/cos² θ times too much through. A vertex where a face is such decides on the
+/// halves of edges that end there, with fluxes of all faces around it (`vertex`).
+///
 /// # Source
 /// M. Karimi-Fard, L. J. Durlofsky, K. Aziz, SPE J. 9 (2004) 227–236 (star–delta at intersections).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Network {
     edges: Vec<Edge>,
     arms: Vec<Arm>,
-}
-
-/// An edge at given conductivities and potentials.
-pub(super) struct EdgeFlow<'n> {
-    pub(super) arms: &'n [Arm],
-    /// τ per arm [m³/(Pa s)].
-    pub(super) tau: &'n [f64],
-    /// Σ τ.
-    pub(super) total: f64,
-    /// Φ_e where nothing comes in or goes out [Pa].
-    pub(super) shut: f64,
-    /// Φ_e [Pa].
-    pub(super) potential: f64,
-    /// Its pressure is prescribed.
-    pub(super) held: bool,
-    /// What comes in here, shared by τ, where the rate of a well is [m³/s].
-    pub(super) inflow: f64,
-    /// Number of the well that it is.
-    pub(super) well: Option<usize>,
-    pub(super) middle: [f64; 3],
-}
-
-impl EdgeFlow<'_> {
-    /// `F_kl` of every pair of arms that is no more than one, or of an arm and the edge: `(k, l or none, weight)`.
-    pub(super) fn pairs(&self) -> impl Iterator<Item = (usize, Option<usize>, f64)> + '_ {
-        let n = self.arms.len();
-        let held = (0..n).filter(|_| self.held).map(|k| (k, None, self.tau[k]));
-        let between = (0..n).filter(|_| !self.held).flat_map(move |k| {
-            (k + 1..n).map(move |l| (k, Some(l), self.tau[k] * self.tau[l] / self.total))
-        });
-        held.chain(between)
-    }
-
-    /// What comes to the face of every arm by the rate of a well [m³/s]; nothing on other edges.
-    pub(super) fn inflows(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let arms = self
-            .arms
-            .iter()
-            .zip(self.tau)
-            .filter(|_| self.inflow != 0.0);
-        arms.map(|(arm, tau)| (arm.face as usize, self.inflow * tau / self.total))
-    }
+    /// Vertices where faces are no rectangles.
+    vertices: Vec<Vertex>,
 }
 
 impl Network {
     /// The edges that faces share; `held` are those of prescribed pressure, by their end nodes before splitting.
     pub fn new(faces: &[FractureFace], mesh: &HexMesh, held: &[[u32; 2]], wells: &[Well]) -> Self {
+        Self::deciding(faces, mesh, held, wells, &leaning(faces, mesh))
+    }
+
+    /// The same where these nodes decide on what flows around them, each with the faces that meet there and their local nodes.
+    pub(super) fn deciding(
+        faces: &[FractureFace],
+        mesh: &HexMesh,
+        held: &[[u32; 2]],
+        wells: &[Well],
+        nodes: &[(u32, Vec<(u32, usize)>)],
+    ) -> Self {
         // (ends, face, local end)
         let mut users: Vec<([u32; 2], u32, usize)> = Vec::with_capacity(4 * faces.len());
         for (f, face) in faces.iter().enumerate() {
@@ -95,42 +75,60 @@ impl Network {
             }
         }
         users.sort_unstable();
-        let (mut edges, mut arms) = (Vec::new(), Vec::new());
+        let decides = |node: &&u32| nodes.binary_search_by_key(*node, |(n, _)| *n).is_ok();
+        let (mut edges, mut arms, mut keys) = (Vec::new(), Vec::new(), Vec::new());
         for list in users.chunk_by(|a, b| a.0 == b.0) {
             let held = held.iter().position(|ends| *ends == list[0].0);
             if list.len() < 2 && held.is_none() {
                 continue;
             }
+            let decided = list[0].0.iter().filter(decides).count();
+            let share = if decided == 1 { 0.5 } else { 1.0 };
             let [p, q] = list[0].0.map(|node| mesh.nodes[node as usize]);
             let first = arms.len();
             arms.extend(list.iter().map(|(_, f, _)| Arm {
                 face: *f,
-                shape: shape(faces[*f as usize].center, [p, q]),
+                shape: share * shape(faces[*f as usize].center, [p, q]),
             }));
+            keys.push(list[0].0);
             edges.push(Edge {
                 arms: first..arms.len(),
+                two_point: decided < 2,
                 middle: std::array::from_fn(|i| 0.5 * (p[i] + q[i])),
                 held,
                 well: None,
             });
         }
+        let edge = |ends: [u32; 2]| keys.binary_search(&ends).ok();
+        let vertex = |(_, corners): &(u32, Vec<_>)| Vertex::new(corners, faces, mesh, edge);
+        let vertices = nodes.iter().map(vertex).collect();
         for (number, well) in wells.iter().enumerate() {
             let first = arms.len();
             let cuts = well.cuts.iter();
             arms.extend(cuts.map(|&(face, shape)| Arm { face, shape }));
             edges.push(Edge {
                 arms: first..arms.len(),
+                two_point: true,
                 middle: well.head,
                 held: None,
                 well: Some(number),
             });
         }
-        Self { edges, arms }
+        Self {
+            edges,
+            arms,
+            vertices,
+        }
     }
 
     /// Faces of every edge, one list after the other.
     pub(super) fn meetings(&self) -> impl Iterator<Item = &[Arm]> {
         self.edges.iter().map(|edge| &self.arms[edge.arms.clone()])
+    }
+
+    /// Faces of every vertex that decides on what flows.
+    pub(super) fn around(&self) -> impl Iterator<Item = Vec<u32>> {
+        self.vertices.iter().map(|vertex| vertex.faces().collect())
     }
 
     /// Faces beside an edge of prescribed pressure.
@@ -154,7 +152,7 @@ impl Network {
         self.edges.iter().filter_map(held)
     }
 
-    /// Visits the edges at conductivities over viscosity per face [m³/(Pa s)], potentials per face [Pa].
+    /// Visits the edges, and halves of those on which vertices decide, at conductivities over viscosity per face [m³/(Pa s)], potentials per face [Pa].
     pub(super) fn visit(
         &self,
         mobility: &[f64],
@@ -163,19 +161,20 @@ impl Network {
         mut visit: impl FnMut(&EdgeFlow<'_>),
     ) {
         let mut tau = Vec::new();
-        for edge in &self.edges {
-            let arms = &self.arms[edge.arms.clone()];
+        let fill = |tau: &mut Vec<f64>, arms: &[Arm]| {
+            let of = |arm: &Arm| mobility[arm.face as usize] * arm.shape;
             tau.clear();
-            tau.extend(
-                arms.iter()
-                    .map(|arm| mobility[arm.face as usize] * arm.shape),
-            );
+            tau.extend(arms.iter().map(of));
+        };
+        for edge in self.edges.iter().filter(|edge| edge.two_point) {
+            let arms = &self.arms[edge.arms.clone()];
+            fill(&mut tau, arms);
             let total: f64 = tau.iter().sum();
             // relative to the first, so that equal potentials stay equal
             let first = potential[arms[0].face as usize];
             let above = |(arm, tau): (&Arm, &f64)| tau * (potential[arm.face as usize] - first);
             let mean = first + arms.iter().zip(&tau).map(above).sum::<f64>() / total;
-            let (potential, held) = match (edge.held, edge.well) {
+            let (on_edge, held) = match (edge.held, edge.well) {
                 (Some(number), _) => (driven.held[number], true),
                 (None, Some(number)) => driven.wells[number].potential(mean, total),
                 (None, None) => (mean, false),
@@ -188,14 +187,73 @@ impl Network {
                 tau: &tau,
                 total,
                 shut: mean,
-                potential,
+                potential: on_edge,
                 held,
                 inflow,
                 well: edge.well,
                 middle: edge.middle,
+                potentials: potential,
+                around: None,
             });
         }
+        for vertex in &self.vertices {
+            let held = |edge: usize| self.edges[edge].held.map(|number| driven.held[number]);
+            let around = vertex.around(mobility, potential, held);
+            for (number, half) in vertex.halves.iter().enumerate() {
+                let Some(edge) = half.edge else { continue };
+                let arms = &vertex.arms[half.arms.clone()];
+                fill(&mut tau, arms);
+                visit(&EdgeFlow {
+                    arms,
+                    tau: &tau,
+                    total: tau.iter().sum(),
+                    shut: around.half(number),
+                    potential: around.half(number),
+                    held: self.edges[edge].held.is_some(),
+                    inflow: 0.0,
+                    well: None,
+                    middle: self.edges[edge].middle,
+                    potentials: potential,
+                    around: Some((&around, half.arms.start)),
+                });
+            }
+        }
     }
+}
+
+/// Nodes, before splitting, where faces are no rectangles, each with the faces that meet there and their local nodes.
+fn leaning(faces: &[FractureFace], mesh: &HexMesh) -> Vec<(u32, Vec<(u32, usize)>)> {
+    let mut places: Vec<u32> = Vec::new();
+    for face in faces {
+        let leans = leans(face, mesh);
+        let beside = |a: &usize| leans[*a] || leans[(a + 3) % 4];
+        let node = |a: usize| mesh.origin[face.minus.nodes[a] as usize];
+        places.extend((0..4).filter(beside).map(node));
+    }
+    places.sort_unstable();
+    places.dedup();
+    meeting(faces, mesh, places)
+}
+
+/// These nodes, increasing, with the faces that meet there and their local nodes.
+pub(super) fn meeting(
+    faces: &[FractureFace],
+    mesh: &HexMesh,
+    nodes: Vec<u32>,
+) -> Vec<(u32, Vec<(u32, usize)>)> {
+    let mut meeting: Vec<_> = nodes.into_iter().map(|n| (n, Vec::new())).collect();
+    if meeting.is_empty() {
+        return meeting;
+    }
+    for (f, face) in faces.iter().enumerate() {
+        for a in 0..4 {
+            let node = mesh.origin[face.minus.nodes[a] as usize];
+            if let Ok(place) = meeting.binary_search_by_key(&node, |(n, _)| *n) {
+                meeting[place].1.push((f as u32, a));
+            }
+        }
+    }
+    meeting
 }
 
 /// End nodes, before splitting, of local edge a of a face, the lower one first.
@@ -207,7 +265,7 @@ pub(crate) fn ends(face: &FractureFace, mesh: &HexMesh, a: usize) -> [u32; 2] {
 }
 
 /// `ℓ/d`: length of an edge over the distance of a point from its line.
-fn shape(center: [f64; 3], [p, q]: [[f64; 3]; 2]) -> f64 {
+pub(super) fn shape(center: [f64; 3], [p, q]: [[f64; 3]; 2]) -> f64 {
     let along: [f64; 3] = std::array::from_fn(|i| q[i] - p[i]);
     let to: [f64; 3] = std::array::from_fn(|i| center[i] - p[i]);
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

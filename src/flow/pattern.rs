@@ -4,7 +4,7 @@ use super::network::Network;
 use crate::mesh::FractureEdge;
 use fracas_operators::sparse::Pattern;
 
-/// Faces that share an edge of the network, and all faces of a part that may be sealed in the row of its first.
+/// Faces that share an edge of the network or a vertex that decides on fluxes, and all faces of a part that may be sealed in the row of its first.
 pub(super) fn pattern(
     faces: usize,
     network: &Network,
@@ -20,6 +20,7 @@ pub(super) fn pattern(
     for arms in network.meetings() {
         meet(&arms.iter().map(|arm| arm.face).collect::<Vec<_>>());
     }
+    network.around().for_each(|faces| meet(&faces));
     edges.iter().for_each(|edge| meet(&edge.faces));
     for part in closable {
         rows[part[0] as usize].extend(part);

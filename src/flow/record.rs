@@ -33,10 +33,8 @@ impl Balance<'_> {
             if edge.well.is_some() {
                 return;
             }
-            for (arm, tau) in edge.arms.iter().zip(edge.tau) {
-                let f = arm.face as usize;
+            for (f, flux) in edge.fluxes() {
                 let face = &self.faces[f];
-                let flux = tau * (potential[f] - edge.potential);
                 let off: [f64; 3] = std::array::from_fn(|i| edge.middle[i] - face.center[i]);
                 // the middle of an edge of a warped face lies beside its mean plane
                 let n = face.frame[0];
@@ -65,16 +63,14 @@ impl Balance<'_> {
         let [mobility, _] = self.mobility(states, jumps);
         let (potential, driven) = self.potentials(p, step);
         self.network.visit(&mobility, &potential, &driven, |edge| {
-            for (k, l, weight) in edge.pairs() {
-                let face = edge.arms[k].face as usize;
-                let l = l.map(|l| edge.arms[l].face as usize);
-                let other = l.map_or(edge.potential, |l| potential[l]);
-                let volume = step.dt * weight * (potential[face] - other);
-                let unsure = step.dt * weight * (potential[face].abs() + other.abs());
+            for passing in edge.passing() {
+                let (face, weight) = (passing.from, passing.weight);
+                let volume = step.dt * weight * passing.drop;
+                let unsure = step.dt * weight * passing.apart;
                 let unsure = ROUNDINGS * f64::EPSILON * unsure;
                 left[face] += volume;
                 rounding[face] += unsure;
-                match l {
+                match passing.to {
                     Some(l) => {
                         left[l] -= volume;
                         rounding[l] += unsure;
