@@ -3,7 +3,7 @@
 use super::super::network::{Network, ends, meeting};
 use super::super::vertex::{LEAST, dissipation, exact, flat};
 use super::*;
-use crate::mesh::{Distort, MeshError, Warp, WarpContext};
+use crate::mesh::{Distort, FractureFace, MeshError, Warp, WarpContext};
 use fracas_operators::random::{signed, splitmix64};
 
 /// Moves nodes of the planes z = const along them and, where `junction` stands, those of the plane with that index of x along it; then
@@ -81,6 +81,12 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|i| a[i] * b[i]).sum()
 }
 
+/// Largest size of a potential at the centres of faces [Pa].
+fn highest(faces: &[FractureFace], potential: impl Fn([f64; 3]) -> f64) -> f64 {
+    let sizes = faces.iter().map(|face| potential(face.center).abs());
+    sizes.fold(0.0, f64::max)
+}
+
 /// Potentials at centres of faces and flow per width, where the rim has this potential in the middles of its edges.
 fn driven(
     built: &BuiltMesh,
@@ -153,10 +159,7 @@ fn linear_potentials_are_exact_on_leaning_and_on_general_quadrilaterals() {
         let gradient = [0, 1, 2].map(|i| along[0] * t1[i] + along[1] * t2[i]);
         let exact = |x: [f64; 3]| 1e6 + dot(gradient, x);
         let (potential, q) = driven(&built, fluid, exact);
-        let range = faces
-            .iter()
-            .map(|face| exact(face.center).abs())
-            .fold(0.0, f64::max);
+        let range = highest(faces, exact);
         for ((face, found), q) in faces.iter().zip(&potential).zip(q.chunks_exact(3)) {
             let off = (found - exact(face.center)).abs() / range;
             let size = c / 1e-3 * along[0].hypot(along[1]);
@@ -380,10 +383,7 @@ fn junctions_of_leaning_planes_split_flow_as_their_conductivities_say() {
         };
         let (potential, q) = driven(&built, fluid(&conductivity, Vec::new()), exact);
         let faces = &built.fractures.faces;
-        let range = faces
-            .iter()
-            .map(|face| exact(face.center).abs())
-            .fold(0.0, f64::max);
+        let range = highest(faces, exact);
         for ((face, found), q) in faces.iter().zip(&potential).zip(q.chunks_exact(3)) {
             let off = (found - exact(face.center)).abs() / range;
             let plane = usize::from(face.fracture);
