@@ -159,7 +159,7 @@ impl Linear {
         let problem = attempt.problem;
         let pressed = Pressed::new(pressures, flow);
         let (q1, layout) = (of_open(&flow.q1, states), attempt.layout());
-        let operator = CoupledJacobian::new(jacobian, (&q1, &pressed), states, layout.clone());
+        let operator = CoupledJacobian::new(jacobian, (&q1, &pressed), states, layout);
         let mut rhs = rhs.to_vec();
         pressed.scale(&layout, &mut rhs);
         let form = self.settings().flow.form;

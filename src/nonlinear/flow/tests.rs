@@ -90,7 +90,7 @@ fn the_jacobian_of_three_fields_is_the_derivative_in_every_state() {
         let pressed = Pressed::new(&pressures, &flow);
         let q1 = of_open(&flow.q1, &states);
         let layout = attempt.layout();
-        let coupled = CoupledJacobian::new(&rock, (&q1, &pressed), &states, layout.clone());
+        let coupled = CoupledJacobian::new(&rock, (&q1, &pressed), &states, layout);
         for direction in 0..4 {
             let mut d = vec![0.0; layout.len()];
             let sizes = [(U, 1e-6), (T, 1e2 / unit), (P, 1e2 / unit)];
