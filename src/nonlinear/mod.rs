@@ -12,6 +12,7 @@
 //!
 //! Where rock creeps, A is that of the length of the step, and the past is a load: see [`creep`](crate::creep).
 
+mod accepting;
 mod accuracy;
 mod active_set;
 mod all_steps;
