@@ -193,6 +193,9 @@ const CREEP: Field = Field {
     name: "viscous strains",
 };
 
+/// Added to the code of a state where [`State::released`] holds.
+const RELEASED: u8 = 4;
+
 /// The header, a table of the fields (letter, length, norm), their values as bits, then γ, C of the preconditioner, flips, states,
 /// those of the preconditioner and a checksum; all numbers little-endian.
 fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
@@ -213,6 +216,7 @@ fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
         states,
         slip,
         creep,
+        released,
         flips,
     } = state;
     let pressures = (!p.is_empty()).then_some((P, &p[..]));
@@ -246,7 +250,8 @@ fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
         None => bytes.resize(bytes.len() + 72 * states.len(), 0),
     }
     bytes.extend(flips.iter().flat_map(|n| n.to_le_bytes()));
-    bytes.extend(states.iter().map(|s| s.code()));
+    let pulled = |(s, released): (&ContactState, &bool)| s.code() + RELEASED * u8::from(*released);
+    bytes.extend(states.iter().zip(released).map(pulled));
     match prepared {
         Some(prepared) => bytes.extend(prepared.states.iter().map(|s| s.code())),
         None => bytes.resize(bytes.len() + states.len(), NOT_PREPARED),
@@ -402,7 +407,10 @@ fn content_of(mut rest: Rest<'_>) -> Option<Result<State, String>> {
         .to_vec();
     let flips = rest.take(faces.checked_mul(4)?)?.as_chunks().0.iter();
     let flips = flips.map(|n| u32::from_le_bytes(*n)).collect();
-    let states = rest.states(faces)?;
+    let codes = rest.take(faces)?;
+    let released = codes.iter().map(|code| code & RELEASED != 0).collect();
+    let state = |code: &u8| ContactState::from_code(code & !RELEASED);
+    let states = codes.iter().map(state).collect::<Option<_>>()?;
     let unprepared = rest.0.iter().all(|code| *code == NOT_PREPARED);
     Some(Ok(State {
         step,
@@ -426,6 +434,7 @@ fn content_of(mut rest: Rest<'_>) -> Option<Result<State, String>> {
         states,
         slip,
         creep: creep.map(Box::new),
+        released,
         flips,
     }))
 }

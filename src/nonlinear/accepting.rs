@@ -32,6 +32,7 @@ impl Simulation<'_> {
             flow,
             wells,
             joined: _,
+            released,
         } = settled;
         let problem = &self.problem;
         let from = problem.jumps(&before.u, &problem.loads().at(before.time, before.loaded));
@@ -107,6 +108,7 @@ impl Simulation<'_> {
                 states,
                 slip,
                 creep,
+                released,
                 flips,
             },
             record,

@@ -43,6 +43,8 @@ pub(super) struct Settled {
     pub(super) flow: Option<FlowRecord>,
     /// [Joined](crate::flow::FlowStep::joined) faces.
     pub(super) joined: Vec<bool>,
+    /// That of [`State::released`](super::State::released), once the load agrees with the states.
+    pub(super) released: Vec<bool>,
     /// What wells did.
     pub(super) wells: Vec<WellRecord>,
 }

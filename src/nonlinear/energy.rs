@@ -76,7 +76,7 @@ impl Simulation<'_> {
         let mut at = |state: &State| {
             let u = self.displacement(state);
             let loads = problem.loads();
-            let load = loads.beside(&loads.opened(&state.states), state.time, state.loaded);
+            let load = loads.beside(&loads.released(&state.released), state.time, state.loaded);
             At {
                 internal: product(&u),
                 elastic: 0.0,

@@ -31,13 +31,25 @@ pub struct Loads<'a> {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Opened(Vec<bool>);
 
+/// Times that a face opens or closes within a step, from which on the initial stress pulls at it whether it is open or not: with the pull
+/// it would open, and without it close. Unit: 1.
+const TURNS: u8 = 2;
+
 impl Opened {
-    /// These and others.
-    pub(super) fn or(mut self, other: &Self) -> Self {
-        for (own, other) in self.0.iter_mut().zip(&other.0) {
-            *own |= *other;
+    /// Becomes those that are open `now`; true where that changes any. `turned` counts how often each has.
+    pub(super) fn follow(&mut self, now: &Self, turned: &mut Vec<u8>) -> bool {
+        turned.resize(self.0.len(), 0);
+        let mut changed = false;
+        for ((own, now), turned) in self.0.iter_mut().zip(&now.0).zip(turned) {
+            if own == now || *turned >= TURNS {
+                continue;
+            }
+            *turned += 1;
+            let next = *now && *turned < TURNS;
+            changed |= next != *own;
+            *own = next;
         }
-        self
+        changed
     }
 }
 
@@ -90,6 +102,20 @@ impl<'a> Loads<'a> {
     pub(super) fn opened(&self, states: &[ContactState]) -> Opened {
         let is_open = |(f, _): &(usize, _)| states[*f] == ContactState::Open;
         Opened(self.pulled.iter().map(is_open).collect())
+    }
+
+    /// Those of [`State::released`](super::State::released).
+    pub(super) fn released(&self, released: &[bool]) -> Opened {
+        Opened(self.pulled.iter().map(|(f, _)| released[*f]).collect())
+    }
+
+    /// The same for every face.
+    pub(super) fn by_face(&self, opened: &Opened) -> Vec<bool> {
+        let mut released = vec![false; self.body.fractures.faces.len()];
+        for ((f, _), open) in self.pulled.iter().zip(&opened.0) {
+            released[*f] = *open;
+        }
+        released
     }
 
     /// [`at`](Self::at), without what the initial stress pulls at the sides of open faces.

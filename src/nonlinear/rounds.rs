@@ -72,6 +72,7 @@ impl Search<'_, '_> {
             unstable: None,
             flow: None,
             joined: self.returning.joined.clone(),
+            released: Vec::new(),
             wells: Vec::new(),
         }
     }

@@ -20,10 +20,6 @@ use fracas_solvers::Observer;
 use fracas_solvers::saddle::{InnerChoice, Racp};
 use fracas_solvers::steering::Steering;
 
-/// Times that faces may open and close with what the initial stress pulls at their sides, before those that opened stay without it until
-/// the end of the step. Unit: 1.
-const RETURNS: usize = 3;
-
 /// A body in contact, stepped through time.
 pub struct Simulation<'a> {
     pub(super) problem: ContactProblem<'a>,
@@ -276,7 +272,7 @@ impl<'a> Simulation<'a> {
             }
             load
         };
-        let mut opened = problem.loads().opened(&state.states);
+        let mut opened = problem.loads().released(&state.released);
         let mut load = load_beside(&opened);
         // tractions of the initial stress come with the loads of time 0
         let mut t = state.t.clone();
@@ -302,7 +298,7 @@ impl<'a> Simulation<'a> {
             states,
             Iterate::new([&state.u, &t, &state.p], flow.as_ref()),
         );
-        let mut passes = 0;
+        let mut turned = Vec::new();
         loop {
             let attempt = Attempt {
                 problem,
@@ -334,17 +330,14 @@ impl<'a> Simulation<'a> {
                     log.events.push(Event::Torn { faces });
                 }
                 settled => {
-                    let settled = settled?;
+                    let mut settled = settled?;
                     attempt.require_mass(&settled.x.p)?;
-                    let mut now = problem.loads().opened(&settled.states);
-                    passes += 1;
-                    if passes > RETURNS {
-                        now = now.or(&opened);
-                    }
-                    if now == opened || settled.unstable.is_some() {
+                    let now = problem.loads().opened(&settled.states);
+                    let is_last = settled.unstable.is_some();
+                    if is_last || !opened.follow(&now, &mut turned) {
+                        settled.released = problem.loads().by_face(&opened);
                         return Ok((attempt.with_flow(settled, target.loaded), load));
                     }
-                    opened = now;
                     load = load_beside(&opened);
                     from = (settled.states, settled.x);
                 }

@@ -50,6 +50,9 @@ pub struct State {
     pub slip: Vec<f64>,
     /// What rock that creeps remembers, where any does.
     pub creep: Option<Box<CreepState>>,
+    /// Faces at whose sides the initial stress pulls nothing beyond its mean on them: those that are open, but for such that would close
+    /// without the pull.
+    pub released: Vec<bool>,
     /// How often a face has ended a step in another state than the step before.
     pub flips: Vec<u32>,
 }
@@ -79,6 +82,7 @@ impl Simulation<'_> {
             states: faces.iter().map(open).collect(),
             slip: vec![0.0; 2 * faces.len()],
             creep: self.problem.uncrept(),
+            released: vec![false; faces.len()],
             flips: vec![0; faces.len()],
         }
     }

@@ -2,7 +2,7 @@
 //! strained or depleted, and rest under their weight, whatever the contrast, the dip, the grading, and where the fault ends. A fault that is
 //! opened keeps nothing of the stress of before.
 
-use fracas::contact::{Interfaces, JumpStabilization};
+use fracas::contact::{ContactState, Interfaces, JumpStabilization};
 use fracas::nonlinear::{Simulation, State};
 use fracas::scene::{Body, Scene};
 use fracas_operators::random::Random;
@@ -236,4 +236,50 @@ fn materials_are_told_apart_by_what_they_do() {
         assert!(own == all && whole == all, "seed {seed}");
         assert!(parts.nnz() < all.nnz(), "seed {seed}");
     }
+}
+
+/// The load ends where a face opens, and a face may open with it and close without it: the work of every step goes somewhere all the same.
+#[test]
+fn the_energy_of_faults_that_open_from_above_closes() {
+    let (mut open, mut disputed) = (0, 0);
+    for seed in 0..CASES {
+        let r = &mut Random::new(4000 + seed);
+        let section = section(r, 1e-4);
+        let [k_x, k_y] = [0, 1].map(|_| r.between(0.5, 1.1));
+        let bottom = section.tops.last().unwrap();
+        let pressure = r.between(0.1, 1.0) * 20000.0 * k_x * bottom.abs();
+        let toml = format!(
+            "{}pressure = '{pressure} Pa'\npressure_history = [['0 s', 0], ['1 s', 1], ['2 s', 0]]\n[time]\nend = '2 s'\nsteps = 12\n[gravity]\nz = '-10 m/s2'\n[initial_stress]\nweight = {{ horizontal = [{k_x}, {k_y}] }}\n{}",
+            section.toml.replace("cohesion = '1 GPa'\n", ""),
+            rollers(&["x-", "x+", "y-", "y+", "z-"])
+        );
+        let scene =
+            Scene::from_toml(&toml, "layers.toml").unwrap_or_else(|e| panic!("{e}\n{toml}"));
+        let body = scene.build().unwrap_or_else(|e| panic!("{e}\n{toml}"));
+        let mut simulation = Simulation::new(&body).unwrap();
+        let mut state = simulation.initial_state();
+        let mut largest = 0.0f64;
+        while state.step == 0 || !simulation.is_finished(&state) {
+            let done = simulation.advance(&state, &mut Silent);
+            let after = done
+                .unwrap_or_else(|e| panic!("seed {seed}: {}\n{toml}", e.reason))
+                .state;
+            let energy = simulation.energy(&state, &after);
+            largest = largest.max(
+                energy.external_work.abs() + energy.pressure_work.abs() + energy.elastic_energy,
+            );
+            assert!(
+                energy.error.abs() < 1e-7 * largest,
+                "seed {seed}: {energy:?}\n{toml}"
+            );
+            let is_open = |f: usize| after.states[f] == ContactState::Open;
+            open += (0..after.states.len()).filter(|f| is_open(*f)).count();
+            disputed += (0..after.states.len())
+                .filter(|f| is_open(*f) && !after.released[*f])
+                .count();
+            state = after;
+        }
+    }
+    println!("{open} open faces, {disputed} of them under the pull of closed ones");
+    assert!(open > 100 && disputed > 0, "{open}, {disputed}");
 }

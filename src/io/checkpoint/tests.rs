@@ -29,6 +29,7 @@ fn state(step: usize) -> State {
                 strain: vec![[1e-310, -0.0, 1.0 / 3.0, 4.0, 5.0, f64::MIN_POSITIVE]; 8],
             })
         }),
+        released: vec![false, true],
         flips: vec![3, u32::MAX],
     }
 }
@@ -79,6 +80,7 @@ fn every_bit_comes_back() {
     assert_eq!(bits(&read.t), bits(&written.t));
     assert_eq!(bits(&read.slip), bits(&written.slip));
     assert_eq!((read.states, read.flips), (written.states, written.flips));
+    assert_eq!(read.released, written.released);
     let strain = |s: &Option<Box<CreepState>>| {
         let own = s.as_ref().unwrap();
         (own.step.to_bits(), bits(own.strain.as_flattened()))

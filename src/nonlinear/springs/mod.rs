@@ -169,6 +169,7 @@ impl Holding for SpringMethod {
                     unstable: None,
                     flow: None,
                     joined: Vec::new(),
+                    released: Vec::new(),
                     wells: Vec::new(),
                 });
             }
