@@ -10,7 +10,8 @@ use super::history::Histories;
 use super::hold::hold;
 use super::located::{Located, at};
 use super::mesh_sections::{AxisName, FractureSection};
-use super::sections::{MaterialSection, SceneSections};
+use super::rocks::{elastic, viscosities};
+use super::sections::SceneSections;
 use super::source::Source;
 use super::used::require_used;
 use super::{
@@ -18,7 +19,6 @@ use super::{
     Weakening, WeightStress,
 };
 use crate::contact::Rocks;
-use crate::creep::LONGEST;
 use crate::elasticity::{Constraints, Elastic};
 use crate::mesh::{BoxGrid, BuiltMesh, Hold, MAX_NODES, MeshError, bodies};
 use crate::units::Measure;
@@ -298,39 +298,6 @@ fn time_table(
         Some(table),
         histories.number(time.history.as_ref(), &path, Body::ALWAYS)?,
     ))
-}
-
-fn elastic(material: &MaterialSection) -> Elastic {
-    Elastic {
-        young: material.young.si(),
-        poisson: material.poisson.si(),
-    }
-}
-
-/// Viscosities of the materials, checked against the steps.
-fn viscosities(
-    sections: &SceneSections,
-    time: Option<TimeTable>,
-) -> Result<Vec<Option<f64>>, Located> {
-    let step = time.map_or(0.0, |t| t.end / f64::from(t.steps));
-    let checked = |(i, m): (usize, &MaterialSection)| {
-        let Some(viscosity) = m.viscosity.as_ref().map(Measure::si) else {
-            return Ok(None);
-        };
-        let rock = elastic(m);
-        let relaxation = viscosity / rock.shear();
-        if step <= LONGEST * relaxation {
-            return Ok(Some(viscosity));
-        }
-        let problem = Problem::Flows {
-            name: m.name.clone(),
-            relaxation,
-            step,
-            least: step * rock.shear() / LONGEST,
-        };
-        Err(at(&["material", &i.to_string(), "viscosity"], problem))
-    };
-    sections.material.iter().enumerate().map(checked).collect()
 }
 
 /// Settings of the solver, checked.

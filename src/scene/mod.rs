@@ -21,6 +21,7 @@ mod one_or_many;
 mod outline;
 mod overrides;
 mod pore_pressure;
+mod rocks;
 mod rounds;
 mod sections;
 mod size;
