@@ -41,8 +41,8 @@ impl Linear {
         let blocks = attempt.coupled((stick.clone(), unit), states, place, at, lagged);
         let jacobian = attempt.problem.jacobian(states, h, at, lagged);
         let through = through_pressure(&jacobian, &blocks);
-        let matrix = &firm(&blocks, attempt.problem).assembled() + &through;
-        let matrix = &matrix + &firm_under_pressure(states, &blocks, attempt.problem);
+        let exact = &blocks.assembled() + &through;
+        let matrix = &exact + &pivots(states, &blocks, attempt.problem);
         let singular = |error: SetupError| match error {
             SetupError::Singular { .. } => {
                 LinearFailure::Singular(error.in_block("[A B1 Q1; B2 −H N; Q2 0 T]"))
@@ -55,7 +55,7 @@ impl Linear {
         let mut work = vec![0.0; factors.work_len()];
         factors.solve(rhs, correction, &mut work);
         // refined on J itself
-        let operator = Csr::new(&blocks.assembled() + &through);
+        let operator = Csr::new(exact);
         let mut products = vec![0.0; operator.work_len()];
         let mut left = rhs.to_vec();
         operator.apply_add(-1.0, correction, &mut left, &mut products);
@@ -100,8 +100,9 @@ pub(super) fn through_pressure(
     through.to_csr()
 }
 
-/// What the pivots of [`firm`] take of pressures: they are those of `t_N − p` where a face is closed.
-fn firm_under_pressure(
+/// `−ε ω A_f` on the diagonal of the rows of t: tractions that no displacement sees (one cell between rollers) have a pivot, and the
+/// correction leaves them where they are, on closed faces that of the rock, `t_N − p`. Refinement takes the rest of it out.
+fn pivots(
     states: &[ContactState],
     blocks: &SaddleBlocks,
     problem: &ContactProblem<'_>,
@@ -109,26 +110,13 @@ fn firm_under_pressure(
     let (n_u, n_t) = (blocks.n_u(), blocks.n_t());
     let n = blocks.layout().len();
     let mut pivots = Triplets::new((n, n));
-    for (f, _) in (states.iter().enumerate()).filter(|(_, s)| **s != ContactState::Open) {
-        pivots.add_triplet(n_u + 3 * f, n_u + n_t + f, FIRM * problem.law_entry(f));
+    for (f, state) in states.iter().enumerate() {
+        let pivot = FIRM * problem.law_entry(f);
+        let rows = (3 * f..3 * f + 3).map(|i| n_u + i);
+        rows.for_each(|i| pivots.add_triplet(i, i, -pivot));
+        if *state != ContactState::Open {
+            pivots.add_triplet(n_u + 3 * f, n_u + n_t + f, pivot);
+        }
     }
     pivots.to_csr()
-}
-
-/// The blocks with `ε ω A_f` on the diagonal of H: tractions that no displacement sees (one cell between rollers) have a pivot, and the
-/// correction leaves them where they are. Refinement takes the rest of it out.
-fn firm(blocks: &SaddleBlocks, problem: &ContactProblem<'_>) -> SaddleBlocks {
-    let n = blocks.n_t();
-    let mut pivots = Triplets::new((n, n));
-    for i in 0..n {
-        pivots.add_triplet(i, i, FIRM * problem.law_entry(i / 3));
-    }
-    let pivots: SparseMatrix<f64> = pivots.to_csr();
-    SaddleBlocks {
-        h: Some(match &blocks.h {
-            Some(h) => h + &pivots,
-            None => pivots,
-        }),
-        ..blocks.clone()
-    }
 }
