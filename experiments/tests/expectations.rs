@@ -5,9 +5,11 @@ mod csv;
 
 use csv::cells;
 use fracas_experiments::list::EXPERIMENTS;
-use fracas_experiments::report::Level;
+use fracas_experiments::report::{Experiment, Level};
 use fracas_solvers::Silent;
 use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Numbers agree to this, relative (or absolute below 1e-3): what another direct solver or processor may change.
 const TOLERANCE: f64 = 1e-6;
@@ -78,32 +80,44 @@ fn agree(column: &str, expected: &str, found: &str, row: Row) -> bool {
 
 #[test]
 fn smoke_experiments_hold_and_give_the_committed_numbers() {
-    let mut wrong = Vec::new();
-    for experiment in EXPERIMENTS {
-        let findings = experiment.run(Level::Smoke, &mut Silent).unwrap();
-        for check in findings.checks.iter().filter(|check| !check.pass) {
-            wrong.push(format!(
-                "{}: {} ({} expected, {} found)",
-                experiment.id(),
-                check.claim,
-                check.expected,
-                check.ours
-            ));
+    let (next, wrong) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+    let work = || {
+        while let Some(experiment) = EXPERIMENTS.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let found = differences(*experiment);
+            wrong.lock().unwrap().extend(found);
         }
-        for table in &findings.tables {
-            let file = Path::new(env!("CARGO_MANIFEST_DIR"))
-                .join("expected")
-                .join(experiment.id())
-                .join(format!("{}.csv", table.id));
-            compare(
-                &file,
-                &std::fs::read_to_string(&file).unwrap(),
-                &table.to_csv(),
-                &mut wrong,
-            );
-        }
-    }
+    };
+    // most of them keep one core busy
+    std::thread::scope(|scope| {
+        scope.spawn(work);
+        scope.spawn(work);
+    });
+    let mut wrong = wrong.into_inner().unwrap();
+    wrong.sort();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Checks that fail and numbers that are others.
+fn differences(experiment: &dyn Experiment) -> Vec<String> {
+    let findings = experiment.run(Level::Smoke, &mut Silent).unwrap();
+    let id = experiment.id();
+    let failed = findings.checks.iter().filter(|check| !check.pass);
+    let failed = failed.map(|check| {
+        format!(
+            "{id}: {} ({} expected, {} found)",
+            check.claim, check.expected, check.ours
+        )
+    });
+    let mut wrong: Vec<String> = failed.collect();
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("expected")
+        .join(id);
+    for table in &findings.tables {
+        let file = folder.join(format!("{}.csv", table.id));
+        let expected = std::fs::read_to_string(&file).unwrap();
+        compare(&file, &expected, &table.to_csv(), &mut wrong);
+    }
+    wrong
 }
 
 /// Adds a line for every number that differs from that of the file.

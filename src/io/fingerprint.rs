@@ -7,7 +7,7 @@ use crate::scene::Body;
 /// # Source
 /// Fowler, Noll, Vo: FNV-1a, RFC 9923.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Hash(u64);
+pub struct Hash(u64);
 
 impl Default for Hash {
     fn default() -> Self {
@@ -22,7 +22,7 @@ impl Hash {
     }
 
     /// Takes bytes in.
-    pub(super) fn bytes(&mut self, bytes: &[u8]) {
+    pub fn bytes(&mut self, bytes: &[u8]) {
         for byte in bytes {
             self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
         }
@@ -32,6 +32,12 @@ impl Hash {
     fn list<const N: usize>(&mut self, numbers: impl ExactSizeIterator<Item = [u8; N]>) {
         self.bytes(&(numbers.len() as u64).to_le_bytes());
         numbers.for_each(|n| self.bytes(&n));
+    }
+}
+
+impl std::fmt::Display for Hash {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{:016x}", self.0)
     }
 }
 

@@ -16,7 +16,7 @@ pub use atomic::{unfinished, write_atomically};
 pub use checkpoint::{CheckpointError, Checkpoints, newest_checkpoint, read_checkpoint};
 pub use face_table::face_table;
 pub use fields::Fields;
-pub use fingerprint::Fingerprint;
+pub use fingerprint::{Fingerprint, Hash};
 pub use new_folder::NewFolder;
 pub use pvd::{PvdEntry, read_pvd, write_pvd};
 pub use snapshot::Snapshot;

@@ -95,6 +95,10 @@ impl Spectrum {
             print(&report, certificate, out)?;
         }
         self.modes.write(&system, &report)?;
+        if let (Some(_), None) = (&request.non_normal, &report.non_normal) {
+            let why = report.notes.last().map_or("", String::as_str);
+            anyhow::bail!("{why}");
+        }
         Ok(if report.contained == Some(false) {
             Status::CheckFailed
         } else {

@@ -1,8 +1,12 @@
 //! A page in points as data: lines, areas, circles, cells and texts, which `svg.rs` and `pdf.rs` write.
 
+use super::palette;
 use plotters::style::{BLACK, RGBAColor, RGBColor};
 use std::cell::{Ref, RefCell};
 use std::collections::BTreeMap;
+
+/// Lengths of dashes and of the gaps between them, in points.
+const DASHES: [(f64, f64); 3] = [(5.0, 3.0), (1.5, 2.0), (10.0, 2.5)];
 
 /// Something drawn; lengths are in points, y runs downwards.
 #[derive(Clone, Debug)]
@@ -87,9 +91,20 @@ impl Canvas {
         self.add(Ink::Line(points.to_vec(), color, width));
     }
 
+    /// The line of a series: solid in every colour, then dashed in one way after the other.
+    pub(super) fn line_of(&self, tone: usize, points: &[[f64; 2]], color: RGBAColor) {
+        match tone / palette::LEN {
+            0 => self.line(points, color, 1.5),
+            again => self.dashes(DASHES[(again - 1) % DASHES.len()], points, color, 1.5),
+        }
+    }
+
     /// A line of dashes.
     pub(super) fn dashed(&self, points: &[[f64; 2]], color: RGBAColor, width: f64) {
-        let (dash, gap) = (5.0, 3.0);
+        self.dashes(DASHES[0], points, color, width);
+    }
+
+    fn dashes(&self, (dash, gap): (f64, f64), points: &[[f64; 2]], color: RGBAColor, width: f64) {
         let mut along = 0.0;
         for pair in points.windows(2) {
             let ([x0, y0], [x1, y1]) = (pair[0], pair[1]);

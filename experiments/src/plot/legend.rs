@@ -119,7 +119,8 @@ fn draw_swatch(canvas: &Canvas, swatch: &Swatch<'_>, x: f64, y: f64) {
         Swatch::Series(k, mark) => {
             let ink = palette::color(*k).mix(1.0);
             match mark {
-                Mark::Line | Mark::LinePoints => canvas.line(&[[x, y], [x + SWATCH, y]], ink, 1.5),
+                Mark::Line => canvas.line_of(*k, &[[x, y], [x + SWATCH, y]], ink),
+                Mark::LinePoints => canvas.line(&[[x, y], [x + SWATCH, y]], ink, 1.5),
                 Mark::Dashed => canvas.dashed(&[[x, y], [x + SWATCH, y]], ink, 1.5),
                 Mark::Bars => canvas.fill(&block(4.5), ink),
                 Mark::Points => {}

@@ -2,11 +2,14 @@
 
 use plotters::style::RGBColor;
 
+/// Number of colours.
+pub(super) const LEN: usize = 7;
+
 /// Okabe & Ito's palette without yellow (too light for lines on white), darkest first.
 ///
 /// # Source
 /// M. Okabe, K. Ito, *Color Universal Design* (2008), <https://jfly.uni-koeln.de/color/>.
-const COLORS: [RGBColor; 7] = [
+const COLORS: [RGBColor; LEN] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),

@@ -47,7 +47,8 @@ impl Frame<'_> {
             .collect();
         let ink = palette::color(tone).mix(1.0);
         match series.mark {
-            Mark::Line | Mark::LinePoints => canvas.line(&shown, ink, 1.5),
+            Mark::Line => canvas.line_of(tone, &shown, ink),
+            Mark::LinePoints => canvas.line(&shown, ink, 1.5),
             Mark::Dashed => canvas.dashed(&shown, ink, 1.5),
             Mark::Points | Mark::Bars => {}
         }

@@ -18,6 +18,7 @@ use fracas_solvers::saddle::{
     Cost, Elimination, Racp, RacpInverse, Ready, SaddleBlocks, SaddleMethod, SaddleOperator, T,
 };
 use fracas_solvers::{Observer, SetupError, Silent};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Sets up, iterates and counts; gives how it ended, and why.
@@ -59,19 +60,12 @@ pub(super) fn counted(
         let n_u = prepared.blocks.n_u();
         return equations.solve(case, settings, (ready, start), n_u, (study, watch));
     }
-    let (blocks, unit) = prepared.balanced();
+    let (blocks, rhs, unit) = equations(case, prepared);
     let blocks = &*blocks;
     let ready = match settings.method {
         SaddleMethod::Racp(racp) if is_blind => blind(&racp, blocks)?,
         method => ready(&method, prepared, blocks)?,
     };
-    let mut rhs = right_hand_side(case, blocks.rhs());
-    if rhs != blocks.rhs() {
-        let [rhs_t] = blocks.layout().split_mut([T], &mut rhs);
-        // entries that are given by a rule are in the units of the rows
-        let row_unit = if prepared.is_ours { 1.0 } else { unit };
-        rhs_t.iter_mut().for_each(|b| *b *= row_unit);
-    }
     // rows that determine their own traction are met from the start on
     let elimination = match settings.method {
         SaddleMethod::Racp(_) if !is_blind => Elimination::new(blocks),
@@ -86,6 +80,19 @@ pub(super) fn counted(
         unit,
     };
     equations.solve(case, settings, (ready, start), blocks.n_u(), (study, watch))
+}
+
+/// 𝒜 and b of a row, and their unit of tractions [Pa].
+pub(super) fn equations(case: &Case, prepared: &Prepared) -> (Arc<SaddleBlocks>, Vec<f64>, f64) {
+    let (blocks, unit) = prepared.balanced();
+    let mut rhs = right_hand_side(case, blocks.rhs());
+    if rhs != blocks.rhs() {
+        let [rhs_t] = blocks.layout().split_mut([T], &mut rhs);
+        // entries that are given by a rule are in the units of the rows
+        let row_unit = if prepared.is_ours { 1.0 } else { unit };
+        rhs_t.iter_mut().for_each(|b| *b *= row_unit);
+    }
+    (blocks, rhs, unit)
 }
 
 fn right_hand_side(case: &Case, own: Vec<f64>) -> Vec<f64> {

@@ -1,18 +1,20 @@
 //! One figure of a study: curves or bars, reference lines, labels.
 
 use super::Name;
-use super::figure_section::{FigureSection, Kind};
-use super::findings::{Fields, Findings};
+use super::figure_section::{FigureSection, Kind, ReferenceLine};
+use super::findings::{Fields, Findings, number};
+use super::labels::named;
 use super::measure::Group;
 use super::product::Wanted;
 use crate::plot::{Axis, Figure, Mark, Series};
-use std::path::Path;
+use crate::report::format_real;
+use fracas::units::Quantity;
 
 /// Place of black in the palette: reference lines are nobody's curve.
 const BLACK: usize = 6;
 
-/// Cut off of a path in legends.
-const EXTENSION: &str = "toml";
+/// Largest value of a reference line over that of the data at which it is drawn. Unit: 1.
+const BEYOND: f64 = 5.0;
 
 /// A point of a curve; y is not a number where a row has none.
 struct Point {
@@ -33,17 +35,19 @@ pub(super) fn figure(
     let is_taken = |name: &String| *name == section.x || Some(name) == section.facet.as_ref();
     let chosen: Vec<&String> = chosen.iter().filter(|name| !is_taken(name)).collect();
     let names = categories(section, rows, findings);
+    let unit = unit(section, rows, findings);
+    let scale = unit.as_ref().map_or(1.0, |(_, scale)| *scale);
     let place = |row: &[String]| match &names {
         Some(names) => {
-            let own = label(findings.field(row, &section.x));
+            let own = findings.label(findings.field(row, &section.x));
             names.iter().position(|name| *name == own).map(|k| k as f64)
         }
-        None => Some(findings.value(row, &section.x, false)).filter(|x| x.is_finite()),
+        None => Some(findings.value(row, &section.x, false) / scale).filter(|x| x.is_finite()),
     };
     let series_of = |row: &[String], y: &str| {
         let mut parts: Vec<String> = chosen
             .iter()
-            .map(|name| named(name, findings.field(row, name)))
+            .map(|name| named(name, findings.field(row, name), findings))
             .filter(|part| !part.is_empty())
             .collect();
         if let Some(measure) = y.strip_prefix("published.") {
@@ -86,25 +90,37 @@ pub(super) fn figure(
         Some(names) => Axis::categories(&axis_label(&section.x), names.clone()),
         None => axis(&section.x, section.log_x, &points, |p| p.x),
     };
-    let x = match &section.x_label {
-        Some(label) => Axis {
-            label: label.clone(),
-            ..x
-        },
+    let in_unit = |(unit, _): (String, f64)| format!("{} [{unit}]", axis_label(&section.x));
+    let x = match section.x_label.clone().or(unit.map(in_unit)) {
+        Some(label) => Axis { label, ..x },
         None => x,
     };
     let first_y = section.y.first().map_or("", String::as_str);
     let mut y = axis(first_y, section.log_y, &points, |p| p.y);
+    let highest = points.iter().map(|p| p.y).filter(|y| y.is_finite());
+    let highest = BEYOND * highest.fold(0.0, f64::max);
+    let lines = lines(section, (rows, findings), &points, names.is_some());
+    let (lines, beyond): (Vec<_>, Vec<_>) = lines
+        .into_iter()
+        .partition(|line| section.log_y || line.points[0][1] <= highest);
+    if let (Some([_, high]), false) = (y.range, section.log_y) {
+        let of_lines = lines.iter().map(|line| 1.08 * line.points[0][1]);
+        y = y.range(0.0, of_lines.fold(high, f64::max));
+    }
+    for line in &beyond {
+        let at = format_real(line.points[0][1]);
+        caption += &format!(" {} = {at} lies beyond the axis.", line.name);
+    }
     let plain = section.y.iter().filter(|y| !y.starts_with("published."));
     y.label = plain.map(|y| axis_label(y)).collect::<Vec<_>>().join(", ");
-    let title = facet.map(label).unwrap_or_default();
+    let title = facet.map(|value| findings.label(value)).unwrap_or_default();
     // what the clock tells and what a sweep moves to and fro is joined in the order of the rows
     let group = Name::find(&section.x).map(Name::group);
     let is_timed = matches!(group, Some(Group::Clock | Group::Condition));
     let mut figure = Figure::new(id, &title, &caption, x, y);
     let bars = names.is_some() && section.kind == Kind::Curves;
     figure.series = curves(&points, bars, is_timed, section.kind);
-    reference_lines(&mut figure, section, (rows, findings), &points, bars);
+    figure.series.extend(lines);
     Some(figure)
 }
 
@@ -120,17 +136,30 @@ fn categories(
         || Name::find(&section.x).is_some_and(|name| name.group() != Group::Settings)
         || fields
             .clone()
-            .all(|field| field.is_empty() || field.parse::<f64>().is_ok())
+            .all(|field| field.is_empty() || number(field).is_some())
     {
         return None;
     }
     let mut names = Vec::new();
+    let label = |field| findings.label(field);
     fields.by_ref().map(label).for_each(|name| {
         if !names.contains(&name) {
             names.push(name);
         }
     });
     Some(names)
+}
+
+/// The unit of the first value along x, and its size in SI; none where values are plain numbers.
+fn unit(section: &FigureSection, rows: &[&Fields], findings: &Findings) -> Option<(String, f64)> {
+    let field = findings.field(rows.first()?, &section.x);
+    let first: Quantity = field
+        .parse()
+        .ok()
+        .filter(|_| field.parse::<f64>().is_err())?;
+    let unit = first.unit().to_owned();
+    let size = format!("1 {unit}").parse::<Quantity>().ok()?.si();
+    Some((unit, size))
 }
 
 /// Series in the order in which rows name them first; what the clock tells is joined in the order of the rows.
@@ -165,19 +194,19 @@ fn curves(points: &[Point], bars: bool, timed: bool, kind: Kind) -> Vec<Series> 
     names.iter().map(curve).filter(has_a_value).collect()
 }
 
-fn reference_lines(
-    figure: &mut Figure,
+/// Reference lines across a figure.
+fn lines(
     section: &FigureSection,
     (rows, findings): (&[&Fields], &Findings),
     points: &[Point],
     bars: bool,
-) {
+) -> Vec<Series> {
     let ends = points.iter().map(|point| point.x);
     let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
         (a.min(x), b.max(x))
     });
     let margin = if bars { 0.5 } else { 0.0 };
-    for (k, line) in section.line.iter().enumerate() {
+    let series = |(k, line): (usize, &ReferenceLine)| {
         let wanted = Wanted::new(&line.of_rows);
         let of_row = || {
             let first = *rows.first()?;
@@ -190,9 +219,7 @@ fn reference_lines(
             let row = meant.find(|row| facet(row) == facet(first))?;
             Some(findings.value(row, section.y.first()?, false))
         };
-        let Some(y) = line.y.or_else(of_row).filter(|y| y.is_finite()) else {
-            continue;
-        };
+        let y = line.y.or_else(of_row).filter(|y| y.is_finite())?;
         let name = match line.source.as_str() {
             "" => line.label.clone(),
             source => format!("{} ({source})", line.label),
@@ -200,9 +227,9 @@ fn reference_lines(
         let ends = vec![[low - margin, y], [high + margin, y]];
         // that of a row goes with the curve of its place
         let tone = if line.y.is_some() { BLACK } else { k };
-        let series = Series::new(&name, Mark::Dashed, ends);
-        figure.series.push(series.tone(tone));
-    }
+        Some(Series::new(&name, Mark::Dashed, ends).tone(tone))
+    };
+    section.line.iter().enumerate().filter_map(series).collect()
 }
 
 /// A linear axis of counts begins at 0, so that growth is seen for what it is.
@@ -231,38 +258,4 @@ pub(super) fn axis_label(name: &str) -> String {
     }
     let measure = Name::ALL.iter().find(|measure| measure.text() == name);
     measure.map_or(name, |measure| measure.label()).to_owned()
-}
-
-/// A value in a legend; what is no word of its own says whose value it is.
-pub(super) fn named(axis: &str, field: &str) -> String {
-    let of_its_own = ["refine", "rhs", "tolerance", "stabilization", "threads"];
-    match field {
-        "" => String::new(),
-        "default" if axis == "augmentation" => "default C".into(),
-        "default" => format!("default {axis}"),
-        _ if axis == "augmentation" => format!("C = {field}"),
-        _ if of_its_own.contains(&axis) || axis.contains('.') => {
-            let short = axis.rsplit('.').next().unwrap_or(axis);
-            format!("{short} = {field}")
-        }
-        _ => label(field),
-    }
-}
-
-/// The name of a file in the place of its path, that of a scene without its size.
-pub(super) fn label(field: &str) -> String {
-    let field = field.strip_suffix(crate::scenes::SMALL).unwrap_or(field);
-    let path = Path::new(field);
-    let is_scene = path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case(EXTENSION));
-    let name = if is_scene {
-        path.file_stem()
-    } else {
-        path.file_name()
-    };
-    match (path.is_absolute(), name) {
-        (true, Some(name)) => name.to_string_lossy().into_owned(),
-        _ => field.to_owned(),
-    }
 }

@@ -6,11 +6,13 @@ use super::page;
 use super::product::Case;
 use super::rows::{self, Rows};
 use super::solving::{Row, Shared};
+use super::sources;
 use super::{Name, Study};
 use crate::report::Formats;
 use anyhow::{Context, bail};
 use fracas::run::Stop;
 use rayon::ThreadPool;
+use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -73,6 +75,7 @@ impl Engine<'_> {
         let cases = self.study.product()?;
         require_one_that_reads(&cases)?;
         let rows = Rows::open(self.study, self.out)?;
+        sources::same(&cases, self.out, !rows.is_empty())?;
         let total = cases.len();
         let left: Vec<&Case> = cases.iter().filter(|case| !rows.knows(case)).collect();
         let before = total - left.len();
@@ -219,7 +222,7 @@ pub(super) fn in_memory(
     let pool = rayon::ThreadPoolBuilder::new().build()?;
     let never = AtomicBool::new(false);
     let names = study.measured();
-    let mut findings = Findings::new(rows::header(study), &study.published);
+    let (mut all, mut all_kept) = (Vec::new(), BTreeMap::new());
     let mut shared = Shared::default();
     for (done, case) in cases.iter().enumerate() {
         if tell(done, cases.len()) == ControlFlow::Break(()) {
@@ -228,8 +231,9 @@ pub(super) fn in_memory(
         let row = row(study, case, &names, (&never, None));
         let measured = row.in_pool(&pool, &mut shared)?.unwrap_or_default();
         let (fields, kept) = rows::fields(study, case, &measured);
-        findings.rows.push(fields);
-        findings.kept.insert(case.number, kept);
+        all.push(fields);
+        all_kept.insert(case.number, kept);
     }
-    Ok(findings)
+    let findings = Findings::new(rows::header(study), &study.published);
+    Ok(findings.with_rows(all, all_kept))
 }

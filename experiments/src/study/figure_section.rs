@@ -90,6 +90,13 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// As it is written.
+    pub(super) fn name(self) -> String {
+        let text = serde_json::to_value(self).ok();
+        text.and_then(|text| text.as_str().map(String::from))
+            .unwrap_or_default()
+    }
+
     /// True where it draws eigenvalues.
     pub(super) fn is_of_spectra(self) -> bool {
         matches!(

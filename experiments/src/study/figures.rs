@@ -1,23 +1,24 @@
 //! Figures of a study, as asked for, or sensible ones.
 
 use super::Study;
-use super::curves::{figure, label, named};
+use super::curves::figure;
 use super::figure_section::{FigureSection, Kind};
 use super::findings::{Fields, Findings};
+use super::labels::named;
 use super::map::map;
 use super::tornado::tornado;
 use crate::plot::{Axis, Figure, Mark, Series, Spectrum};
 use std::collections::BTreeSet;
 use toml::Table;
 
-/// Every figure that has something to show.
-pub(super) fn figures(study: &Study, findings: &Findings) -> Vec<Figure> {
+/// Every figure that has something to show, and why those that were asked for and are not there have nothing.
+pub(super) fn figures(study: &Study, findings: &Findings) -> (Vec<Figure>, Vec<String>) {
     let varying = varying(study, findings);
     let asked = match study.figure.is_empty() {
         true => sensible(&varying),
         false => study.figure.clone(),
     };
-    let mut figures: Vec<Figure> = Vec::new();
+    let (mut figures, mut notes) = (Vec::<Figure>::new(), Vec::new());
     for section in asked.iter().filter(|f| study.is_at_level(&f.not_at)) {
         // over unknowns a curve is a method on all meshes
         let mut varying = varying.clone();
@@ -25,6 +26,7 @@ pub(super) fn figures(study: &Study, findings: &Findings) -> Vec<Figure> {
             varying.retain(|name| !is_of_size(name));
         }
         let chosen = findings.chosen(&section.of_rows);
+        let (before, told) = (figures.len(), notes.len());
         let facets = facets(section, &chosen, findings);
         for (k, facet) in facets.iter().enumerate() {
             let axis = section.facet.as_deref().unwrap_or("row");
@@ -39,12 +41,14 @@ pub(super) fn figures(study: &Study, findings: &Findings) -> Vec<Figure> {
                 (Some(id), Some(_)) => format!("{id}_{}", k + 1),
                 (Some(id), None) => id.clone(),
                 (None, facet) => {
-                    let y = section.y.first().map_or("spectrum", String::as_str);
+                    let y = (section.y.first()).map_or(section.kind.name(), String::clone);
                     let id = match section.x.as_str() {
-                        "" => y.to_owned(),
+                        "" => y,
                         x => format!("{y}_over_{x}"),
                     };
-                    facet.map_or(id.clone(), |value| format!("{id}_{}", label(value)))
+                    facet.map_or(id.clone(), |value| {
+                        format!("{id}_{}", findings.label(value))
+                    })
                 }
             };
             let id = id.replace(|c: char| !c.is_ascii_alphanumeric() && c != '_', "_");
@@ -64,20 +68,43 @@ pub(super) fn figures(study: &Study, findings: &Findings) -> Vec<Figure> {
                 Kind::Residuals => {
                     figures.extend(residuals(&id, section, &rows, findings, &varying))
                 }
+                Kind::Map if is_crowded(section, &rows, findings) => {
+                    notes.push(format!(
+                        "Figure {id} is not drawn: several rows fall on one of its cells; choose among them by `where`, `within` or `facet`."
+                    ));
+                }
                 Kind::Map | Kind::Tornado => {
                     let draw = match section.kind {
                         Kind::Map => map,
                         _ => tornado,
                     };
                     let drawn = draw(&id, section, &rows, findings);
-                    let title = facet.map(label).unwrap_or_default();
+                    let title = facet.map(|value| findings.label(value)).unwrap_or_default();
                     figures.extend(drawn.map(|figure| Figure { title, ..figure }));
                 }
                 _ => figures.extend(eigenvalues(&id, section, &rows, findings)),
             }
         }
+        if figures.len() == before && told == notes.len() && !study.figure.is_empty() {
+            let name = (section.id.clone()).unwrap_or_else(|| section.kind.name());
+            let why = match chosen.is_empty() {
+                true => "no row has what its `where` asks for",
+                false => "no row has a value for it",
+            };
+            notes.push(format!("Figure {name} is not drawn: {why}."));
+        }
     }
-    figures
+    (figures, notes)
+}
+
+/// True where one cell of a map would show several rows.
+fn is_crowded(section: &FigureSection, rows: &[&Fields], findings: &Findings) -> bool {
+    let names = [&section.x].into_iter().chain(section.y.first());
+    let names: Vec<&String> = names.chain(&section.within).collect();
+    let cells: BTreeSet<Vec<&str>> = (rows.iter())
+        .map(|row| names.iter().map(|name| findings.field(row, name)).collect())
+        .collect();
+    cells.len() < rows.len()
 }
 
 /// The figure of one or several spectra.
@@ -89,7 +116,9 @@ fn eigenvalues(
 ) -> Option<Figure> {
     let spectra = rows.iter().filter_map(|row| {
         let names = section.series.iter().flatten();
-        let name: Vec<String> = names.map(|name| label(findings.field(row, name))).collect();
+        let name: Vec<String> = names
+            .map(|name| findings.label(findings.field(row, name)))
+            .collect();
         Some((name.join(", "), findings.kept(row)?.spectrum.as_ref()?))
     });
     let spectra: Vec<(String, &Spectrum)> = spectra.collect();
@@ -124,7 +153,8 @@ fn residuals(
     varying: &[String],
 ) -> Option<Figure> {
     let caption = findings.filled(&section.caption, rows.first()?);
-    let axes = (Axis::linear("iteration"), Axis::log("relative residual"));
+    let residual = Axis::log("relative residual, as the iteration tells it");
+    let axes = (Axis::linear("iteration"), residual);
     let mut figure = Figure::new(id, "", &caption, axes.0, axes.1);
     let names = section.series.as_deref().unwrap_or(varying);
     let differs = |name: &&String| findings.values(rows, name).len() > 1;
@@ -138,7 +168,7 @@ fn residuals(
             .collect();
         let words = names
             .iter()
-            .map(|name| named(name, findings.field(row, name)));
+            .map(|name| named(name, findings.field(row, name), findings));
         let words: Vec<String> = words.filter(|word| !word.is_empty()).collect();
         if !points.is_empty() {
             figure = figure.with(Series::new(&words.join(", "), Mark::Line, points));

@@ -1,11 +1,12 @@
 //! Rows as fields under headings: looked up, chosen, computed with.
 
-use super::curves::label;
 use super::formula;
+use super::labels::{label, told_apart};
 use super::measure::{Group, Name};
 use super::outcome::{GOOD, NOT_TRIED};
 use super::product::Wanted;
 use crate::plot::Spectrum;
+use fracas::units::Quantity;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use toml::{Table, Value};
@@ -47,6 +48,14 @@ pub(super) struct Findings {
     pub(super) kept: BTreeMap<usize, Kept>,
     published: Vec<(Wanted, BTreeMap<String, String>)>,
     sources: std::collections::BTreeSet<String>,
+    /// Of paths whose last part is not theirs alone.
+    labels: BTreeMap<String, String>,
+}
+
+/// A number, or the value in SI of one with a unit.
+pub(super) fn number(text: &str) -> Option<f64> {
+    let plain = text.parse().ok();
+    plain.or_else(|| Some(text.parse::<Quantity>().ok()?.si()))
 }
 
 impl Findings {
@@ -63,6 +72,22 @@ impl Findings {
             sources,
             ..Self::default()
         }
+    }
+
+    /// The same with rows, and what is kept of them.
+    pub(super) fn with_rows(self, rows: Vec<Fields>, kept: BTreeMap<usize, Kept>) -> Self {
+        let labels = told_apart(rows.iter().flatten().map(String::as_str));
+        Self {
+            rows,
+            kept,
+            labels,
+            ..self
+        }
+    }
+
+    /// A field as it is shown.
+    pub(super) fn label(&self, field: &str) -> String {
+        self.labels.get(field).cloned().unwrap_or(label(field))
     }
 
     /// Where what is published is from.
@@ -88,12 +113,12 @@ impl Findings {
         column.map_or("", |column| &row[column])
     }
 
-    /// The same as a number: yes is 1, no is 0.
+    /// The same as a number: yes is 1, no is 0, of a quantity its value in SI.
     pub(super) fn number(&self, row: &[String], name: &str) -> Option<f64> {
         match self.field(row, name) {
             "yes" => Some(1.0),
             "no" => Some(0.0),
-            text => text.parse().ok().filter(|value: &f64| value.is_finite()),
+            text => number(text).filter(|value| value.is_finite()),
         }
     }
 
@@ -120,8 +145,7 @@ impl Findings {
     /// Rows that have all of these values.
     pub(super) fn chosen(&self, of: &Table) -> Vec<&Fields> {
         let wanted = Wanted::new(of);
-        let is_meant =
-            |row: &&Fields| wanted.is_met(|name| label(self.field(row, name)).to_owned());
+        let is_meant = |row: &&Fields| wanted.is_met(|name| label(self.field(row, name)));
         let is_named = |row: &&Fields| wanted.is_met(|name| self.field(row, name).to_owned());
         let rows = self.rows.iter();
         rows.filter(|row| is_meant(row) || is_named(row)).collect()
@@ -133,7 +157,7 @@ impl Findings {
         for name in &self.header {
             let place = format!("{{{name}}}");
             if filled.contains(&place) {
-                filled = filled.replace(&place, &label(self.field(row, name)));
+                filled = filled.replace(&place, &self.label(self.field(row, name)));
             }
         }
         filled

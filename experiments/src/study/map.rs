@@ -1,6 +1,6 @@
 //! A measure as a colour over the values of two axes, or of four.
 
-use super::curves::{axis_label, label};
+use super::curves::axis_label;
 use super::figure_section::FigureSection;
 use super::findings::{Fields, Findings};
 use crate::plot::{Axis, Cells, Colors, Figure, Mark, Series};
@@ -15,6 +15,8 @@ const CROSSES: usize = 48;
 struct Places<'a> {
     names: [&'a str; 2],
     values: [Vec<&'a str>; 2],
+    /// The same as they are shown.
+    shown: [Vec<String>; 2],
 }
 
 impl<'a> Places<'a> {
@@ -25,9 +27,12 @@ impl<'a> Places<'a> {
         findings: &'a Findings,
     ) -> Self {
         let names = [name, within.map_or("", String::as_str)];
+        let values = names.map(|name| findings.values(rows, name));
+        let shown = |values: &Vec<&str>| values.iter().map(|v| findings.label(v)).collect();
         Self {
             names,
-            values: names.map(|name| findings.values(rows, name)),
+            shown: [shown(&values[0]), shown(&values[1])],
+            values,
         }
     }
 
@@ -45,13 +50,12 @@ impl<'a> Places<'a> {
     }
 
     fn axis(&self) -> Axis {
-        let names = self.values[0].iter().map(|value| label(value)).collect();
-        Axis::categories(&axis_label(self.names[0]), names)
+        Axis::categories(&axis_label(self.names[0]), self.shown[0].clone())
     }
 
     /// `nu = 0.2, 0.4`, where there is something within.
     fn words(&self, how: &str) -> Option<String> {
-        let values: Vec<String> = self.values[1].iter().map(|value| label(value)).collect();
+        let values = &self.shown[1];
         (values.len() > 1).then(|| {
             let name = axis_label(self.names[1]);
             format!("{how} {name} = {}", values.join(", "))

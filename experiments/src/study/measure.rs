@@ -1,8 +1,9 @@
 //! What a row can measure, by name.
 
 use super::measured::Measured;
+use fracas::io::Hash;
 use fracas_solvers::saddle::AugmentationChoice;
-use fracas_solvers::spectrum::{Bounds, NonNormal, SpectrumReport};
+use fracas_solvers::spectrum::{Bounds, Method, NonNormal, SpectrumReport};
 use serde::{Deserialize, Serialize};
 
 /// What a measure takes.
@@ -87,8 +88,14 @@ fn spectrum(m: &Measured, of: fn(&SpectrumReport) -> Option<f64>) -> Option<Stri
     real(m.spectrum.as_ref().and_then(of))
 }
 
-fn eigenvalues(m: &Measured, of: fn(&SpectrumReport) -> usize) -> Option<String> {
-    count(m.spectrum.as_ref().map(of))
+/// A count of all eigenvalues; none where outer ones alone were found.
+fn of_all(m: &Measured, of: fn(&SpectrumReport) -> usize) -> Option<String> {
+    let all = m.spectrum.as_ref().filter(|s| s.method == Method::Dense);
+    count(all.map(of))
+}
+
+fn outside(m: &Measured, of: fn(&SpectrumReport) -> Option<usize>) -> Option<String> {
+    count(m.spectrum.as_ref().and_then(of))
 }
 
 fn non_normal(m: &Measured, of: fn(&NonNormal) -> Option<f64>) -> Option<String> {
@@ -110,12 +117,11 @@ pub(super) fn interval(s: &SpectrumReport) -> Option<(f64, f64)> {
     s.exact_S_u_interval.or(s.bounds.region().real)
 }
 
-/// Every bit of a solution in a number (FNV-1a).
+/// Every bit of a solution in a number.
 fn digest(x: &[f64]) -> String {
-    const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
-    const PRIME: u64 = 0x0100_0000_01b3;
-    let fold = |hash: u64, v: &f64| (hash ^ v.to_bits()).wrapping_mul(PRIME);
-    format!("{:016x}", x.iter().fold(BASIS, fold))
+    let mut hash = Hash::default();
+    x.iter().for_each(|v| hash.bytes(&v.to_le_bytes()));
+    hash.to_string()
 }
 
 measures! {
@@ -199,9 +205,9 @@ measures! {
     ReMin "re_min" Spectrum "smallest Re λ" |m| spectrum(m, |s| s.re_min);
     ReMax "re_max" Spectrum "largest Re λ" |m| spectrum(m, |s| s.re_max);
     ImMax "im_max" Spectrum "largest |Im λ|" |m| spectrum(m, |s| s.im_max);
-    NonReal "n_nonreal" Spectrum "non-real eigenvalues" |m| eigenvalues(m, |s| s.n_complex);
-    AtOne "n_at_one" Spectrum "eigenvalues at 1" |m| eigenvalues(m, |s| s.n_at_one);
-    AtHalf "n_at_half" Spectrum "eigenvalues at ½" |m| eigenvalues(m, |s| s.n_at_half);
+    NonReal "n_nonreal" Spectrum "non-real eigenvalues" |m| of_all(m, |s| s.n_complex);
+    AtOne "n_at_one" Spectrum "eigenvalues at 1" |m| of_all(m, |s| s.n_at_one);
+    AtHalf "n_at_half" Spectrum "eigenvalues at ½" |m| of_all(m, |s| s.n_at_half);
     AlphaU "alpha_u" Spectrum "α_u" |m| bound(m, |b| b.alpha_u);
     BetaU "beta_u" Spectrum "β_u" |m| bound(m, |b| b.beta_u);
     AlphaT "alpha_t" Spectrum "α_t" |m| bound(m, |b| b.alpha_t);
@@ -210,9 +216,12 @@ measures! {
     ProvedLow "proved_low" Spectrum "proved lower end" |m| spectrum(m, |s| interval(s).map(|i| i.0));
     ProvedHigh "proved_high" Spectrum "proved upper end" |m| spectrum(m, |s| interval(s).map(|i| i.1));
     ProvedIm "proved_im" Spectrum "proved |Im λ|" |m| bound(m, |b| b.im_max);
-    Outside "outside" Spectrum "eigenvalues outside the proved regions" |m| eigenvalues(m, |s| s.outside.len());
+    Outside "outside" Spectrum "eigenvalues outside the proved regions" |m| {
+        // where nothing is proved, nothing is inside either
+        outside(m, |s| s.contained.map(|_| s.outside.len()))
+    };
     OutsidePrinted "outside_printed" Spectrum "eigenvalues outside the region as printed" |m| {
-        eigenvalues(m, |s| s.printed.as_ref().map_or(0, |p| p.outside.len()))
+        outside(m, |s| s.printed.as_ref().map(|p| p.outside.len()))
     };
     Departure "departure" NonNormal "departure from normality" |m| non_normal(m, |n| Some(n.departure));
     FieldLow "field_low" NonNormal "least Re of the field of values" |m| non_normal(m, |n| Some(n.gmres.coercivity));

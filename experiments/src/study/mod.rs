@@ -8,10 +8,10 @@
 //! | `refine`, `state` | a finer mesh of the same scene, a contact state of it |
 //! | `solving`, `prepared`, `counted`, `narrow`, `stepping`, `reference`, `nested`, `outcome` | one row: matrices, solve, run, true errors, how it ended |
 //! | `measure`, `measured` | what is measured, by name |
-//! | `rows`, `csv` | `rows.csv`, which survives the process |
+//! | `rows`, `csv`, `sources` | `rows.csv`, which survives the process, and what its scenes were |
 //! | `engine` | rows one after the other, or several at once |
 //! | `findings`, `formula` | rows chosen and computed with |
-//! | `figures`, `curves`, `map`, `tables`, `checks`, `page` | what is drawn, listed, judged and written at the end |
+//! | `figures`, `curves`, `labels`, `map`, `tables`, `checks`, `page` | what is drawn, listed, judged and written at the end |
 //! | `gallery` | the studies of the product, which `reproduce` runs |
 
 mod axes;
@@ -27,6 +27,7 @@ mod file;
 mod findings;
 mod formula;
 pub mod gallery;
+mod labels;
 mod map;
 mod measure;
 mod measured;
@@ -43,6 +44,7 @@ mod rows;
 mod setting;
 mod slipping;
 mod solving;
+mod sources;
 mod state;
 mod stepping;
 mod tables;

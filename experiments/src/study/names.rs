@@ -49,6 +49,8 @@ impl Judge {
         if self.known.iter().any(|known| known == plain) {
             return Ok(());
         }
+        // a key of a scene is an axis by its own name
+        let plain = plain.strip_prefix("set.").unwrap_or(plain);
         let nearest = (self.known.iter())
             .min_by_key(|known| strsim::damerau_levenshtein(known, plain))
             .filter(|known| strsim::damerau_levenshtein(known, plain) <= 2);

@@ -1,15 +1,16 @@
 //! Errors of a solution against the same mesh solved to rounding, and of its mesh against a finer one.
 
+use super::counted::equations;
 use super::prepared::Prepared;
 use super::product::Case;
 use anyhow::{Context, ensure};
 use fracas::multigrid::Geometric;
 use fracas::scene::Body;
-use fracas::solve::{InnerRule, Problem, Solve, StuckBody};
+use fracas::solve::{InnerRule, Problem, Solve, Solved, StuckBody};
 use fracas_operators::vector::norm2;
 use fracas_solvers::Silent;
 use fracas_solvers::multigrid::Precision;
-use fracas_solvers::saddle::{InnerChoice, Measure, Racp, SaddleMethod};
+use fracas_solvers::saddle::{InnerChoice, Measure, Racp, SaddleBlocks, SaddleMethod};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -33,7 +34,8 @@ pub struct Finest {
 #[derive(Default)]
 pub(super) struct Nested {
     same: Option<(Case, Vec<f64>)>,
-    finest: Option<(String, Sample)>,
+    /// A finest mesh per scene with other keys; 8 bytes per displacement each.
+    finest: Vec<(Case, Sample)>,
 }
 
 /// Relative, in ℓ²: of u and t against the same mesh, of u against the finest one.
@@ -49,8 +51,8 @@ fn relative(a: &[f64], b: &[f64]) -> f64 {
     norm2(&difference) / norm2(b)
 }
 
-/// Displacements and tractions [m, Pa] to a tolerance, by geometric multigrid in f64 on a grid.
-fn solution(stuck: &StuckBody, body: &Arc<Body>, tolerance: f64) -> anyhow::Result<Vec<f64>> {
+/// Displacements and tractions [m, Pa] of a stuck body under its own loads to a tolerance, by geometric multigrid in f64 on a grid.
+fn solution(stuck: &StuckBody, body: &Arc<Body>, tolerance: f64) -> anyhow::Result<Solved> {
     let geometric = Geometric {
         precision: Precision::F64,
         ..Geometric::default()
@@ -63,6 +65,16 @@ fn solution(stuck: &StuckBody, body: &Arc<Body>, tolerance: f64) -> anyhow::Resu
         Some(_) => (on_grid, InnerRule::Fixed),
         None => (SaddleMethod::default(), InnerRule::Auto),
     };
+    let mut of_body = StuckBody::of_body(stuck.name.clone(), body.clone());
+    of_body.stabilization = stuck.stabilization;
+    solved(&Problem::Body(of_body), (method, inner), tolerance)
+}
+
+fn solved(
+    problem: &Problem,
+    (method, inner): (SaddleMethod, InnerRule),
+    tolerance: f64,
+) -> anyhow::Result<Solved> {
     let settings = Solve {
         method,
         inner,
@@ -70,16 +82,36 @@ fn solution(stuck: &StuckBody, body: &Arc<Body>, tolerance: f64) -> anyhow::Resu
         tolerance,
         ..Solve::default()
     };
-    let mut of_body = StuckBody::of_body(stuck.name.clone(), body.clone());
-    of_body.stabilization = stuck.stabilization;
-    Ok(settings.solve(&Problem::Body(of_body), &mut Silent)?.x)
+    Ok(settings.solve(problem, &mut Silent)?)
+}
+
+/// The solution [m, Pa] of the equations of a row: its own matrices and right-hand side.
+fn exact(case: &Case, prepared: &Prepared) -> anyhow::Result<Vec<f64>> {
+    if let (Some((body, stuck)), true) = (&prepared.body, is_own_load(case)) {
+        return Ok(solution(stuck, body, ROUNDING)?.x);
+    }
+    let (blocks, rhs, unit) = equations(case, prepared);
+    let (n_u, n_t) = (blocks.n_u(), blocks.n_t());
+    let mut blocks = SaddleBlocks::clone(&blocks);
+    blocks.rhs_u = rhs[..n_u].to_vec();
+    blocks.rhs_t = rhs[n_u..n_u + n_t].to_vec();
+    let method = (SaddleMethod::default(), InnerRule::Auto);
+    let mut x = solved(&Problem::Blocks(blocks.into()), method, ROUNDING)?.x;
+    x[n_u..].iter_mut().for_each(|t| *t *= unit);
+    Ok(x)
+}
+
+/// True for a scene with every face in stick, under what it says itself.
+fn is_own_load(case: &Case) -> bool {
+    case.setting.state.is_none() && case.has_own_load()
 }
 
 impl Nested {
-    /// Errors of a solution [m, Pa].
+    /// Errors of a solution [m, Pa], that of the mesh where there is a finest one.
     ///
     /// # Errors
-    /// A system without a scene; what judges cannot be solved, or its mesh is not a grid that the mesh of the row divides.
+    /// What judges cannot be solved, or its mesh is not a grid that the mesh of the row divides; a finest mesh beside a system folder, another
+    /// load than that of the scene, or a contact state.
     pub(super) fn errors(
         &mut self,
         case: &Case,
@@ -87,16 +119,9 @@ impl Nested {
         finest: Option<&Finest>,
         x: &[f64],
     ) -> anyhow::Result<Errors> {
-        let (body, stuck) = prepared
-            .body
-            .as_ref()
-            .context("these errors need a scene")?;
-        if !self
-            .same
-            .as_ref()
-            .is_some_and(|(own, _)| own.same_system(case))
-        {
-            self.same = Some((case.clone(), solution(stuck, body, ROUNDING)?));
+        let is_known = |(own, _): &(Case, Vec<f64>)| own.same_system(case);
+        if !self.same.as_ref().is_some_and(is_known) {
+            self.same = Some((case.clone(), exact(case, prepared)?));
         }
         let own = self.same.as_ref().map_or(&[][..], |(_, x)| x);
         let n_u = prepared.blocks.n_u();
@@ -106,12 +131,23 @@ impl Nested {
         let Some(finest) = finest else {
             return Ok(Errors { same, mesh: None });
         };
-        let scene = case.setting.scene.clone().unwrap_or_default();
-        if self.finest.as_ref().is_none_or(|(of, _)| *of != scene) {
-            self.finest = Some((scene, Sample::of(case, finest)?));
-        }
-        let sample = self.finest.as_ref().map(|(_, sample)| sample);
-        let mesh = sample.map(|sample| sample.error(body, u)).transpose()?;
+        let (body, _) = (prepared.body.as_ref())
+            .context("mesh_error needs a scene, whose mesh can be made finer")?;
+        ensure!(
+            is_own_load(case),
+            "mesh_error is that of the scene in stick under its own loads, and this row has another `rhs` or a `state`"
+        );
+        let judge = finest.of(case);
+        let known = (self.finest.iter()).position(|(own, _)| own.same_matrices(&judge));
+        let known = match known {
+            Some(known) => known,
+            None => {
+                let sample = Sample::of(&judge, finest.tolerance)?;
+                self.finest.push((judge, sample));
+                self.finest.len() - 1
+            }
+        };
+        let mesh = Some(self.finest[known].1.error(body, u)?);
         Ok(Errors { same, mesh })
     }
 }
@@ -136,14 +172,27 @@ fn split(body: &Body, vertices: usize) -> Vec<bool> {
     split
 }
 
-impl Sample {
-    fn of(case: &Case, finest: &Finest) -> anyhow::Result<Self> {
+impl Finest {
+    /// The row on this mesh: the same scene with the same keys but for these.
+    fn of(&self, case: &Case) -> Case {
         let mut case = case.clone();
-        case.setting.set.extend(finest.set.clone());
+        case.setting.set.extend(self.set.clone());
+        case.setting.refine = None;
+        case
+    }
+}
+
+impl Sample {
+    fn of(case: &Case, tolerance: f64) -> anyhow::Result<Self> {
         let stuck = case.stuck()?.context("a finer mesh needs a scene")?;
         let scene = case.scene()?.context("a finer mesh needs a scene")?;
         let body = Arc::new(scene.build()?);
-        let mut x = solution(&stuck, &body, finest.tolerance)?;
+        let solved = solution(&stuck, &body, tolerance)?;
+        ensure!(
+            solved.has_converged(),
+            "the finest mesh was not solved to {tolerance:e}"
+        );
+        let mut x = solved.x;
         x.truncate(body.constraints.free_len());
         Ok(Self {
             cells: cells(&body)?,

@@ -14,12 +14,13 @@ pub(super) fn answer(study: &Study, rows: &Rows) -> Findings {
         Ok(serde_json::Value::Object(settings)) => settings,
         _ => serde_json::Map::new(),
     };
+    let (figures, missing) = figures(study, rows);
     Findings {
-        figures: figures(study, rows),
+        figures,
         panels: Vec::new(),
         tables: study.table.iter().map(|t| tables::table(t, rows)).collect(),
         checks: checks.flat_map(|check| check.checks(rows)).collect(),
-        notes: study.note.clone(),
+        notes: [study.note.clone(), missing].concat(),
         settings,
     }
 }
@@ -127,7 +128,7 @@ fn table_of(
         .map(|row| {
             columns
                 .iter()
-                .map(|name| tables::parsed(rows.field(row, name)))
+                .map(|name| tables::parsed(rows.field(row, name), rows))
                 .collect()
         })
         .collect();

@@ -165,18 +165,20 @@ impl Prepared {
         c: AugmentationChoice,
         wanted: [bool; 2],
     ) -> anyhow::Result<[Option<Ends>; 2]> {
-        if let Some((_, ends)) = self.schur.filter(|(known, _)| *known == c) {
-            return Ok(ends);
+        let known = self.schur.filter(|(known, _)| *known == c);
+        let mut ends = known.map_or([None; 2], |(_, ends)| ends);
+        let lacks = |k: usize| wanted[k] && ends[k].is_none();
+        let missing = [0, 1].map(lacks);
+        if missing.contains(&true) {
+            let direct = DirectChoice::Auto.solver()?;
+            let matrix = c.compute(&self.blocks, &*direct)?.matrix;
+            let of = [schur_ends, scaled_schur_ends];
+            for k in (0..2).filter(|k| missing[*k]) {
+                ends[k] = Some(of[k](&self.blocks, &matrix, None, &*direct)?);
+            }
+            self.schur = Some((c, ends));
         }
-        let direct = DirectChoice::Auto.solver()?;
-        let matrix = c.compute(&self.blocks, &*direct)?.matrix;
-        let plain = || schur_ends(&self.blocks, &matrix, None, &*direct);
-        let scaled = || scaled_schur_ends(&self.blocks, &matrix, None, &*direct);
-        let ends = [
-            wanted[0].then(plain).transpose()?,
-            wanted[1].then(scaled).transpose()?,
-        ];
-        self.schur = Some((c, ends));
-        Ok(ends)
+        let asked = |k: usize| ends[k].filter(|_| wanted[k]);
+        Ok([0, 1].map(asked))
     }
 }

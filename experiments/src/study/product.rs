@@ -1,8 +1,9 @@
 //! Rows of a study, in order: the product of its axes without what it skips.
 
 use super::measure::number;
-use super::{Axes, Choice, Name, Setting, Study, Together};
+use super::{Axes, Choice, Load, Name, Setting, Study, Together};
 use anyhow::{bail, ensure};
+use fracas::solve::RightHandSide;
 use std::collections::BTreeMap;
 use toml::{Table, Value};
 
@@ -48,6 +49,12 @@ impl Case {
             (scene, system, set, refine, state, stabilization)
         };
         of(self) == of(other)
+    }
+
+    /// True where the right-hand side is that of the scene or system.
+    pub(super) fn has_own_load(&self) -> bool {
+        let load = self.setting.rhs.as_ref().and_then(|rhs| rhs.value);
+        load.is_none_or(|load| load == Load::Known(RightHandSide::System))
     }
 
     /// The same with the right-hand side.
@@ -289,7 +296,7 @@ impl Study {
     }
 }
 
-/// What the fields of a row have to be: one of these values each; `"<5"` and `">=5"` bound a number.
+/// What the fields of a row have to be: one of these values each; `"<5"`, `"<=5"`, `">5"` and `">=5"` bound a number.
 pub(super) struct Wanted(pub(super) Vec<(String, Vec<String>)>);
 
 impl Wanted {
@@ -306,19 +313,33 @@ impl Wanted {
     }
 
     pub(super) fn is_met(&self, field: impl Fn(&str) -> String) -> bool {
-        let meets = |field: &str, value: &String| {
-            let bound = |sign: &str| Some(value.strip_prefix(sign)?.trim().parse::<f64>().ok());
-            match (bound(">="), bound("<"), field.parse::<f64>()) {
-                (Some(Some(low)), _, Ok(found)) => found >= low,
-                (_, Some(Some(high)), Ok(found)) => found < high,
-                _ => field == value,
-            }
+        let meets = |field: &str, value: &String| match (bound(value), field.parse::<f64>()) {
+            (Some((holds, bound)), Ok(found)) => holds(&found, &bound),
+            _ => field == value,
         };
         self.0.iter().all(|(name, values)| {
             let field = field(name);
             values.iter().any(|value| meets(&field, value))
         })
     }
+}
+
+type Compare = fn(&f64, &f64) -> bool;
+
+/// Comparisons by their signs.
+const SIGNS: [(&str, Compare); 4] = [
+    ("<=", f64::le),
+    (">=", f64::ge),
+    ("<", f64::lt),
+    (">", f64::gt),
+];
+
+/// The comparison that a value asks for, and with what.
+fn bound(value: &str) -> Option<(Compare, f64)> {
+    SIGNS.into_iter().find_map(|(sign, holds)| {
+        let with = value.strip_prefix(sign)?.trim().parse().ok()?;
+        Some((holds, with))
+    })
 }
 
 fn case(place: usize, part: &str, list: &[Axis], places: &[usize], names: &[String]) -> Case {

@@ -3,11 +3,12 @@
 use super::product::Case;
 use super::solving;
 use anyhow::ensure;
+use fracas::elasticity::FreeStiffness;
 use fracas::run::Stop;
 use fracas::solve::{InnerRule, Problem, Solve};
 use fracas_solvers::Silent;
 use fracas_solvers::saddle::{
-    Assembled, Direct, EnergyNorms, SaddleBlocks, SaddleMethod, SaddleSystem, T, U,
+    Assembled, Direct, EnergyNorms, SaddleBlocks, SaddleMethod, SaddleSystem, StrainNorm, T, U,
 };
 use std::sync::Arc;
 
@@ -18,6 +19,8 @@ const TOLERANCE: f64 = 1e-12;
 pub(super) struct Reference {
     case: Case,
     blocks: Arc<SaddleBlocks>,
+    /// Where the load of the scene prescribes displacements: their part of the strain counts, too.
+    stiffness: Option<FreeStiffness<f64>>,
     x: Vec<f64>,
 }
 
@@ -27,7 +30,11 @@ impl Reference {
     /// # Errors
     /// Where a direct solver fails.
     pub(super) fn new(case: &Case, problem: &Problem, stop: &dyn Stop) -> anyhow::Result<Self> {
-        let blocks = problem.load(&mut Silent)?.blocks;
+        let loaded = problem.load(&mut Silent)?;
+        let stiffness = match &loaded.body {
+            Some(body) if case.has_own_load() => body.displaced_stiffness()?,
+            _ => None,
+        };
         let settings = Solve {
             method: SaddleMethod::Direct(Direct::default()),
             inner: InnerRule::Fixed,
@@ -49,7 +56,8 @@ impl Reference {
         );
         Ok(Self {
             case: case.clone(),
-            blocks,
+            blocks: loaded.blocks,
+            stiffness,
             x: solved.x,
         })
     }
@@ -61,8 +69,10 @@ impl Reference {
 
     /// `‖u − u_ref‖/‖u_ref‖` and `‖t − t_ref‖/‖t_ref‖` in the norms of energy.
     pub(super) fn errors(&self, x: &[f64]) -> [f64; 2] {
-        let system = Assembled::new(&self.blocks, None);
-        let norms = system.norms(false);
+        let strain = (self.stiffness.as_ref())
+            .map(|a| -> StrainNorm<'_> { Box::new(move |u| a.strain_norm(u)) });
+        let system = Assembled::new(&self.blocks, strain);
+        let norms = system.norms(self.stiffness.is_some());
         let e: Vec<f64> = x.iter().zip(&self.x).map(|(a, b)| a - b).collect();
         let relative = EnergyNorms::relative(norms.error(&e), norms.solution(&self.x), TOLERANCE);
         [relative[U], relative[T]]

@@ -117,6 +117,11 @@ impl Rows {
         write(&mut self.file).with_context(|| format!("cannot write {}", self.path.display()))
     }
 
+    /// True where it holds none yet.
+    pub(super) fn is_empty(&self) -> bool {
+        self.known.is_empty()
+    }
+
     /// True where a row need not be solved again.
     pub(super) fn knows(&self, case: &Case) -> bool {
         self.known.contains_key(&case.number)
@@ -149,18 +154,18 @@ impl Rows {
         if std::fs::read_to_string(&self.path)? != text {
             write_whole(&self.path, &text)?;
         }
-        let mut findings = Findings::new(self.header, &study.published);
+        let findings = Findings::new(self.header, &study.published);
+        let mut all_kept = BTreeMap::new();
         for number in self.known.keys() {
             let file = self
                 .path
                 .with_file_name(KEPT)
                 .join(format!("{number}.toml"));
             if let Ok(text) = std::fs::read_to_string(file) {
-                findings.kept.insert(*number, toml::from_str(&text)?);
+                all_kept.insert(*number, toml::from_str(&text)?);
             }
         }
-        findings.rows = self.known.into_values().collect();
-        Ok(findings)
+        Ok(findings.with_rows(self.known.into_values().collect(), all_kept))
     }
 }
 

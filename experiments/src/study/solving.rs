@@ -200,7 +200,8 @@ impl Row<'_> {
                     counted(self.case, &settings, prepared, study, &mut watch)?;
                 measured.residuals = watch.residuals;
                 if self.asks(&[Group::Nested]) {
-                    let finest = study.finest.as_ref();
+                    let asks = self.names.contains(&Name::MeshError);
+                    let finest = study.finest.as_ref().filter(|_| asks);
                     let errors = shared.nested.errors(self.case, prepared, finest, &run.x);
                     measured.nested = Some(errors?);
                 }

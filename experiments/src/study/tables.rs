@@ -1,6 +1,5 @@
 //! Tables of a study: a row per row, or per group of rows, whose columns choose among them.
 
-use super::curves::label;
 use super::findings::{Fields, Findings};
 use super::measure::{Group, Name};
 use super::product::Wanted;
@@ -157,16 +156,16 @@ fn one(column: &LongColumn, row: &Fields, findings: &Findings) -> Cell {
             false => Cell::Missing,
         };
     }
-    parsed(&field)
+    parsed(&field, findings)
 }
 
 /// A field as what it is.
-pub(super) fn parsed(field: &str) -> Cell {
+pub(super) fn parsed(field: &str, findings: &Findings) -> Cell {
     match (field, field.parse::<i64>(), field.parse::<f64>()) {
         ("", ..) => Cell::Missing,
         ("X", ..) => Cell::Failed,
         (_, Ok(n), _) => Cell::Integer(n),
         (_, _, Ok(value)) if value.is_finite() => Cell::Real(value),
-        _ => label(field).into(),
+        _ => findings.label(field).as_str().into(),
     }
 }

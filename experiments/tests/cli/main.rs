@@ -23,3 +23,4 @@ mod scenes;
 mod solve;
 mod spectrum;
 mod study;
+mod study_values;

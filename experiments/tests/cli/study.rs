@@ -29,13 +29,13 @@ y = "C_s"
 "#;
 
 /// Fields of every row, with the heading first.
-fn rows(out: &Path) -> Vec<Vec<String>> {
+pub(crate) fn rows(out: &Path) -> Vec<Vec<String>> {
     let text = std::fs::read_to_string(out.join("rows.csv")).unwrap();
     let fields = |line: &str| line.split(',').map(String::from).collect();
     text.lines().map(fields).collect()
 }
 
-fn column(rows: &[Vec<String>], name: &str) -> Vec<String> {
+pub(crate) fn column(rows: &[Vec<String>], name: &str) -> Vec<String> {
     let k = rows[0].iter().position(|heading| heading == name).unwrap();
     rows[1..].iter().map(|row| row[k].clone()).collect()
 }

@@ -6,7 +6,7 @@ use crate::multigrid::lambda::largest_generalized;
 use fracas_operators::{LinearOperator, Preconditioner};
 use polynomial::{POLYNOMIALS, Polynomial};
 use serde::de::Error;
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// γ where nothing else is asked for. Unit: 1.
 ///
@@ -58,7 +58,7 @@ pub struct Relaxation<'a> {
 }
 
 /// What a [`Relaxation`] does.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct RelaxationSummary {
     /// γ as applied; 0 = H is not relaxed.
     pub gamma: f64,

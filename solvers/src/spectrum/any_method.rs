@@ -88,6 +88,7 @@ pub fn analyse_method(
     let operator = Preconditioned::new(&blocks, m.as_ref());
     let scales = energy_scales(&blocks, &traction_scales(&blocks));
     let n = scales.len();
+    let mut unsettled = Vec::new();
     let eigenvalues = if n <= request.dense_limit {
         let product = Dense::of_operator(&operator);
         let d = &scales;
@@ -108,16 +109,18 @@ pub fn analyse_method(
         dense::general_eigenvalues(matrix.as_ref())?
     } else {
         report.method = Method::Iterative;
-        let (values, residual) = iterative::outer_eigenvalues(&operator, &scales)?;
+        let outer = iterative::outer_eigenvalues(&operator, &scales)?;
         report.notes.push(format!(
-            "{n} unknowns are more than the dense limit {}: {} outer Ritz values with residuals below {residual:.1e}",
+            "{n} unknowns are more than the dense limit {}: {} outer Ritz values with residuals below {:.1e}",
             request.dense_limit,
-            values.len()
+            outer.values.len(),
+            outer.residual
         ));
-        values
+        unsettled = outer.unsettled;
+        outer.values
     };
     stages.next("eigenvalues");
-    report.judge(Eigenvalues::sorted(eigenvalues));
+    report.judge(Eigenvalues::sorted(eigenvalues), &unsettled);
     report.non_normal(request, &operator, m.as_ref(), &blocks)?;
     Ok(report)
 }

@@ -301,22 +301,34 @@ const ARNOLDI_STEPS: usize = 160;
 /// Residual relative to the largest Ritz value below which a Ritz value counts as an eigenvalue.
 const CONVERGED: f64 = 1e-7;
 
-/// The outer eigenvalues of M⁻¹𝒜 that Arnoldi finds, with the largest of their residuals.
+/// What Arnoldi finds of a spectrum.
+pub(super) struct Outer {
+    /// Ritz values that have converged.
+    pub(super) values: Vec<c64>,
+    /// The largest of their residuals.
+    pub(super) residual: f64,
+    /// Ritz values that have not: where one lies beyond those that have, there are eigenvalues beyond them, too.
+    pub(super) unsettled: Vec<c64>,
+}
+
+/// The outer eigenvalues of M⁻¹𝒜 that Arnoldi finds.
 ///
 /// Works on `D M⁻¹𝒜 D⁻¹` with the energy scales D, so that units do not decide what is found. Multiplicities are not
 /// seen.
 pub(super) fn outer_eigenvalues(
     operator: &Preconditioned<'_>,
     scales: &[f64],
-) -> Result<(Vec<c64>, f64), SetupError> {
+) -> Result<Outer, SetupError> {
     let ritz = Ritz::new(operator, scales, probe(scales.len(), 31), ARNOLDI_STEPS)?;
     let size = ritz.values.iter().fold(0.0f64, |s, v| s.max(v.norm()));
-    let converged: Vec<usize> = (0..ritz.values.len())
-        .filter(|&j| ritz.residual(j) <= CONVERGED * size)
-        .collect();
-    let worst = converged
-        .iter()
-        .map(|&j| ritz.residual(j))
-        .fold(0.0, f64::max);
-    Ok((converged.iter().map(|&j| ritz.values[j]).collect(), worst))
+    let all = 0..ritz.values.len();
+    let (converged, others): (Vec<usize>, Vec<usize>) =
+        all.partition(|&j| ritz.residual(j) <= CONVERGED * size);
+    let residuals = converged.iter().map(|&j| ritz.residual(j));
+    let values = |list: &[usize]| list.iter().map(|&j| ritz.values[j]).collect();
+    Ok(Outer {
+        residual: residuals.fold(0.0, f64::max),
+        values: values(&converged),
+        unsettled: values(&others),
+    })
 }

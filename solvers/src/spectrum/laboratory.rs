@@ -123,7 +123,7 @@ pub fn analyse_around(
     }
     if !augmentation.empty_columns.is_empty() {
         notes.push(format!(
-            "{} columns of B have no entries (first: column {}); C_local and BᵀA⁻¹B count as 1 there",
+            "{} columns of B have no entries (first: column {}); |H_kk| is taken for the columns of C_local and BᵀA⁻¹B there, 1 where it is 0",
             augmentation.empty_columns.len(),
             augmentation.empty_columns[0] + 1
         ));
@@ -182,6 +182,7 @@ pub fn analyse_around(
         layout: blocks.layout(),
     };
     let is_relaxed = relaxation.degree > 0;
+    report.relaxation = is_relaxed.then_some(relaxation);
     if request.certify {
         certify::refuse(&blocks, request, is_relaxed)?;
     }
@@ -192,6 +193,7 @@ pub fn analyse_around(
         true => n,
     };
     let mut statements = None;
+    let mut unsettled = Vec::new();
     let eigenvalues = if exact
         && structure.symmetric
         && reduced <= request.dense_limit
@@ -249,17 +251,19 @@ pub fn analyse_around(
             statements = Some(found);
             report.error_bar = Some(error);
         }
-        let (values, residual) = iterative::outer_eigenvalues(&operator, &scales)?;
+        let outer = iterative::outer_eigenvalues(&operator, &scales)?;
         report.notes.push(format!(
-            "{} Ritz values with residuals below {residual:.1e}",
-            values.len()
+            "{} Ritz values with residuals below {:.1e}",
+            outer.values.len(),
+            outer.residual
         ));
-        values
+        unsettled = outer.unsettled;
+        outer.values
     };
     stages.next("eigenvalues");
     let is_real = exact && !is_relaxed;
     state_bounds(&mut report, &structure, statements, relaxation, is_real);
-    report.judge(Eigenvalues::sorted(eigenvalues));
+    report.judge(Eigenvalues::sorted(eigenvalues), &unsettled);
     report.non_normal(request, &operator, &racp, &blocks)?;
     if request.certify {
         let enclosures = certify::enclosures(given, &c, &report);

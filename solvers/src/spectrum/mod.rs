@@ -44,4 +44,4 @@ pub use laboratory::{BuildInner, SpectrumRequest, analyse, analyse_around};
 pub use modes::{Mode, ModeTarget, UnknownModeTarget};
 pub use non_normal::{InnerProduct, NonNormal, NonNormalRequest};
 pub use region::{Part, Region, Verdict};
-pub use report::{Eigenvalues, SpectrumReport};
+pub use report::{Eigenvalues, Method, SpectrumReport};

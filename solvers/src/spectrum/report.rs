@@ -4,7 +4,7 @@ use super::bounds::{Bounds, Ingredients, Theorem};
 use super::region::{Region, Verdict, is_non_real};
 use super::{Enclosures, FieldOfValues, Hypothesis, Mode, NonNormal, SpectrumRequest};
 use crate::SetupError;
-use crate::saddle::SaddleBlocks;
+use crate::saddle::{RelaxationSummary, SaddleBlocks};
 use faer::c64;
 use fracas_operators::{LinearOperator, Preconditioner};
 use serde::{Serialize, Serializer};
@@ -18,6 +18,9 @@ pub const CONTAINED_TOLERANCE: f64 = 1e-7;
 
 /// The same for a triple eigenvalue with one eigenvector: ∛ε, and room for the size of the matrix.
 pub const AT_CHAIN: f64 = 5e-5;
+
+/// Begins the note of a report that lacks them.
+const WITHOUT: &str = "no departure from normality, pseudospectra and field of values";
 
 /// Eigenvalues as two lists.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -96,6 +99,9 @@ pub struct SpectrumReport {
     pub augmentation: String,
     /// Name of the approximate inverse of the displacement block; `none` in a method without one.
     pub inner: String,
+    /// How H is relaxed; absent where it is not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub relaxation: Option<RelaxationSummary>,
     /// λ_min(C); NaN (null) without C.
     pub c_min: f64,
     /// λ_max(C); NaN (null) without C.
@@ -106,17 +112,17 @@ pub struct SpectrumReport {
     pub cond_S_u: Option<f64>,
     /// All eigenvalues (dense), or the outer ones (iterative).
     pub eigenvalues: Eigenvalues,
-    /// Smallest real eigenvalue.
+    /// Smallest real eigenvalue; null where it is not known.
     pub real_min: Option<f64>,
-    /// Largest real eigenvalue.
+    /// Largest real eigenvalue, as the smallest.
     pub real_max: Option<f64>,
-    /// Smallest real part of all.
+    /// Smallest real part of all, as above.
     pub re_min: Option<f64>,
-    /// Largest real part of all.
+    /// Largest real part of all, as above.
     pub re_max: Option<f64>,
-    /// Largest |Im λ|.
+    /// Largest |Im λ|, as above.
     pub im_max: Option<f64>,
-    /// Non-real eigenvalues: |Im λ| > 1e-7 max(1, |λ|).
+    /// Non-real eigenvalues among those that were found: |Im λ| > 1e-7 max(1, |λ|).
     pub n_complex: usize,
     /// Eigenvalues with |λ − 1| ≤ 1e-9.
     pub n_at_one: usize,
@@ -197,6 +203,7 @@ impl SpectrumReport {
             preconditioner: parts.preconditioner,
             augmentation: parts.augmentation,
             inner: parts.inner,
+            relaxation: None,
             c_min,
             c_max,
             cond_A: None,
@@ -242,7 +249,7 @@ impl SpectrumReport {
         self.hypotheses.iter().find_map(Hypothesis::objection)
     }
 
-    /// The departure from normality, where the request asks for it and all eigenvalues are there.
+    /// The departure from normality, where the request asks for it; a note where it cannot be told.
     pub(super) fn non_normal(
         &mut self,
         request: &SpectrumRequest,
@@ -251,14 +258,20 @@ impl SpectrumReport {
         blocks: &SaddleBlocks,
     ) -> Result<(), SetupError> {
         if let Some(request) = &request.non_normal {
-            let found = NonNormal::new(operator, m, blocks, &self.eigenvalues, request)?;
-            self.non_normal = Some(found);
+            match NonNormal::new(operator, m, blocks, &self.eigenvalues, request) {
+                Ok(found) => self.non_normal = Some(found),
+                Err(SetupError::NotApplicable { reason, .. }) => {
+                    self.notes.push(format!("{WITHOUT}: {reason}"));
+                }
+                Err(error) => return Err(error),
+            }
         }
         Ok(())
     }
 
-    /// Fills in the statistics and verdicts of the eigenvalues.
-    pub(super) fn judge(&mut self, eigenvalues: Eigenvalues) {
+    /// Fills in the statistics and verdicts of the eigenvalues. Where `unsettled` Ritz values lie beyond an end of those that were found, this
+    /// end is not known.
+    pub(super) fn judge(&mut self, eigenvalues: Eigenvalues, unsettled: &[c64]) {
         let extreme = |values: &mut dyn Iterator<Item = f64>, larger: bool| {
             values.reduce(|a, b| if larger { a.max(b) } else { a.min(b) })
         };
@@ -273,6 +286,7 @@ impl SpectrumReport {
         self.re_min = extreme(&mut eigenvalues.re.iter().copied(), false);
         self.re_max = extreme(&mut eigenvalues.re.iter().copied(), true);
         self.im_max = extreme(&mut eigenvalues.im.iter().map(|v| v.abs()), true);
+        self.require_settled(unsettled);
         self.n_complex = eigenvalues
             .iter()
             .filter(|(re, im)| is_non_real(*re, *im))
@@ -311,6 +325,39 @@ impl SpectrumReport {
             }
         });
         self.eigenvalues = eigenvalues;
+    }
+}
+
+impl SpectrumReport {
+    /// Takes back ends beyond which eigenvalues were seen that have not settled.
+    fn require_settled(&mut self, unsettled: &[c64]) {
+        // chains of vectors at 1 converge to a root of rounding
+        let apart = |v: &&c64| (v.re - 1.0).hypot(v.im) > AT_CHAIN;
+        let unsettled = || unsettled.iter().filter(apart);
+        let lowest = unsettled().map(|v| v.re).reduce(f64::min);
+        let highest = unsettled().map(|v| v.re).reduce(f64::max);
+        let farthest = unsettled().map(|v| v.im.abs()).reduce(f64::max);
+        let mut lost = Vec::new();
+        let mut require = |end: &mut Option<f64>, beyond: Option<f64>, sign: f64, name| {
+            let passed = |end: &mut f64| {
+                let slack = CONTAINED_TOLERANCE * end.abs().max(1.0);
+                beyond.is_some_and(|beyond| sign * (beyond - *end) > slack)
+            };
+            if end.take_if(passed).is_some() {
+                lost.push(name);
+            }
+        };
+        require(&mut self.real_min, lowest, -1.0, "smallest real eigenvalue");
+        require(&mut self.real_max, highest, 1.0, "largest real eigenvalue");
+        require(&mut self.re_min, lowest, -1.0, "smallest real part");
+        require(&mut self.re_max, highest, 1.0, "largest real part");
+        require(&mut self.im_max, farthest, 1.0, "largest imaginary part");
+        if !lost.is_empty() {
+            self.notes.push(format!(
+                "not known: {}; Ritz values beyond those that were found have not converged",
+                lost.join(", ")
+            ));
+        }
     }
 }
 

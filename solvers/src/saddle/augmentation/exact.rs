@@ -122,7 +122,7 @@ fn not_definite(a: &SparseMatrix<f64>) -> SetupError {
         }
     };
     SetupError::NotApplicable {
-        method: "augmentation exact",
+        method: "augmentation exact or exact_h",
         reason: format!(
             "C = BᵀA⁻¹B needs a positive definite A, and this A is {why}; take local, local_h or face_block"
         ),

@@ -208,7 +208,7 @@ impl Written for AugmentationChoice {
 pub struct Augmentation {
     /// C, factorized.
     pub matrix: AugmentationMatrix,
-    /// Columns of B without entries (from 0): `C_local` and `BᵀA⁻¹B` count as 1 there.
+    /// Columns of B without entries (from 0): those of `C_local` and `BᵀA⁻¹B` are |H_kk| there, 1 where it is 0.
     pub empty_columns: Vec<usize>,
 }
 
