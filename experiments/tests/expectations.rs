@@ -40,7 +40,7 @@ const BOUNDS: f64 = 1e-3;
 /// Algebraic errors, and error bars, agree to this factor; one below [`ROUNDING`] says only that.
 const ORDER: f64 = 10.0;
 
-/// Relative errors of f64 that mean nothing.
+/// Relative errors of f64, and bounds, that mean nothing.
 const ROUNDING: f64 = 1e-12;
 
 /// What a row says of the others of its numbers.
@@ -67,7 +67,7 @@ fn agree(column: &str, expected: &str, found: &str, row: Row) -> bool {
     } else if is(&["c_app", "complexity"]) {
         LEVELS * a.abs()
     } else if is(&["proved"]) {
-        BOUNDS * a.abs()
+        BOUNDS * a.abs().max(ROUNDING)
     } else if is(&["C_s"]) {
         // n_it (1 + c_app): one iteration more or less, and c_app as other numbers
         let one = row.iterations.map_or(0.0, |n| a.abs() / n);

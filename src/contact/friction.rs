@@ -43,6 +43,14 @@ impl Friction {
         }
     }
 
+    /// The same without cohesion.
+    pub(crate) fn torn(self) -> Self {
+        Self {
+            cohesion: 0.0,
+            ..self
+        }
+    }
+
     /// The same, as it is after `slip` [m], without weakening.
     pub(crate) fn at_slip(self, slip: f64) -> Self {
         Self {

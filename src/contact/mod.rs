@@ -13,6 +13,7 @@ mod transition;
 pub use coupling::{Coupling, prescribed_jump};
 pub use friction::{Friction, Weakening};
 pub use law::{FaceLaw, FacePoint, FaceRows};
+pub(crate) use stabilization::between;
 pub use stabilization::{
     Interfaces, JumpStabilization, Junctions, Lengths, Rocks, Side, face_compliance, side_stiffness,
 };

@@ -13,19 +13,20 @@ use rayon::prelude::*;
 pub use interfaces::{Interfaces, Rocks};
 pub use junctions::Junctions;
 pub use lengths::{Lengths, Side, side_stiffness};
+use lengths::{Tensor, inverse};
 
 /// `H(μ, t) = Σ_e [[μ]]_e · Y⁽ᵉ⁾ · [[t]]_e` over the inner edges e of every fracture.
 ///
-/// With K, L the faces of an edge, F ∈ {K, L}, side ∈ {−, +}, j = x, y, z and h the bounding box of an element:
+/// With K, L the faces of an edge, F ∈ {K, L}, side ∈ {−, +}, and elements as prisms of depth d over the edges a, b of their faces:
 /// ```text
-/// k_{F,side,j} = s E/((1+ν)(1−2ν)) (2/9)(2−3ν) V/h_j²
-/// inv_j        = Σ_side 1/(k_{K,side,j} + k_{L,side,j})
-/// Y            = diag(inv) · Σ_{a ∈ the 2 edge nodes} A_{K,a} A_{L,a}        A_{K,a} = ∫_K N_a dS
-/// H           += [ R_K Y R_Kᵀ  −R_K Y R_Lᵀ ; −R_L Y R_Kᵀ  R_L Y R_Lᵀ ]        rows of R_F: the frame of F
+/// k_{F,side} = s E/((1+ν)(1−2ν)) (2/9)(2−3ν) A_F d G       G = (a aᵀ + b bᵀ + d² n nᵀ)⁻¹: diag(1/h_j²) of a brick
+/// Y          = Σ_side (k_{K,side} + k_{L,side})⁻¹ · Σ_{a ∈ the 2 edge nodes} A_{K,a} A_{L,a}        A_{K,a} = ∫_K N_a dS
+/// H         += [ R_K Y R_Kᵀ  −R_K Y R_Lᵀ ; −R_L Y R_Kᵀ  R_L Y R_Lᵀ ]        rows of R_F: the frame of F
 /// ```
 /// On a planar fracture R_K = R_L, which is the published form; across a bend the jump is taken of the traction vector,
-/// so a constant vector is never penalised. Where the element is thin across the fracture it is taken as deep as
-/// the face is wide ([`Lengths::Deep`]); [`Lengths::Box`] gives the published weights. What becomes of edges at which fractures meet
+/// so a constant vector is never penalised. An element is as deep as its volume says, or as its face is wide where that is more
+/// ([`Lengths::Deep`]). The published weights ([`Lengths::Box`]) are those of the bounding box, V and diag(1/h_j²), which are the
+/// same for bricks along the axes that are no thinner; elsewhere they depend on how the body is turned. What becomes of edges at which fractures meet
 /// say [`Junctions`], of those at which materials do [`Interfaces`].
 ///
 /// # Shape
@@ -120,7 +121,7 @@ impl JumpStabilization {
                     });
                     for k in 0..shared {
                         for l in 0..shared {
-                            let value: f64 = (0..3).map(|j| r_f[k][j] * y[j] * r_g[l][j]).sum();
+                            let value = between(r_f[k], y, r_g[l]);
                             row[place].1[k][l] += sign * value;
                         }
                     }
@@ -209,7 +210,7 @@ impl JumpStabilization {
                     Beside {
                         material: materials[usize::from(mesh.regions[element])],
                         side: match self.lengths {
-                            Lengths::Box => Side::new(mesh, element),
+                            Lengths::Box => Side::boxed(mesh, element),
                             Lengths::Deep => Side::deep(mesh, element, face),
                         },
                     }
@@ -218,13 +219,13 @@ impl JumpStabilization {
             .collect()
     }
 
-    /// The diagonal of Y⁽ᵉ⁾ of every inner edge, in the order of `fractures.edges` [m³/Pa].
+    /// Y⁽ᵉ⁾ of every inner edge, in the order of `fractures.edges` [m³/Pa].
     pub fn edge_weights(
         &self,
         mesh: &HexMesh,
         fractures: &FractureMesh,
         materials: &[Elastic],
-    ) -> Vec<[f64; 3]> {
+    ) -> Vec<[[f64; 3]; 3]> {
         let beside = self.beside(mesh, &fractures.faces, materials);
         let edges = fractures.edges.iter();
         edges
@@ -232,13 +233,13 @@ impl JumpStabilization {
             .collect()
     }
 
-    /// The diagonal of Y⁽ᵉ⁾ [m³/Pa], from `k_{F,side,j}` of both faces.
+    /// Y⁽ᵉ⁾ [m³/Pa], from `k_{F,side}` of both faces.
     fn weight(
         &self,
         edge: &FractureEdge,
         fractures: &FractureMesh,
         beside: &[[Beside; 2]],
-    ) -> [f64; 3] {
+    ) -> Tensor {
         let faces = edge.faces.map(|f| &fractures.faces[f as usize]);
         let areas: f64 = (0..2)
             .map(|a| {
@@ -250,23 +251,32 @@ impl JumpStabilization {
             let of = |b: &Beside| side_stiffness(self.scale, b.material, b.side);
             beside[f as usize].each_ref().map(of)
         });
-        let [[k_minus, k_plus], [l_minus, l_plus]] = stiffness;
-        std::array::from_fn(|j| {
-            (1.0 / (k_minus[j] + l_minus[j]) + 1.0 / (k_plus[j] + l_plus[j])) * areas
-        })
+        let [of_k, of_l] = stiffness;
+        let [minus, plus] = [0, 1].map(|side: usize| inverse(sum(of_k[side], of_l[side])));
+        sum(minus, plus).map(|row| row.map(|y| y * areas))
     }
 }
 
-/// `ω = Σ_a A_a²/A_f · Σ_side 1/k_n` [m/Pa], `k_n = Σ_j n_j² k_j`: the mean jump of a face under a unit normal traction
+fn sum(a: Tensor, b: Tensor) -> Tensor {
+    std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] + b[i][j]))
+}
+
+/// `aᵀ y b`.
+pub(crate) fn between(a: [f64; 3], y: Tensor, b: [f64; 3]) -> f64 {
+    let terms = (0..9).map(|k| a[k / 3] * y[k / 3][k % 3] * b[k % 3]);
+    terms.sum()
+}
+
+/// `ω = Σ_a A_a²/A_f · Σ_side 1/k_n` [m/Pa], `k_n = nᵀk n`: the mean jump of a face under a unit normal traction
 /// when each of its corner nodes moves against one element alone.
 pub fn face_compliance(mesh: &HexMesh, materials: &[Elastic], face: &FractureFace) -> f64 {
     let squares: f64 = face.node_areas.iter().map(|a| a * a).sum();
     let compliance = |side: FaceSide| {
         let element = side.element as usize;
         let material = materials[mesh.regions[element] as usize];
-        let k = side_stiffness(1.0, material, Side::new(mesh, element));
+        let k = side_stiffness(1.0, material, Side::beside(mesh, element, face));
         let n = face.frame[0];
-        1.0 / (0..3).map(|j| n[j] * n[j] * k[j]).sum::<f64>()
+        1.0 / between(n, k, n)
     };
     squares / face.area * (compliance(face.minus) + compliance(face.plus))
 }

@@ -5,7 +5,7 @@ use super::pattern::pattern;
 use super::sealed::connected;
 use super::well::Driven;
 use super::{Control, FlowPoint, FlowStep, Fluid, Given, Place, WellGiven, WellStep};
-use crate::contact::{ContactState, JumpStabilization, face_compliance};
+use crate::contact::{ContactState, JumpStabilization, between, face_compliance};
 use crate::elasticity::Elastic;
 use crate::mesh::{FractureEdge, FractureFace, FractureMesh, HexMesh};
 use fracas_operators::sparse::{Pattern, SparseMatrix};
@@ -109,8 +109,8 @@ impl<'a> Balance<'a> {
         let closable: Vec<Vec<u32>> = parts.iter().filter(sealed).cloned().collect();
         let n = |face: u32| faces[face as usize].frame[0];
         let weights = stabilization.edge_weights(mesh, fractures, materials);
-        let normal = |(edge, y): (&FractureEdge, [f64; 3])| {
-            let along = |n: [f64; 3]| (0..3).map(|j| n[j] * n[j] * y[j]).sum::<f64>();
+        let normal = |(edge, y): (&FractureEdge, [[f64; 3]; 3])| {
+            let along = |n: [f64; 3]| between(n, y, n);
             0.5 * (along(n(edge.faces[0])) + along(n(edge.faces[1])))
         };
         Self {

@@ -128,8 +128,8 @@ fn from_corner(piece: &Piece) -> f64 {
 
 #[test]
 fn a_stuck_fault_carries_the_known_tractions() {
-    // bounds of the errors of normal and shear traction
-    for (blocks, bounds) in THROWS.into_iter().zip([[0.02, 0.01], [0.009, 0.035]]) {
+    // bounds of the errors of normal and shear traction: those of a vertical fault in cubes are 0.006 and 0.044
+    for (blocks, bounds) in THROWS.into_iter().zip([[0.01, 0.02], [0.009, 0.042]]) {
         let case = Case {
             cell: 20.0,
             blocks,

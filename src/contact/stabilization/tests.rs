@@ -1,5 +1,6 @@
 use super::*;
-use crate::mesh::{BoxGrid, Incline, PlaneFracture};
+use crate::mesh::{BoxGrid, Incline, PlaneFracture, Rotate, Warp};
+use fracas_operators::random::splitmix64;
 
 /// A body of one material.
 fn one(rock: &[Elastic; 1]) -> Rocks<'_> {
@@ -25,11 +26,12 @@ fn oracle(
     });
     for edge in fractures.edges.iter().chain(crossings.map(|c| &c.edge)) {
         let ends = edge.faces.map(|f| f as usize);
-        let [k, l] = ends.map(|f| &fractures.faces[f]);
+        let faces = ends.map(|f| &fractures.faces[f]);
+        let [k, l] = faces;
         let of = |face: &FractureFace, side: FaceSide| {
             let e = side.element as usize;
             let side = match lengths {
-                Lengths::Box => Side::new(mesh, e),
+                Lengths::Box => Side::boxed(mesh, e),
                 Lengths::Deep => Side::deep(mesh, e, face),
             };
             side_stiffness(1.0, rocks[usize::from(mesh.regions[e])], side)
@@ -39,6 +41,12 @@ fn oracle(
                 k.node_areas[edge.nodes_k[a] as usize] * l.node_areas[edge.nodes_l[a] as usize]
             })
             .sum();
+        let inverse = |k: FaceSide, l: FaceSide| {
+            let (k, l) = (of(faces[0], k), of(faces[1], l));
+            let sum = faer::Mat::from_fn(3, 3, |i, j| k[i][j] + l[i][j]);
+            faer::linalg::solvers::DenseSolveCore::inverse(&sum.partial_piv_lu())
+        };
+        let y = inverse(k.minus, l.minus) + inverse(k.plus, l.plus);
         let shared = ends.map(|f| state(f).constrained());
         let shared = shared[0].min(shared[1]);
         for f in ends {
@@ -46,13 +54,11 @@ fn oracle(
                 let sign = if f == g { 1.0 } else { -1.0 };
                 for i in 0..shared {
                     for j in 0..shared {
-                        for d in 0..3 {
-                            let inverse = 1.0 / (of(k, k.minus)[d] + of(l, l.minus)[d])
-                                + 1.0 / (of(k, k.plus)[d] + of(l, l.plus)[d]);
+                        for (d, e) in (0..9).map(|k| (k / 3, k % 3)) {
                             h[3 * f + i][3 * g + j] += sign
                                 * fractures.faces[f].frame[i][d]
-                                * (inverse * areas)
-                                * fractures.faces[g].frame[j][d];
+                                * (y[(d, e)] * areas)
+                                * fractures.faces[g].frame[j][e];
                         }
                     }
                 }
@@ -118,6 +124,89 @@ fn rows_gathered_face_by_face_are_the_sum_over_edges() {
     assert!(entries[0] > entries[1], "{entries:?}");
 }
 
+/// A plane inside sheared cells of any thinness, turned about two axes.
+fn turned(seed: u64, turns: [f64; 2]) -> crate::mesh::BuiltMesh {
+    let next = |k: u64| (splitmix64(16 * seed + k) >> 11) as f64 / (1u64 << 53) as f64;
+    let thin = f64::powf(1e-2, next(0));
+    let mut grid = BoxGrid::uniform([0.0; 3], [4.0 * thin, 3.0, 5.0], [4, 3, 4]);
+    grid.fractures = vec![PlaneFracture::through("F", 0, 2.0 * thin)];
+    grid.warps = vec![Box::new(Incline {
+        plane: 0,
+        along: 2,
+        tilt: next(1) - 0.5,
+        pivot: [0.0; 3],
+        fade: false,
+    })];
+    for (axis, angle) in [(2, turns[0]), (1, turns[1])] {
+        let center = [0.3, -0.2, 1.0];
+        let turn: Box<dyn Warp> = Box::new(Rotate {
+            axis,
+            angle,
+            center,
+        });
+        grid.warps.push(turn);
+    }
+    grid.build().unwrap()
+}
+
+#[test]
+fn h_turns_with_the_body() {
+    let rocks = [Elastic {
+        young: 3.0,
+        poisson: 0.2,
+    }];
+    for seed in 0..20 {
+        let next = |k: u64| (splitmix64(16 * seed + k) >> 11) as f64 / (1u64 << 53) as f64;
+        let turns = [6.0 * next(2), 6.0 * next(3)];
+        let form = |turns: [f64; 2], lengths: Lengths| {
+            let built = turned(seed, turns);
+            let stabilization = JumpStabilization {
+                lengths,
+                ..JumpStabilization::default()
+            };
+            let h = stabilization.assemble(&built.mesh, &built.fractures, one(&rocks));
+            let about = |axis: usize, angle: f64, v: [f64; 3]| {
+                let [j, k] = [(axis + 1) % 3, (axis + 2) % 3];
+                let (sin, cos) = angle.sin_cos();
+                let mut turned = v;
+                turned[j] = cos * v[j] - sin * v[k];
+                turned[k] = sin * v[j] + cos * v[k];
+                turned
+            };
+            // tractions that turn with the body, in the frames of their faces
+            let t = built
+                .fractures
+                .faces
+                .iter()
+                .enumerate()
+                .flat_map(|(f, face)| {
+                    let v = [0, 1, 2].map(|j| next(100 + 3 * f as u64 + j) - 0.5);
+                    let v = about(1, turns[1], about(2, turns[0], v));
+                    face.frame.map(|r| (0..3).map(|j| r[j] * v[j]).sum::<f64>())
+                });
+            let t: Vec<f64> = t.collect();
+            let mut product = vec![0.0; t.len()];
+            for (i, row) in h.outer_iterator().enumerate() {
+                product[i] = row.iter().map(|(j, v)| v * t[j]).sum();
+            }
+            t.iter().zip(product).map(|(a, b)| a * b).sum::<f64>()
+        };
+        let apart = |lengths| {
+            let [at_rest, turned] = [[0.0; 2], turns].map(|turns| form(turns, lengths));
+            (turned / at_rest - 1.0).abs()
+        };
+        assert!(apart(Lengths::Deep) < 1e-9, "seed {seed}");
+        assert!(apart(Lengths::Box) > 1e-3, "seed {seed}");
+        let compliance = |turns| {
+            let built = turned(seed, turns);
+            let face = &built.fractures.faces[0];
+            face_compliance(&built.mesh, &rocks, face)
+        };
+        let [at_rest, turned] = [[0.0; 2], turns].map(compliance);
+        assert!((turned / at_rest - 1.0).abs() < 1e-9, "seed {seed}");
+    }
+}
+
 #[test]
 fn faces_are_neighbours_across_a_fracture_while_it_sticks() {
     let mut grid = BoxGrid::uniform([0.0; 3], [4.0, 1.0, 4.0], [4, 1, 4]);
@@ -165,10 +254,9 @@ fn an_element_thinner_than_its_face_is_wide_is_stretched_along_the_normal_alone(
         let side = Side::deep(&built.mesh, face.plus.element as usize, face);
         let near = |a: f64, b: f64| (a - b).abs() < 1e-12 * b;
         let expected = [deep, 4.0, 5.0];
-        assert!(
-            (0..3).all(|j| near(side.extent[j], expected[j])),
-            "{side:?}"
-        );
+        for j in 0..3 {
+            assert!(near(side.metric[j][j].powf(-0.5), expected[j]), "{side:?}");
+        }
         assert!(near(side.volume, 20.0 * deep), "{side:?}");
     }
 }
