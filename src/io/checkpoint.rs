@@ -196,6 +196,9 @@ const CREEP: Field = Field {
 /// Added to the code of a state where [`State::released`] holds.
 const RELEASED: u8 = 4;
 
+/// The same where [`State::torn`] does.
+const TORN: u8 = 8;
+
 /// The header, a table of the fields (letter, length, norm), their values as bits, then γ, C of the preconditioner, flips, states,
 /// those of the preconditioner and a checksum; all numbers little-endian.
 fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
@@ -217,6 +220,7 @@ fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
         slip,
         creep,
         released,
+        torn,
         flips,
     } = state;
     let pressures = (!p.is_empty()).then_some((P, &p[..]));
@@ -250,8 +254,9 @@ fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
         None => bytes.resize(bytes.len() + 72 * states.len(), 0),
     }
     bytes.extend(flips.iter().flat_map(|n| n.to_le_bytes()));
-    let pulled = |(s, released): (&ContactState, &bool)| s.code() + RELEASED * u8::from(*released);
-    bytes.extend(states.iter().zip(released).map(pulled));
+    let code =
+        |f: usize| states[f].code() + RELEASED * u8::from(released[f]) + TORN * u8::from(torn[f]);
+    bytes.extend((0..states.len()).map(code));
     match prepared {
         Some(prepared) => bytes.extend(prepared.states.iter().map(|s| s.code())),
         None => bytes.resize(bytes.len() + states.len(), NOT_PREPARED),
@@ -408,8 +413,8 @@ fn content_of(mut rest: Rest<'_>) -> Option<Result<State, String>> {
     let flips = rest.take(faces.checked_mul(4)?)?.as_chunks().0.iter();
     let flips = flips.map(|n| u32::from_le_bytes(*n)).collect();
     let codes = rest.take(faces)?;
-    let released = codes.iter().map(|code| code & RELEASED != 0).collect();
-    let state = |code: &u8| ContactState::from_code(code & !RELEASED);
+    let has = |bit: u8| codes.iter().map(|code| code & bit != 0).collect();
+    let state = |code: &u8| ContactState::from_code(code & !(RELEASED | TORN));
     let states = codes.iter().map(state).collect::<Option<_>>()?;
     let unprepared = rest.0.iter().all(|code| *code == NOT_PREPARED);
     Some(Ok(State {
@@ -434,7 +439,8 @@ fn content_of(mut rest: Rest<'_>) -> Option<Result<State, String>> {
         states,
         slip,
         creep: creep.map(Box::new),
-        released,
+        released: has(RELEASED),
+        torn: has(TORN),
         flips,
     }))
 }

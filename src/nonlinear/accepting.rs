@@ -33,6 +33,7 @@ impl Simulation<'_> {
             wells,
             joined: _,
             released,
+            mut torn,
         } = settled;
         let problem = &self.problem;
         let from = problem.jumps(&before.u, &problem.loads().at(before.time, before.loaded));
@@ -42,7 +43,8 @@ impl Simulation<'_> {
             [&from, &effective, &x.t],
             (&states, problem.compliance()),
         );
-        let fields = FaceFields::new(problem, &states, [&x.t, &slip], jump, Vec::new());
+        torn.resize(states.len(), false);
+        let fields = FaceFields::new(problem, (&states, &torn), [&x.t, &slip], jump, Vec::new());
         let accepted = log.linear.iter().map(|l| l.attempt).max();
         let last = log.linear.iter().filter(|l| Some(l.attempt) == accepted);
         let setups = log.linear.iter().filter(|l| l.setup).count();
@@ -109,6 +111,7 @@ impl Simulation<'_> {
                 slip,
                 creep,
                 released,
+                torn,
                 flips,
             },
             record,

@@ -45,8 +45,18 @@ pub(super) struct Settled {
     pub(super) joined: Vec<bool>,
     /// That of [`State::released`](super::State::released), once the load agrees with the states.
     pub(super) released: Vec<bool>,
+    /// Faces whose cohesion is lost; empty: none.
+    pub(super) torn: Vec<bool>,
     /// What wells did.
     pub(super) wells: Vec<WellRecord>,
+}
+
+impl Settled {
+    /// Closed faces without their cohesion.
+    pub(super) fn torn_faces(&self) -> Vec<usize> {
+        let holds_less = |f: &usize| self.torn[*f] && self.states[*f] != ContactState::Open;
+        (0..self.torn.len()).filter(holds_less).collect()
+    }
 }
 
 /// What an attempt costs and tells, also when it fails.
@@ -242,10 +252,6 @@ impl Search<'_, '_> {
         let faces = beyond(&found.states, form);
         if faces > 0 {
             log.events.push(Event::Unstabilized { faces });
-        }
-        let faces = self.returning.torn_faces();
-        if !faces.is_empty() {
-            log.events.push(Event::Torn { faces });
         }
         self.settled(found, x)
     }

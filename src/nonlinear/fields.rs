@@ -35,10 +35,10 @@ pub struct FaceFields {
 }
 
 impl FaceFields {
-    /// The fields at tractions t, slip γ, jumps and fluid pressures per face.
+    /// The fields at states, faces without their cohesion, tractions t, slip γ, jumps and fluid pressures per face.
     pub(super) fn new(
         problem: &ContactProblem<'_>,
-        states: &[ContactState],
+        (states, torn): (&[ContactState], &[bool]),
         [t, slip]: [&[f64]; 2],
         jump: Vec<f64>,
         pressure: Vec<f64>,
@@ -57,6 +57,7 @@ impl FaceFields {
             // an open face carries no shear and has no limit
             let limit = match state {
                 ContactState::Open => 0.0,
+                _ if torn[f] => problem.friction(f).torn().limit(t[i], slip).max(0.0),
                 _ => problem.friction(f).limit(t[i], slip).max(0.0),
             };
             let open = *state == ContactState::Open;
@@ -133,7 +134,7 @@ impl Simulation<'_> {
             flux,
             ..FaceFields::new(
                 self.problem(),
-                &state.states,
+                (&state.states, &state.torn),
                 [&state.t, &state.slip],
                 jumps,
                 self.pressures(state),

@@ -65,11 +65,25 @@ impl ContactProblem<'_> {
         let mut pushed = vec![0.0; self.body().constraints.free_len()];
         self.add_forces(1.0, t, &mut pushed);
         let forced = pressures.map(|p| norm2(&self.pressure_forces(p, 1.0)));
-        loads
+        let scale = loads
             .into_iter()
             .flat_map(|load| [norm2(&load.force), unit * norm2(&load.jump)])
             .chain(forced)
-            .fold(norm2(&pushed), f64::max)
+            .fold(norm2(&pushed), f64::max);
+        match scale > 0.0 {
+            true => scale,
+            false => self.resultants(t.iter().step_by(3).copied()),
+        }
+    }
+
+    /// `‖A_f t_f‖₂` of normal tractions or pressures [N]: what they weigh where faces push on nodes alone that no fracture splits.
+    fn resultants(&self, normal: impl Iterator<Item = f64>) -> f64 {
+        let forces = self
+            .faces()
+            .iter()
+            .zip(normal)
+            .map(|(face, t)| face.area * t);
+        norm2(&forces.collect::<Vec<f64>>())
     }
 
     /// `−Q1 (p − p₀) = B n (p − p₀)`: the forces of what the pressures have changed; p₀ is among the loads [N].
@@ -185,7 +199,10 @@ impl Attempt<'_> {
         let point = point.beyond(balance.unseen(states, self.traction));
         let unit = problem.saddle().unit();
         at.residual.extend(point.residual.iter().map(|r| -unit * r));
-        at.pushed = norm2(&pushed);
+        at.pushed = match norm2(&pushed) {
+            0.0 => problem.resultants(x.p.iter().copied()),
+            size => size,
+        };
         at.flow = Some(point);
         at
     }

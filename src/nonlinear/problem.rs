@@ -236,10 +236,7 @@ impl<'a> ContactProblem<'a> {
             None => self.friction(face),
         };
         match start.is_torn(face) {
-            true => Friction {
-                cohesion: 0.0,
-                ..friction
-            },
+            true => friction.torn(),
             false => friction,
         }
     }

@@ -88,11 +88,6 @@ impl Returning {
         }
     }
 
-    /// Faces whose cohesion is lost.
-    pub(super) fn torn_faces(&self) -> Vec<usize> {
-        (0..self.torn.len()).filter(|f| self.is_torn(*f)).collect()
-    }
-
     /// Number of faces that are joined.
     pub(super) fn joins(&self) -> usize {
         self.joined.iter().filter(|joined| **joined).count()
@@ -226,6 +221,12 @@ mod tests {
     use super::*;
     use ContactState::{Open, Slip, Stick};
 
+    fn torn_faces(returning: &Returning) -> Vec<usize> {
+        (0..returning.torn.len())
+            .filter(|f| returning.is_torn(*f))
+            .collect()
+    }
+
     #[test]
     fn faces_that_turn_are_held_and_joined_once() {
         let mut returning = Returning::default();
@@ -270,7 +271,7 @@ mod tests {
         assert!(!returning.see(&[Stick; 3], &changes(Open), cohesive));
         assert!(!returning.see(&[Stick, Open, Open], &changes(Slip), cohesive));
         assert!(returning.see(&[Stick, Slip, Slip], &changes(Open), cohesive));
-        assert_eq!(returning.torn_faces(), [1]);
+        assert_eq!(torn_faces(&returning), [1]);
         let cycle = Cycle {
             period: 2,
             faces: vec![0, 1],
@@ -281,6 +282,6 @@ mod tests {
         // a face that only slips and sticks keeps its cohesion
         returning.begin();
         assert!(returning.entered(&cycle, cohesive));
-        assert_eq!(returning.torn_faces(), [0, 1]);
+        assert_eq!(torn_faces(&returning), [0, 1]);
     }
 }

@@ -73,6 +73,7 @@ impl Search<'_, '_> {
             flow: None,
             joined: self.returning.joined.clone(),
             released: Vec::new(),
+            torn: attempt.start.torn.clone(),
             wells: Vec::new(),
         }
     }

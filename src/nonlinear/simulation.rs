@@ -299,6 +299,9 @@ impl<'a> Simulation<'a> {
             Iterate::new([&state.u, &t, &state.p], flow.as_ref()),
         );
         let mut turned = Vec::new();
+        // what was found with faces torn, while it is tried whether they hold with their cohesion from there on
+        let mut without: Option<Settled> = None;
+        let mut tries = true;
         loop {
             let attempt = Attempt {
                 problem,
@@ -323,11 +326,26 @@ impl<'a> Simulation<'a> {
                 None => &mut self.linear.resources.fallbacks.events,
             };
             log.events.append(told);
+            let settled = match (settled, without.take()) {
+                (Ok(whole), Some(torn)) if whole.torn_faces().len() < torn.torn_faces().len() => {
+                    Ok(whole)
+                }
+                (Ok(_), Some(torn)) => Ok(torn),
+                (Err(reason), Some(torn)) if !matches!(reason, Failure::Stopped) => Ok(torn),
+                (settled, _) => settled,
+            };
             match settled {
                 Err(Failure::Torn { faces }) => {
                     start.torn.resize(problem.faces().len(), false);
                     faces.iter().for_each(|f| start.torn[*f] = true);
-                    log.events.push(Event::Torn { faces });
+                }
+                Ok(settled)
+                    if tries && !settled.torn_faces().is_empty() && settled.unstable.is_none() =>
+                {
+                    tries = false;
+                    start.torn.clear();
+                    from = (settled.states.clone(), settled.x.clone());
+                    without = Some(settled);
                 }
                 settled => {
                     let mut settled = settled?;
@@ -336,9 +354,14 @@ impl<'a> Simulation<'a> {
                     let is_last = settled.unstable.is_some();
                     if is_last || !opened.follow(&now, &mut turned) {
                         settled.released = problem.loads().by_face(&opened);
+                        let faces = settled.torn_faces();
+                        if !faces.is_empty() {
+                            log.events.push(Event::Torn { faces });
+                        }
                         return Ok((attempt.with_flow(settled, target.loaded), load));
                     }
                     load = load_beside(&opened);
+                    start.torn = settled.torn;
                     from = (settled.states, settled.x);
                 }
             }

@@ -53,6 +53,8 @@ pub struct State {
     /// Faces at whose sides the initial stress pulls nothing beyond its mean on them: those that are open, but for such that would close
     /// without the pull.
     pub released: Vec<bool>,
+    /// Faces whose cohesion was lost to the end of the step: no states were found with it.
+    pub torn: Vec<bool>,
     /// How often a face has ended a step in another state than the step before.
     pub flips: Vec<u32>,
 }
@@ -83,6 +85,7 @@ impl Simulation<'_> {
             slip: vec![0.0; 2 * faces.len()],
             creep: self.problem.uncrept(),
             released: vec![false; faces.len()],
+            torn: vec![false; faces.len()],
             flips: vec![0; faces.len()],
         }
     }

@@ -173,3 +173,82 @@ fn a_restart_from_any_step_gives_the_same_bits() {
         }
     }
 }
+
+/// Layers of contrast 100 with a crossing of two fractures with cohesion, pressed together from above after they were pulled apart from the side.
+const COHESIVE: &str = r#"
+title = "c"
+[mesh]
+x = { from = "0 m", to = "6.0 m", cells = 6 }
+y = { from = "0 m", to = "3.0 m", cells = 3 }
+z = { from = "0 m", to = "5.0 m", cells = 5 }
+[[material]]
+name = "m0"
+young = "52432478333.53859 Pa"
+poisson = 0.38
+layers = [["0.0 m", "3.0 m"]]
+[[material]]
+name = "m1"
+young = "467849463.389883 Pa"
+poisson = 0.37
+layers = [["3.0 m", "5.0 m"]]
+[[material]]
+name = "b"
+young = "10860126050.458942 Pa"
+poisson = 0.2
+boxes = [{ x = ["0 m", "2.0 m"], y = ["0 m", "2.0 m"], z = ["0 m", "2.0 m"] }]
+[[fracture]]
+name = "f"
+plane = "x"
+at = "2.0 m"
+friction_angle = "10.0 deg"
+cohesion = "29797 Pa"
+[[fracture]]
+name = "k"
+plane = "z"
+at = "2.0 m"
+friction_angle = "10.0 deg"
+cohesion = "417640 Pa"
+[[boundary]]
+side = "z-"
+hold = "roller"
+[[boundary]]
+side = "x-"
+hold = "roller"
+[[boundary]]
+side = "y-"
+hold = "roller"
+[[boundary]]
+side = "y+"
+hold = "roller"
+[[boundary]]
+side = "x+"
+pressure = "686740 Pa"
+[[boundary]]
+side = "z+"
+pressure = "120436 Pa"
+history = [["0 s", 0.0], ["1 s", 1.04], ["2 s", 0.031], ["3 s", 1.127], ["4 s", 1.051], ["5 s", 0.389]]
+[time]
+end = "1 s"
+steps = 1
+"#;
+
+#[test]
+fn faces_whose_iterates_open_and_close_keep_the_cohesion_that_the_law_gives_them() {
+    let largest = |method: &str| {
+        let steps = steps(COHESIVE, method);
+        let state = &steps.last().unwrap().1;
+        assert!(!state.torn.contains(&true), "{method}");
+        let slip = state.slip.chunks_exact(2).map(|s| s[0].hypot(s[1]));
+        slip.fold(0.0, f64::max)
+    };
+    let multipliers = largest("lagrange");
+    for method in [
+        "{augmented_lagrangian={}}",
+        "{penalty={}}",
+        "{penalty={factor=1e3}}",
+    ] {
+        let slip = largest(method);
+        let off = (slip / multipliers - 1.0).abs();
+        assert!(off < 0.05, "{method}: {slip} m beside {multipliers} m");
+    }
+}

@@ -97,3 +97,31 @@ fn what_closed_fractures_hold_spreads_evenly_and_none_is_lost() {
         }
     }
 }
+
+#[test]
+fn a_fluid_that_pushes_on_tips_alone_is_at_rest() {
+    for more in ["", "storage = '1e-10 m/Pa'\n"] {
+        let toml = format!(
+            "title = 'tips'\n[mesh]\nx = {{ from = '0 m', to = '4 m', cells = 4 }}\ny = {{ from = '0 m', to = '2 m', cells = 2 }}\nz = {{ from = '0 m', to = '4 m', cells = 4 }}\n\
+             [[material]]\nname = 'rock'\nyoung = '10 GPa'\npoisson = 0.25\n\
+             [[fracture]]\nname = 'f'\nplane = 'x'\nat = '2 m'\ny = ['0 m', '1 m']\nz = ['0 m', '3 m']\nfriction_angle = '30 deg'\nconductivity = '1e-14 m3'\ninitial_pressure = '1 MPa'\n{more}\
+             [[boundary]]\nside = 'z-'\nhold = 'fixed'\n[[boundary]]\nside = 'y-'\nhold = 'fixed'\n\
+             [fluid]\nviscosity = '1 cP'\n[time]\nend = '1 s'\nsteps = 1\n"
+        );
+        let body = Scene::from_toml(&toml, "tips.toml")
+            .unwrap()
+            .build()
+            .unwrap();
+        let mut simulation = Simulation::new(&body).unwrap();
+        let mut state = simulation.initial_state();
+        while !simulation.is_finished(&state) || state.step == 0 {
+            state = simulation.advance(&state, &mut Silent).unwrap().state;
+        }
+        assert!(
+            state.p.iter().all(|p| (p - 1e6).abs() < 1.0),
+            "{:?}",
+            state.p
+        );
+        assert!(state.u.iter().all(|u| u.abs() < 1e-12));
+    }
+}

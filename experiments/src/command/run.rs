@@ -109,18 +109,19 @@ fn warn(events: &[Event], progress: &Progress) {
     }
 }
 
-/// A step in a line, and where H or the stabilization of pressures acts on more or less than its states constrain.
+/// A step in a line, and where H or the stabilization of pressures acts on more or less than its states constrain, or faces have no cohesion.
 fn line(record: &StepRecord, events: &[Event]) -> String {
     let [stick, new_slip, slip, open] = record.faces;
     let cuts = match record.cuts {
         0 => String::new(),
         n => format!(", cut {n} times"),
     };
-    let other_h = events.iter().find_map(|event| match event {
+    let beyond = events.iter().filter_map(|event| match event {
         Event::Stabilized { faces } => {
             Some(format!("; stabilized on {faces} faces beyond their states"))
         }
         Event::Unstabilized { faces } => Some(format!("; {faces} faces left unstabilized")),
+        Event::Torn { faces } => Some(format!("; {} faces without their cohesion", faces.len())),
         _ => None,
     });
     format!(
@@ -130,7 +131,7 @@ fn line(record: &StepRecord, events: &[Event]) -> String {
         record.active_it,
         record.newton_it,
         record.lin_it,
-        other_h.unwrap_or_default(),
+        beyond.collect::<String>(),
     )
 }
 
@@ -148,7 +149,8 @@ mod tests {
         };
         let plain =
             "step 3, t = 0.5 s: 0 rounds, 0 Newton, 0 Krylov; 4 stick, 3 new-slip, 2 slip, 1 open";
-        assert_eq!(line(&record, &[Event::Torn { faces: vec![1] }]), plain);
+        let torn = format!("{plain}; 1 faces without their cohesion");
+        assert_eq!(line(&record, &[Event::Torn { faces: vec![1] }]), torn);
         let held = [Event::Stabilized { faces: 7 }];
         let more = format!("{plain}; stabilized on 7 faces beyond their states");
         assert_eq!(line(&record, &held), more);

@@ -121,11 +121,16 @@ tolerance = [1e-10]
 #[test]
 fn reference_errors_count_prescribed_displacements() {
     // the body is moved and little strained: relative to what moves it, errors would be a thousand times too small
-    let moved = BLOCK.replace("hold = \"fixed\"", "displacement = { x = \"1 m\", y = \"0 m\", z = \"0 m\" }");
+    let moved = BLOCK.replace(
+        "hold = \"fixed\"",
+        "displacement = { x = \"1 m\", y = \"0 m\", z = \"0 m\" }",
+    );
     let error = |reference: bool| {
         let (folder, file) = study_of_block(
             "study-moved",
-            &format!("reference = {reference}\nmeasures = ['error_u']\n[axes]\nscene = ['block.toml']\ntolerance = [1e-3]\n"),
+            &format!(
+                "reference = {reference}\nmeasures = ['error_u']\n[axes]\nscene = ['block.toml']\ntolerance = [1e-3]\n"
+            ),
         );
         write(&folder.join("block.toml"), &moved);
         let out = folder.join("out");
@@ -135,7 +140,10 @@ fn reference_errors_count_prescribed_displacements() {
     };
     let (estimate, true_error) = (error(false), error(true));
     let ratio = estimate / true_error;
-    assert!((0.3..10.0).contains(&ratio), "{estimate} estimated, {true_error} true");
+    assert!(
+        (0.3..10.0).contains(&ratio),
+        "{estimate} estimated, {true_error} true"
+    );
 }
 
 #[test]

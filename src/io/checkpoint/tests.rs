@@ -30,6 +30,7 @@ fn state(step: usize) -> State {
             })
         }),
         released: vec![false, true],
+        torn: vec![true, false],
         flips: vec![3, u32::MAX],
     }
 }
@@ -80,7 +81,10 @@ fn every_bit_comes_back() {
     assert_eq!(bits(&read.t), bits(&written.t));
     assert_eq!(bits(&read.slip), bits(&written.slip));
     assert_eq!((read.states, read.flips), (written.states, written.flips));
-    assert_eq!(read.released, written.released);
+    assert_eq!(
+        (read.released, read.torn),
+        (written.released.clone(), written.torn.clone())
+    );
     let strain = |s: &Option<Box<CreepState>>| {
         let own = s.as_ref().unwrap();
         (own.step.to_bits(), bits(own.strain.as_flattened()))

@@ -170,6 +170,7 @@ impl Holding for SpringMethod {
                     flow: None,
                     joined: Vec::new(),
                     released: Vec::new(),
+                    torn: attempt.start.torn.clone(),
                     wells: Vec::new(),
                 });
             }
