@@ -133,8 +133,7 @@ impl Body {
             axpy(1.0, &drained, &mut force);
         }
         for load in self.tractions.iter().filter(|l| l.history == history) {
-            let traction = loads::surface_traction(&self.mesh.nodes, &load.faces, load.value);
-            axpy(1.0, &traction, &mut force);
+            axpy(1.0, &load.forces(&self.mesh.nodes), &mut force);
         }
         if let Some(pressure) = self.pressures_of(history) {
             // −Q1 p = B (p, 0, 0)

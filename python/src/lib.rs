@@ -4,6 +4,7 @@
 //! | file | what it brings |
 //! |---|---|
 //! | `error` | exceptions with the sentences of the library |
+//! | `call` | what functions of Python's raise during a call |
 //! | `work` | work without the interpreter's lock, which Ctrl-C ends |
 //! | `arrays`, `shared` | numpy arrays: copied in, shared out |
 //! | `parts` | a C, a preconditioner or an inner solver that Python brings |
@@ -13,6 +14,7 @@
 //! | `run`, `running`, `study` | steps in time; studies |
 
 mod arrays;
+mod call;
 mod error;
 mod operator;
 mod parts;
@@ -33,6 +35,7 @@ use pyo3::prelude::*;
 /// The extension module.
 #[pymodule]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    work::begin();
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("has_suitesparse", cfg!(feature = "suitesparse"))?;
     module.add_class::<parts::Part>()?;

@@ -1,5 +1,6 @@
 //! Products with 𝒜 and with M⁻¹ for iterations of Python's.
 
+use crate::call;
 use crate::error::{Kind, Raise, raise};
 use crate::parts;
 use crate::settings::Settings;
@@ -7,7 +8,9 @@ use crate::work::{apart, in_pool};
 use fracas::solve::Problem;
 use fracas_operators::sparse::{CsrView, SparseMatrix};
 use fracas_operators::{LinearOperator, Preconditioner as _};
-use fracas_solvers::saddle::{P, Ready, SaddleBlocks, SaddleMethod, SaddleOperator, T, U};
+use fracas_solvers::saddle::{
+    InnerChoice, P, Ready, SaddleBlocks, SaddleMethod, SaddleOperator, T, U,
+};
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
 use self_cell::self_cell;
@@ -161,7 +164,7 @@ fn add_transposed(alpha: f64, m: &SparseMatrix<f64>, x: &[f64], y: &mut [f64]) {
 #[pyclass(frozen, module = "fracas._core")]
 pub(crate) struct Preconditioner {
     ready: Ready,
-    lent: Vec<parts::Lent>,
+    _lent: Vec<parts::Lent>,
     work: Mutex<Vec<f64>>,
     name: String,
     is_symmetric: bool,
@@ -176,7 +179,7 @@ impl Preconditioner {
     ) -> PyResult<Self> {
         let stop = AtomicBool::new(false);
         let how = &settings.solve;
-        let result = apart(py, &stop, || {
+        let (ready, method) = apart(py, &stop, || {
             // in turn, as `solve` does
             let route = how.route(&problem).raised()?;
             let mut failure = None;
@@ -190,21 +193,22 @@ impl Preconditioner {
                 || Err(raise(Kind::Setup, "no method that could be set up")),
                 |error| Err(error).raised(),
             )
-        });
-        let (ready, method) = parts::end(&settings.lent, result)?;
+        })?;
         let inner = method.inner();
         let linear = ready.inverse.properties().linear;
         Ok(Self {
             is_symmetric: matches!(method, SaddleMethod::Racp(_))
                 && blocks.b2.is_none()
                 && blocks.flow.is_none()
-                && linear,
+                && linear
+                // of a part of one's own nothing is known
+                && !matches!(inner, Some(InnerChoice::Other(_))),
             name: inner.map_or_else(
                 || method.to_string(),
                 |inner| format!("{method}, inner {inner}"),
             ),
             ready,
-            lent: settings.lent,
+            _lent: settings.lent,
             work: Mutex::new(Vec::new()),
         })
     }
@@ -255,11 +259,15 @@ impl Preconditioner {
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let inverse = &*self.ready.inverse;
         let n = inverse.size();
+        let mut raised = None;
         let result = product(py, &r, (n, n), inverse.flops(), |r, z| {
-            with_work(&self.work, inverse.work_len(), |work| {
-                inverse.solve(r, z, work)
+            let ((), error) = call::heard(|| {
+                with_work(&self.work, inverse.work_len(), |work| {
+                    inverse.solve(r, z, work)
+                });
             });
+            raised = error;
         });
-        parts::end(&self.lent, result)
+        raised.map_or(result, Err)
     }
 }

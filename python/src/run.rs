@@ -1,8 +1,9 @@
 //! A run as an iterator over steps: the work has its own thread, which waits while nobody asks for the next step.
 
 use crate::arrays::{given, table};
+use crate::error::{Kind, raise};
 use crate::running::{self, Line};
-use crate::work::{in_pool, mind, of_panic};
+use crate::work::{in_own_pool, mind, no_thread, of_panic, thread};
 use fracas::nonlinear::FaceFields;
 use fracas::run::History;
 use fracas::scene::Scene;
@@ -11,7 +12,7 @@ use pyo3::types::PyDict;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::thread::JoinHandle;
 
 /// What is asked of a run.
@@ -62,52 +63,90 @@ pub(crate) struct Ended {
 pub(crate) enum Message {
     Step(Box<Step>),
     Ended(Ended),
-    Failed(PyErr),
+    /// With how it ended, where its end is in order.
+    Failed(PyErr, Option<Ended>),
 }
 
 /// The steps of a run.
 #[pyclass(frozen, module = "fracas._core")]
 pub(crate) struct Steps {
     line: Mutex<Ends>,
+    ended: Mutex<Option<Ended>>,
     stop: Arc<AtomicBool>,
 }
 
 /// The iterator's ends of the line.
 struct Ends {
-    asks: Option<Sender<()>>,
+    asks: Option<Sender<Wish>>,
     tells: Receiver<Message>,
     thread: Option<JoinHandle<()>>,
-    ended: Option<Ended>,
+    /// The process that has the thread: one that is forked has not.
+    process: u32,
+}
+
+/// For the next step: who observes it.
+type Wish = Option<Py<PyAny>>;
+
+fn held<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Steps {
     /// Begins when the first step is asked for.
-    pub(crate) fn new(asked: Asked) -> Self {
+    ///
+    /// # Errors
+    /// No thread could be started.
+    pub(crate) fn new(asked: Asked) -> PyResult<Self> {
         let stop = Arc::new(AtomicBool::new(false));
         let (ask, asks) = mpsc::channel();
         let (tell, tells) = mpsc::channel();
         let line = Line { asks, tells: tell };
         let of_thread = stop.clone();
-        let thread =
-            std::thread::spawn(move || in_pool(move || running::run(asked, &line, &of_thread)));
-        Self {
+        let failures = line.tells.clone();
+        let work = move || {
+            let run = move || {
+                running::run(asked, &line, &of_thread);
+                Ok(())
+            };
+            if let Err(error) = in_own_pool(run) {
+                // nobody listens where the iterator is gone
+                let _ = failures.send(Message::Failed(error, None));
+            }
+        };
+        let thread = thread().spawn(work).map_err(|error| no_thread(&error))?;
+        Ok(Self {
             stop,
+            ended: Mutex::new(None),
             line: Mutex::new(Ends {
                 asks: Some(ask),
                 tells,
                 thread: Some(thread),
-                ended: None,
+                process: std::process::id(),
             }),
-        }
+        })
+    }
+
+    fn end(&self, ended: Ended) {
+        *held(&self.ended) = Some(ended);
+    }
+
+    /// The exception of a run that failed.
+    fn failed(&self, error: PyErr, ended: Option<Ended>) -> PyErr {
+        self.end(ended.unwrap_or_else(|| Ended {
+            outcome: "failed",
+            reason: Some(error.to_string()),
+            path: None,
+        }));
+        error
     }
 }
 
 impl Ends {
     /// Asks for a step and waits for it; the exception of a signal that came before it.
-    fn ask(&mut self, stop: &AtomicBool) -> (Option<Message>, Option<PyErr>) {
+    fn ask(&mut self, stop: &AtomicBool, observer: Wish) -> (Option<Message>, Option<PyErr>) {
         if let Some(asks) = &self.asks {
             // where the thread is gone, it has left a message
-            let _ = asks.send(());
+            let _ = asks.send(observer);
         }
         let mut message = None;
         let signal = mind(stop, |patience| match self.tells.recv_timeout(patience) {
@@ -120,7 +159,7 @@ impl Ends {
         });
         // a step that was done all the same: the run ends with the next wish, which a stop answers
         while signal.is_some() && matches!(message, Some(Message::Step(_))) {
-            let _ = self.asks.as_ref().map(|asks| asks.send(()));
+            let _ = self.asks.as_ref().map(|asks| asks.send(None));
             message = self.tells.recv().ok();
         }
         (message, signal)
@@ -129,7 +168,12 @@ impl Ends {
     /// Waits for the thread, whose files are then whole.
     fn join(&mut self) -> Option<PyErr> {
         self.asks = None;
-        let joined = self.thread.take()?.join();
+        let thread = self.thread.take()?;
+        if self.process != std::process::id() {
+            std::mem::forget(thread);
+            return None;
+        }
+        let joined = thread.join();
         joined.err().map(|panic| of_panic(&*panic))
     }
 }
@@ -140,51 +184,69 @@ impl Steps {
     #[classattr]
     const HEADING: &'static str = History::HEADING;
 
-    /// The next step as a dictionary; None at the end.
-    fn advance<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+    /// The next step as a dictionary; None at the end. `observer` hears of it, and is let go when it is done.
+    #[pyo3(signature = (observer=None))]
+    fn advance<'py>(
+        &self,
+        py: Python<'py>,
+        observer: Option<Py<PyAny>>,
+    ) -> PyResult<Option<Bound<'py, PyDict>>> {
+        if running::is_within(&self.stop) {
+            return Err(raise(
+                Kind::Input,
+                "the next step of a run is asked for while the one before is at work, by its own observer or part",
+            ));
+        }
         // nobody who has the interpreter's lock waits for this one
         let (message, signal) = py.detach(|| {
-            let mut ends = self.line.lock().unwrap_or_else(PoisonError::into_inner);
-            if ends.ended.is_some() || ends.thread.is_none() {
+            let mut ends = held(&self.line);
+            if held(&self.ended).is_some() || ends.thread.is_none() {
                 return (None, None);
             }
-            let (message, signal) = ends.ask(&self.stop);
+            let (message, signal) = ends.ask(&self.stop, observer);
             if matches!(message, Some(Message::Step(_))) {
                 return (message, signal);
             }
-            let panic = ends.join().map(Message::Failed);
-            let message = match message {
+            let panic = ends.join().map(|panic| self.failed(panic, None));
+            let failure = match message {
                 Some(Message::Ended(ended)) => {
                     let failure = running::failure(&ended);
-                    ends.ended = Some(ended);
-                    failure.map(Message::Failed)
+                    self.end(ended);
+                    failure
                 }
-                other => other,
+                Some(Message::Failed(error, ended)) => Some(self.failed(error, ended)),
+                Some(Message::Step(_)) | None => None,
             };
-            (panic.or(message), signal)
+            let failure = panic.or(failure).map(|error| Message::Failed(error, None));
+            (failure, signal)
         });
         if let Some(signal) = signal {
             return Err(signal);
         }
         match message {
             Some(Message::Step(step)) => step.into_dict(py).map(Some),
-            Some(Message::Failed(error)) => Err(error),
+            Some(Message::Failed(error, _)) => Err(error),
             Some(Message::Ended(_)) | None => Ok(None),
         }
     }
 
-    /// Stops after the step at hand; what is written can be restarted.
+    /// Stops after the step at hand; what is written can be restarted. While a step is asked for, by another thread or by what the step calls,
+    /// that ends the run.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         self.stop.store(true, Ordering::Relaxed);
         let failed = py.detach(|| {
-            let mut ends = self.line.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut ends = match self.line.try_lock() {
+                Ok(ends) => ends,
+                Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
+                Err(TryLockError::WouldBlock) => return None,
+            };
             let was_open = ends.thread.is_some();
-            let panic = ends.join();
+            let panic = ends.join().map(|panic| self.failed(panic, None));
             let last = ends.tells.try_iter().last().filter(|_| was_open);
             match last {
-                Some(Message::Failed(error)) => panic.or(Some(error)),
+                Some(Message::Failed(error, ended)) => panic.or(Some(self.failed(error, ended))),
                 Some(Message::Ended(ended)) => {
-                    ends.ended = Some(ended);
+                    self.end(ended);
                     panic
                 }
                 Some(Message::Step(_)) | None => panic,
@@ -195,13 +257,11 @@ impl Steps {
 
     /// `(outcome, reason, folder)`; the outcome is `running` before the end.
     #[getter]
-    fn ended(&self, py: Python<'_>) -> PyResult<(String, Option<String>, Option<PathBuf>)> {
-        let ends = py.detach(|| {
-            let ends = self.line.lock().unwrap_or_else(PoisonError::into_inner);
-            let ended = ends.ended.as_ref();
-            ended.map(|e| (e.outcome.to_owned(), e.reason.clone(), e.path.clone()))
-        });
-        Ok(ends.unwrap_or_else(|| ("running".into(), None, None)))
+    fn ended(&self) -> (String, Option<String>, Option<PathBuf>) {
+        let ended = held(&self.ended);
+        let ended = ended.as_ref();
+        let told = ended.map(|e| (e.outcome.to_owned(), e.reason.clone(), e.path.clone()));
+        told.unwrap_or_else(|| ("running".into(), None, None))
     }
 }
 

@@ -1,5 +1,6 @@
 //! A run on its thread: in its folder, or in memory alone.
 
+use crate::call;
 use crate::error::{Kind, Raise, of_any, raise};
 use crate::run::{Asked, Ended, Fields, Message, Step};
 use crate::watch::Watch;
@@ -7,25 +8,28 @@ use fracas::contact::ContactState;
 use fracas::nonlinear::{Event, Failure, Simulation, State, StepRecord};
 use fracas::run::{History, Outcome, Run, Taken, event};
 use fracas_experiments::command::{PageSteps, write_page};
-use fracas_solvers::Observer;
 use pyo3::prelude::*;
+use std::cell::Cell;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender};
 
 /// The thread's ends of the line to the iterator.
 pub(crate) struct Line {
-    /// A wish for the next step; gone when the iterator is.
-    pub(crate) asks: Receiver<()>,
+    /// A wish for the next step, with who observes it; gone when the iterator is.
+    pub(crate) asks: Receiver<Option<Py<PyAny>>>,
     /// Answers.
     pub(crate) tells: Sender<Message>,
 }
 
 impl Line {
-    /// Waits for a wish; where nobody is left to have one, the run stops as if it had been interrupted.
-    fn wait(&self, stop: &AtomicBool) {
-        if self.asks.recv().is_err() {
-            stop.store(true, Ordering::Relaxed);
+    /// Waits for a wish; where nobody is left to have one, the run stops as if it had been interrupted. An observer is not held while it waits:
+    /// it may be what holds the run.
+    fn wait(&self, stop: &AtomicBool, watch: &mut Watch<'_>) {
+        watch.tells(None);
+        match self.asks.recv() {
+            Ok(observer) => watch.tells(observer),
+            Err(_) => stop.store(true, Ordering::Relaxed),
         }
     }
 
@@ -35,19 +39,31 @@ impl Line {
     }
 }
 
+thread_local! {
+    /// The wish to stop of the run that this thread works for.
+    static AT_WORK: Cell<*const AtomicBool> = const { Cell::new(std::ptr::null()) };
+}
+
+/// True where this thread works for the run that stops so: what asks is its own observer or a part of it.
+pub(crate) fn is_within(stop: &AtomicBool) -> bool {
+    std::ptr::eq(AT_WORK.get(), stop)
+}
+
 /// Runs to the end, step by step as the iterator asks.
-pub(crate) fn run(asked: Asked, line: &Line, stop: &AtomicBool) {
-    let observer = asked.observer.as_ref();
-    let observer = observer.map(|observer| Python::attach(|py| observer.clone_ref(py)));
-    let mut watch = Watch::new(stop, observer);
-    let ended = match asked.in_memory() {
+pub(crate) fn run(mut asked: Asked, line: &Line, stop: &AtomicBool) {
+    AT_WORK.set(stop);
+    let mut watch = Watch::new(stop, asked.observer.take());
+    let (ended, raised) = call::heard(|| match asked.in_memory() {
         true => in_memory(&asked, line, stop, &mut watch),
         false => in_folder(&asked, line, stop, &mut watch),
-    };
-    line.tell(match watch.end(ended) {
-        Ok(ended) => Message::Ended(ended),
-        Err(error) => Message::Failed(error),
     });
+    let raised = watch.end(raised.map_or(Ok(()), Err)).err();
+    line.tell(match (ended, raised) {
+        (Ok(ended), None) => Message::Ended(ended),
+        (Ok(ended), Some(error)) => Message::Failed(error, Some(ended)),
+        (Err(error), raised) => Message::Failed(raised.unwrap_or(error), None),
+    });
+    AT_WORK.set(std::ptr::null());
 }
 
 /// As `fracas run` does, with the same files.
@@ -55,7 +71,7 @@ fn in_folder(
     asked: &Asked,
     line: &Line,
     stop: &AtomicBool,
-    observer: &mut dyn Observer,
+    watch: &mut Watch<'_>,
 ) -> PyResult<Ended> {
     let settings = Run {
         out: asked.out.clone(),
@@ -64,13 +80,13 @@ fn in_folder(
         fields_every: asked.fields_every,
         clock: asked.clock,
     };
-    let opened = settings.open(&asked.name, asked.scene.clone(), observer);
+    let opened = settings.open(&asked.name, asked.scene.clone(), watch);
     let mut folder = opened.raised()?;
     let (path, scene) = (folder.path().to_path_buf(), folder.scene().clone());
-    let mut run = folder.begin(observer).raised()?;
+    let mut run = folder.begin(watch).raised()?;
     let ended = loop {
-        line.wait(stop);
-        match run.advance(stop, observer).raised()? {
+        line.wait(stop, watch);
+        match run.advance(stop, watch).raised()? {
             Taken::Step(done) => {
                 let fields = (asked.fields).then(|| fields(run.simulation(), run.state()));
                 line.tell(step(&done.record, &done.events, fields));
@@ -99,7 +115,7 @@ fn in_memory(
     asked: &Asked,
     line: &Line,
     stop: &AtomicBool,
-    observer: &mut dyn Observer,
+    watch: &mut Watch<'_>,
 ) -> PyResult<Ended> {
     let body = asked.scene.build().raised()?;
     let mut simulation = Simulation::new(&body).raised()?;
@@ -111,7 +127,7 @@ fn in_memory(
         path: None,
     };
     loop {
-        line.wait(stop);
+        line.wait(stop, watch);
         if simulation.is_finished(&state) {
             return Ok(ended(Outcome::Finished, None));
         }
@@ -122,7 +138,7 @@ fn in_memory(
             return Ok(ended(Outcome::Interrupted, None));
         }
         left = left.map(|n| n - 1);
-        match simulation.advance(&state, observer) {
+        match simulation.advance(&state, watch) {
             Ok(accepted) => {
                 state = accepted.state;
                 let fields = (asked.fields).then(|| fields(&simulation, &state));

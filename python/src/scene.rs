@@ -226,7 +226,7 @@ impl Scene {
                 "steps and fields_every are numbers from 1 on",
             ));
         }
-        Ok(Iterator::new(Steps {
+        Iterator::new(Steps {
             scene: self.scene.clone(),
             name: self.name.clone(),
             out,
@@ -236,6 +236,6 @@ impl Scene {
             clock,
             fields,
             observer,
-        }))
+        })
     }
 }

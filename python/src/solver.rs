@@ -13,7 +13,8 @@ use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use std::sync::atomic::AtomicBool;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::thread::ThreadId;
 
 /// Iteration and residual.
 type History = Vec<(usize, f64)>;
@@ -36,19 +37,17 @@ fn packed(py: Python<'_>, solved: Solved, history: History) -> PyResult<Bound<'_
 /// Runs `work` under an observer that keeps residuals.
 fn watched(
     py: Python<'_>,
-    lent: &[parts::Lent],
     observer: Option<Py<PyAny>>,
     work: impl FnOnce(&mut dyn Observer) -> PyResult<Solved> + Send,
 ) -> PyResult<(Solved, History)> {
     let stop = AtomicBool::new(false);
-    let result = apart(py, &stop, || {
+    apart(py, &stop, || {
         let mut watch = Watch::new(&stop, observer);
         let mut residuals = Residuals::around(&mut watch);
         let solved = work(&mut residuals);
         let history = residuals.kept().to_vec();
         watch.end(solved.map(|solved| (solved, history)))
-    });
-    parts::end(lent, result)
+    })
 }
 
 /// The right-hand side, of the length that the system has.
@@ -79,7 +78,7 @@ pub(crate) fn solve<'py>(
         .map(|b| vector("rhs", &b, b.len().unwrap_or(0)))
         .transpose()?;
     let how: &Solve = &settings.solve;
-    let (solved, history) = watched(py, &settings.lent, observer, |observer| {
+    let (solved, history) = watched(py, observer, |observer| {
         let mut solver = how.set_up(problem, observer).raised()?;
         if let Some(b) = b {
             with_rhs(&mut solver, b)?;
@@ -95,10 +94,16 @@ pub(crate) struct Solver {
     ready: Mutex<Ready>,
     unknowns: usize,
     setup_s: f64,
-    lent: Vec<parts::Lent>,
+    /// The thread that solves with it.
+    solving: Mutex<Option<ThreadId>>,
+    _lent: Vec<parts::Lent>,
 }
 
 impl Solver {
+    fn solving(&self) -> MutexGuard<'_, Option<ThreadId>> {
+        self.solving.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     pub(crate) fn new(
         py: Python<'_>,
         settings: Settings,
@@ -107,17 +112,17 @@ impl Solver {
     ) -> PyResult<Self> {
         let stop = AtomicBool::new(false);
         let how = &settings.solve;
-        let result = apart(py, &stop, || {
+        let ready = apart(py, &stop, || {
             let mut watch = Watch::new(&stop, observer);
             let ready = how.set_up(problem, &mut watch).raised();
             watch.end(ready)
-        });
-        let ready = parts::end(&settings.lent, result)?;
+        })?;
         Ok(Self {
             unknowns: ready.unknowns(),
             setup_s: ready.setup_s(),
             ready: Mutex::new(ready),
-            lent: settings.lent,
+            solving: Mutex::new(None),
+            _lent: settings.lent,
         })
     }
 }
@@ -135,12 +140,22 @@ impl Solver {
         let b = b
             .map(|b| vector("rhs", &b, b.len().unwrap_or(0)))
             .transpose()?;
-        let (solved, history) = watched(py, &self.lent, observer, |observer| {
+        let here = std::thread::current().id();
+        if *self.solving() == Some(here) {
+            return Err(raise(
+                Kind::Input,
+                "this solver is at work, and its own observer or preconditioner asks it for another solution: set up a second one",
+            ));
+        }
+        let (solved, history) = watched(py, observer, |observer| {
             let mut ready = self.ready.lock().unwrap_or_else(PoisonError::into_inner);
-            if let Some(b) = b {
-                with_rhs(&mut ready, b)?;
-            }
-            ready.solve(observer).raised()
+            *self.solving() = Some(std::thread::current().id());
+            let solved = match b.map_or(Ok(()), |b| with_rhs(&mut ready, b)) {
+                Ok(()) => ready.solve(observer).raised(),
+                Err(error) => Err(error),
+            };
+            *self.solving() = None;
+            solved
         })?;
         packed(py, solved, history)
     }

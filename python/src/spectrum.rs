@@ -1,7 +1,6 @@
 //! Eigenvalues of M⁻¹𝒜, as JSON.
 
 use crate::error::{Kind, Raise, raise};
-use crate::parts;
 use crate::settings::Settings;
 use crate::watch::Watch;
 use crate::work::apart;
@@ -52,10 +51,9 @@ pub(crate) fn spectrum(
         });
         json.map_err(|error| raise(Kind::Plain, error.to_string()))
     };
-    let result = apart(py, &stop, || {
+    apart(py, &stop, || {
         let mut watch = Watch::new(&stop, observer);
         let report = work(&mut watch);
         watch.end(report)
-    });
-    parts::end(&settings.lent, result)
+    })
 }

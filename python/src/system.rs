@@ -3,12 +3,12 @@
 use crate::arrays::{Rows, coordinates, table, vector};
 use crate::error::{Kind, Raise, raise};
 use crate::operator::{Operator, Preconditioner};
-use crate::settings::{Asked, augmentation};
+use crate::settings::{Asked, Settings, augmentation};
 use crate::shared::{self, Keeps};
 use crate::solver::{self, Solver};
 use crate::spectrum;
 use crate::work::apart;
-use fracas::solve::{Finding, Loaded, Problem};
+use fracas::solve::{Finding, Loaded, Problem, RightHandSide};
 use fracas_operators::sparse::SparseMatrix;
 use fracas_solvers::DofCoordinate;
 use fracas_solvers::direct::DirectChoice;
@@ -67,6 +67,15 @@ impl System {
 
     fn problem(&self) -> Problem {
         Problem::Blocks(self.blocks.clone())
+    }
+
+    /// How it is solved; a right-hand side that was given counts, also where it is 0.
+    fn settings(&self, asked: &Asked) -> PyResult<Settings> {
+        let mut settings = asked.settings(self.unit())?;
+        let own = self.has_rhs.then_some(RightHandSide::System);
+        settings.solve.rhs = settings.solve.rhs.or(own);
+        crate::parts::show(&settings.lent, &self.blocks);
+        Ok(settings)
     }
 
     /// The unit of tractions that `fracas solve` takes: balanced for systems of ours.
@@ -250,8 +259,7 @@ impl System {
         b: Option<PyReadonlyArray1<'py, f64>>,
         observer: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyTuple>> {
-        let settings = asked.settings(self.unit())?;
-        crate::parts::show(&settings.lent, &self.blocks);
+        let settings = self.settings(&asked)?;
         solver::solve(py, &settings, &self.problem(), b, observer)
     }
 
@@ -263,8 +271,7 @@ impl System {
         asked: Asked,
         observer: Option<Py<PyAny>>,
     ) -> PyResult<Solver> {
-        let settings = asked.settings(self.unit())?;
-        crate::parts::show(&settings.lent, &self.blocks);
+        let settings = self.settings(&asked)?;
         Solver::new(py, settings, &self.problem(), observer)
     }
 

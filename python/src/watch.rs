@@ -98,6 +98,15 @@ impl<'a> Watch<'a> {
         }
     }
 
+    /// From here on this observer hears; the one before is let go.
+    pub(crate) fn tells(&mut self, observer: Option<Py<PyAny>>) {
+        let before = std::mem::replace(&mut self.observer, observer);
+        if before.is_some() {
+            // its reference goes with the interpreter's lock
+            Python::attach(|_| drop(before));
+        }
+    }
+
     /// False where the observer wants to stop: it returns False, or raises.
     fn tell(&mut self, event: impl FnOnce() -> Event) -> bool {
         let Some(observer) = &self.observer else {
@@ -117,8 +126,9 @@ impl<'a> Watch<'a> {
     }
 
     /// The result, unless the observer raised.
-    pub(crate) fn end<T>(self, result: PyResult<T>) -> PyResult<T> {
-        self.raised.map_or(result, Err)
+    pub(crate) fn end<T>(mut self, result: PyResult<T>) -> PyResult<T> {
+        self.tells(None);
+        self.raised.take().map_or(result, Err)
     }
 }
 
@@ -135,9 +145,12 @@ impl Observer for Watch<'_> {
     }
 
     fn say(&mut self, line: &dyn Display) {
-        self.tell(|| Event {
+        let goes_on = self.tell(|| Event {
             text: Some(line.to_string()),
             ..Event::new("line", 0)
         });
+        if !goes_on {
+            self.stop.store(true, Ordering::Relaxed);
+        }
     }
 }

@@ -58,6 +58,22 @@ pub fn surface_traction(nodes: &[[f64; 3]], faces: &[[u32; 4]], traction: [f64; 
     force
 }
 
+/// Forces of a constant pressure on faces: `f_a = −∫ N_a p n dS`, n being that of every point, so that a constant stress balances it on faces
+/// that are not plane, too; `pressure` in [Pa], corners counter-clockwise around n.
+pub fn surface_pressure(nodes: &[[f64; 3]], faces: &[[u32; 4]], pressure: f64) -> Vec<f64> {
+    let mut force = vec![0.0; 3 * nodes.len()];
+    for face in faces {
+        for_each_point(&face.map(|node| nodes[node as usize]), |_, shape, n| {
+            for (node, shape) in face.iter().zip(shape) {
+                for i in 0..3 {
+                    force[3 * *node as usize + i] -= pressure * shape * n[i];
+                }
+            }
+        });
+    }
+    force
+}
+
 /// Forces of an initial stress: `f = −∫ Bᵀ σ0 dV`; `stress(region, x)` in [Pa], tension positive.
 ///
 /// # Errors
@@ -250,6 +266,41 @@ mod tests {
             .map(|f| f.map(|a| element[a]))
             .into_iter()
             .find(|f| f.iter().all(on))
+    }
+
+    #[test]
+    fn a_pressure_on_faces_that_are_not_plane_is_balanced_by_a_constant_stress() {
+        let cells = [3, 2, 4];
+        let mut mesh = sample::mesh(Sample {
+            cells,
+            ..Sample::default()
+        });
+        let on_sides = |mesh: &HexMesh| -> Vec<[u32; 4]> {
+            let side = |axis: usize, far: bool| {
+                let end = if far { cells[axis] as f64 } else { 0.0 };
+                let found = mesh.elements.iter();
+                let outward = move |face: [u32; 4]| {
+                    let n = face_geometry(&face.map(|a| mesh.nodes[a as usize])).frame[0];
+                    let is_out = (n[axis] > 0.0) == far;
+                    let [a, b, c, d] = face;
+                    if is_out { face } else { [d, c, b, a] }
+                };
+                let found = found.filter_map(move |e| face_on(mesh, e, axis, end));
+                found.map(outward).collect::<Vec<_>>()
+            };
+            let sides = (0..3).flat_map(|axis| [(axis, false), (axis, true)]);
+            sides.flat_map(|(axis, far)| side(axis, far)).collect()
+        };
+        let faces = on_sides(&mesh);
+        let mut random = fracas_operators::random::Random::new(73);
+        for x in mesh.nodes.iter_mut().flatten() {
+            *x += random.between(-0.1, 0.1);
+        }
+        let stress = [-2.5, -2.5, -2.5, 0.0, 0.0, 0.0];
+        let mut force = initial_stress(&mesh, |_, _| stress).unwrap();
+        let pressed = surface_pressure(&mesh.nodes, &faces, 2.5);
+        force.iter_mut().zip(&pressed).for_each(|(f, p)| *f += p);
+        assert!(force.iter().all(|f| f.abs() < 1e-13), "{force:?}");
     }
 
     #[test]

@@ -37,7 +37,7 @@ pub struct Balance<'a> {
     edges: &'a [FractureEdge],
     pub(super) network: Network,
     /// Middles of the edges of prescribed pressure, in their order [m].
-    held_middles: Vec<[f64; 3]>,
+    pub(super) held_middles: Vec<[f64; 3]>,
     /// Y per inner edge [m³/Pa].
     weights: Vec<f64>,
     /// ω per face [m/Pa].
@@ -100,7 +100,7 @@ impl<'a> Balance<'a> {
             .iter()
             .filter(|w| matches!(w.given, WellGiven::Pressure(_)));
         let by_pressure = by_pressure.flat_map(|w| w.cuts.iter().map(|(f, _)| *f as usize));
-        let edges = network.held_edge_faces().chain(by_pressure);
+        let edges = network.held_edge_faces().map(|(_, f)| f).chain(by_pressure);
         edges.for_each(|f| open_ended[f] = true);
         let meetings = network.meetings();
         let meetings = meetings.map(|arms| arms.iter().map(|arm| arm.face).collect());

@@ -11,6 +11,7 @@
 //! | wells, `2π/ln(r_e/r_w)` | `well` |
 //! | which wells are at their rate, at their limit, or shut | `control` |
 //! | open faces as a surface that pressures open | `surface` |
+//! | given pressures on their way up | `raised` |
 //! | pressure jumps held down | `balance`, weights of [`JumpStabilization`](crate::contact::JumpStabilization) |
 
 mod balance;
@@ -21,6 +22,7 @@ mod front;
 mod network;
 mod pattern;
 mod point;
+mod raised;
 mod record;
 mod sealed;
 mod step;

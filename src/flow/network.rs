@@ -131,11 +131,14 @@ impl Network {
         self.vertices.iter().map(|vertex| vertex.faces().collect())
     }
 
-    /// Faces beside an edge of prescribed pressure.
-    pub(super) fn held_edge_faces(&self) -> impl Iterator<Item = usize> + '_ {
-        let held = self.edges.iter().filter(|edge| edge.held.is_some());
-        held.flat_map(|edge| &self.arms[edge.arms.clone()])
-            .map(|arm| arm.face as usize)
+    /// Faces beside an edge of prescribed pressure, each behind the number of that pressure.
+    pub(super) fn held_edge_faces(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let held = |edge: &'_ Edge| edge.held.map(|number| (number, edge.arms.clone()));
+        let held = self.edges.iter().filter_map(held);
+        held.flat_map(|(number, arms)| {
+            let face = move |arm: &Arm| (number, arm.face as usize);
+            self.arms[arms].iter().map(face)
+        })
     }
 
     /// Faces beside an edge of prescribed pressure, and those that wells cut.

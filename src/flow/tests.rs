@@ -8,6 +8,7 @@ use fracas_solvers::direct::{DirectChoice, Kind};
 mod front;
 mod leaning;
 mod limits;
+mod raised;
 mod records;
 
 const ROCK: Elastic = Elastic {

@@ -71,6 +71,8 @@ pub(super) struct Log {
     pub(super) changing: Vec<usize>,
     /// What would run away at the states of an attempt that failed.
     pub(super) unstable: Option<Box<Instability>>,
+    /// Given pressures have been [raised](super::raising::Raising) in parts.
+    pub(super) raised: bool,
 }
 
 impl Log {
@@ -114,7 +116,7 @@ pub(super) fn active_set(
         accuracy: Accuracy::new(attempt),
         linear,
         damped: false,
-        returning: Returning::default(),
+        returning: Returning::new(attempt),
         rounding: None,
         observer,
     };

@@ -44,6 +44,7 @@ mod newton;
 mod newton_system;
 mod pressed;
 mod problem;
+mod raising;
 mod record;
 mod remarks;
 mod returning;

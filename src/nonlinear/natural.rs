@@ -351,6 +351,7 @@ mod tests {
                 size: problem.saddle().layout().values(0.0),
                 held: None,
                 flow: None,
+                holds: false,
                 step: 0,
                 attempt: 0,
             };

@@ -78,6 +78,8 @@ pub(super) struct Attempt<'s> {
     pub(super) held: Option<Constraints>,
     /// What is given of the flow, where there is one and time passes.
     pub(super) flow: Option<&'s FlowStep>,
+    /// H of faces that return beside a flow is that of their most constrained state ([`Returning`](super::returning::Returning)).
+    pub(super) holds: bool,
     pub(super) step: usize,
     pub(super) attempt: usize,
 }

@@ -124,6 +124,13 @@ pub enum Event {
         /// Which.
         faces: Vec<usize>,
     },
+    /// Pressures that are given were too far from those of the fluid at the start of the step: they were raised in parts.
+    Raised {
+        /// In how many.
+        parts: usize,
+        /// Why the step failed at once.
+        reason: String,
+    },
     /// Slip ran away; the step goes to where it came to rest.
     Arrested {
         /// What ran away.

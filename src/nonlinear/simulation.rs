@@ -5,6 +5,7 @@ use super::creeping::step_from;
 use super::linear::Linear;
 use super::loads::{Opened, initial_traction};
 use super::newton::{Attempt, Iterate};
+use super::raising::Raising;
 use super::springs::SpringMethod;
 use super::stability::{COMPARED, is_shown, stable};
 use super::times::{Target, Times, length};
@@ -291,6 +292,7 @@ impl<'a> Simulation<'a> {
         let times = [state.time, target.time];
         let from = (&state.p[..], &state.states[..], &start.jump[..]);
         let flow = problem.flow_step(times, from);
+        let mut raising = Raising::new();
         let pressures = flow.as_ref().map(|_| &state.p[..]);
         let loads = [&before, &load];
         let scale = problem.scale(&t, loads, pressures).max(state.force);
@@ -303,6 +305,7 @@ impl<'a> Simulation<'a> {
         let mut without: Option<Settled> = None;
         let mut tries = true;
         loop {
+            let given = raising.given(problem, flow.as_ref());
             let attempt = Attempt {
                 problem,
                 start: &start,
@@ -311,7 +314,8 @@ impl<'a> Simulation<'a> {
                 traction: state.traction,
                 size: state.size,
                 held: problem.loads().held_at(target.time, target.loaded),
-                flow: flow.as_ref(),
+                flow: given.as_deref(),
+                holds: raising.holds,
                 step: state.step,
                 attempt: *attempts,
             };
@@ -339,6 +343,15 @@ impl<'a> Simulation<'a> {
                     start.torn.resize(problem.faces().len(), false);
                     faces.iter().for_each(|f| start.torn[*f] = true);
                 }
+                Err(reason) => {
+                    if let Some(reason) = raising.goes_back(problem, flow.as_ref(), (reason, log)) {
+                        return Err(reason);
+                    }
+                }
+                Ok(settled) if raising.is_partial() => {
+                    raising.goes_on();
+                    from = (settled.states, settled.x);
+                }
                 Ok(settled)
                     if tries && !settled.torn_faces().is_empty() && settled.unstable.is_none() =>
                 {
@@ -347,13 +360,13 @@ impl<'a> Simulation<'a> {
                     from = (settled.states.clone(), settled.x.clone());
                     without = Some(settled);
                 }
-                settled => {
-                    let mut settled = settled?;
+                Ok(mut settled) => {
                     attempt.require_mass(&settled.x.p)?;
                     let now = problem.loads().opened(&settled.states);
                     let is_last = settled.unstable.is_some();
                     if is_last || !opened.follow(&now, &mut turned) {
                         settled.released = problem.loads().by_face(&opened);
+                        log.events.extend(raising.told());
                         let faces = settled.torn_faces();
                         if !faces.is_empty() {
                             log.events.push(Event::Torn { faces });

@@ -48,6 +48,10 @@ pub fn event(event: &Event) -> (&'static str, Value) {
                 "slip_m": patch.slip,
             }),
         ),
+        Event::Raised { parts, reason } => (
+            "raised",
+            json!({ "parts": parts, "reason": reason, "text": "given pressures were raised within the step in so many parts" }),
+        ),
         Event::Retry { reason } => ("retry", json!({ "reason": reason })),
         Event::Cut { reason, next } => ("cut", json!({ "reason": reason, "next": next })),
         Event::Precision { reason } => ("precision", json!({ "reason": reason, "now": "f64" })),

@@ -3,19 +3,38 @@
 use super::{History, SolverSection, TimeTable, WeightStress};
 use crate::contact::Friction;
 use crate::creep::Initial;
-use crate::elasticity::{Constraints, Elastic};
+use crate::elasticity::{Constraints, Elastic, loads};
 use crate::flow::Fluid;
 use crate::mesh::{Audit, FractureFace, FractureMesh, HexMesh, audit};
 
-/// A constant traction on faces of the surface.
+/// What pulls or presses on a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Pull {
+    /// The same force per area everywhere, tension positive [Pa].
+    Traction([f64; 3]),
+    /// A pressure, against the normal of every point [Pa].
+    Pressure(f64),
+}
+
+/// A constant traction or pressure on faces of the surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceTraction {
     /// Four nodes per face, counter-clockwise seen from outside.
     pub faces: Vec<[u32; 4]>,
-    /// Force per area, tension positive [Pa].
-    pub value: [f64; 3],
+    /// What it is.
+    pub pull: Pull,
     /// Number of its history in [`Body::histories`].
     pub history: usize,
+}
+
+impl SurfaceTraction {
+    /// Its forces on such nodes, in full numbering [N].
+    pub fn forces(&self, nodes: &[[f64; 3]]) -> Vec<f64> {
+        match self.pull {
+            Pull::Traction(t) => loads::surface_traction(nodes, &self.faces, t),
+            Pull::Pressure(p) => loads::surface_pressure(nodes, &self.faces, p),
+        }
+    }
 }
 
 /// Initial stress σ0(z) = constant + (z − reference) · gradient, Voigt order xx, yy, zz, xy, yz, xz.

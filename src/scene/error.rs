@@ -181,7 +181,7 @@ pub enum Problem {
         name: String,
     },
     /// A side that no single component is normal to.
-    #[error("a roller needs a side perpendicular to an axis, but after the maps the normal of {side} is ({:.4}, {:.4}, {:.4}) at its first face; use `hold = \"fixed\"`, a displacement, or a map that fades", normal[0], normal[1], normal[2])]
+    #[error("a roller needs a side perpendicular to an axis, but after the maps the normal of {side} is ({:.4}, {:.4}, {:.4}), {:.1e} deg off the next axis, at its first face that is not; use `hold = \"fixed\"`, a displacement, or a map that fades", normal[0], normal[1], normal[2], off_axis(*normal))]
     TiltedRoller {
         /// The side.
         side: String,
@@ -382,4 +382,11 @@ fn free_axes_text(free: &[bool; 3]) -> String {
         true => String::new(),
         false => format!(", nothing is prescribed along {}", axes.join(", ")),
     }
+}
+
+/// Angle of a unit vector with the next axis [deg].
+fn off_axis(n: [f64; 3]) -> f64 {
+    let mut sizes = n.map(f64::abs);
+    sizes.sort_by(f64::total_cmp);
+    sizes[0].hypot(sizes[1]).atan2(sizes[2]).to_degrees()
 }

@@ -12,8 +12,9 @@ use crate::mesh::{BuiltMesh, FractureFace};
 use crate::nearest::nearest;
 use crate::units::Measure;
 
-/// Share of the extent of a fracture within which edges are on one side of it. Unit: 1.
-const SAME_SIDE: f64 = 1e-6;
+/// Share of its length within which both ends of an edge are on one side of a fracture: a hundred times the rounding of coordinates in six
+/// digits beside cells of a tenth of the fracture. Unit: 1.
+const SAME_SIDE: f64 = 1e-3;
 
 /// The fluid of a scene, if it has one; `section_of` tells the section of every fracture.
 pub(super) fn fluid(
@@ -181,12 +182,20 @@ fn side_edges<'f>(
     let (low, high) = all().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
         (low.min(x), high.max(x))
     });
+    let length = |ends: &[u32; 2]| {
+        let [a, b] = ends.map(|node| mesh.nodes[node as usize]);
+        let d = minus(b, a);
+        dot(d, d).sqrt()
+    };
     // both ends on the side; a fracture across the axis has none
-    let zone = SAME_SIDE * (high - low);
-    if zone <= 0.0 || high - low <= SAME_SIDE * high.abs() {
+    let longest = outer.iter().map(length).fold(0.0, f64::max);
+    if high - low <= SAME_SIDE * longest {
         return Vec::new();
     }
-    let there = |ends: &&[u32; 2]| ends.iter().all(|node| along(*node) >= high - zone);
+    let there = |ends: &&[u32; 2]| {
+        let zone = SAME_SIDE * length(ends);
+        ends.iter().all(|node| along(*node) >= high - zone)
+    };
     outer.iter().filter(there).copied().collect()
 }
 

@@ -2,9 +2,8 @@
 
 use super::located::{Located, at};
 use super::sections::{BoundarySection, HoldSection, SideName};
-use super::{Problem, SurfaceTraction};
-use crate::mesh::{BuiltMesh, FaceSide, face_geometry};
-use crate::units::Measure;
+use super::{Problem, Pull, SurfaceTraction};
+use crate::mesh::{BuiltMesh, face_geometry};
 use std::collections::HashSet;
 
 /// A face is perpendicular to an axis if its unit normal has a component larger than 1 − this: an angle of 1e-5 rad.
@@ -46,27 +45,26 @@ pub(super) fn hold(
         ) {
             (Some(HoldSection::Fixed), None, None, None) => prescribe([Some(0.0); 3]),
             (Some(HoldSection::Roller), None, None, None) => {
-                let first = faces.first().map_or([0.0; 3], |f| normal(f, built));
-                let axis = (0..3).fold(0, |m, d| {
-                    if first[d].abs() > first[m].abs() {
-                        d
-                    } else {
-                        m
-                    }
-                });
-                let mut normals = faces.iter().map(|f| normal(f, built));
-                if let Some(normal) = normals.find(|n| n[axis].abs() < 1.0 - FLAT) {
-                    return Err(at(
-                        &["boundary", &number, "hold"],
-                        Problem::TiltedRoller {
-                            side: boundary.place(),
-                            normal,
-                        },
-                    ));
+                // every face along its own axis: a list may have several sides
+                let mut rollers: Vec<Prescribed> = Vec::new();
+                for face in faces {
+                    let normal = normal(&face.nodes, built);
+                    let axis = (0..3usize).find(|d| normal[*d].abs() >= 1.0 - FLAT);
+                    let Some(axis) = axis else {
+                        return Err(at(
+                            &["boundary", &number, "hold"],
+                            Problem::TiltedRoller {
+                                side: boundary.place(),
+                                normal,
+                            },
+                        ));
+                    };
+                    let dofs = face.nodes.map(|node| 3 * node + axis as u32);
+                    rollers.extend(dofs.map(|dof| (dof, 0.0, history)));
                 }
-                let mut given = [None; 3];
-                given[axis] = Some(0.0);
-                prescribe(given);
+                rollers.sort_unstable_by_key(|(dof, ..)| *dof);
+                rollers.dedup();
+                prescribed.append(&mut rollers);
             }
             (None, Some(displacement), None, None) => {
                 let given = displacement.given();
@@ -84,13 +82,17 @@ pub(super) fn hold(
                 loads.push((i, "traction", tractions.len()));
                 tractions.push(SurfaceTraction {
                     faces: faces.iter().map(|f| f.nodes).collect(),
-                    value: traction.si(),
+                    pull: Pull::Traction(traction.si()),
                     history,
                 });
             }
             (None, None, None, Some(pressure)) => {
                 loads.push((i, "pressure", tractions.len()));
-                tractions.extend(pressed(faces, built, pressure, history));
+                tractions.push(SurfaceTraction {
+                    faces: faces.iter().map(|f| f.nodes).collect(),
+                    pull: Pull::Pressure(pressure.si()),
+                    history,
+                });
             }
             (hold, displacement, traction, pressure) => {
                 let found = [
@@ -113,7 +115,7 @@ pub(super) fn hold(
             }
         }
     }
-    require_free(boundaries, &loads, &tractions, &prescribed)?;
+    require_free(boundaries, built, &loads, (&tractions, &prescribed))?;
     Ok((prescribed, tractions))
 }
 
@@ -123,22 +125,28 @@ const NONE: f64 = 1e-9;
 /// Refuses loads along displacements that are all prescribed.
 fn require_free(
     boundaries: &[BoundarySection],
+    built: &BuiltMesh,
     loads: &[(usize, &'static str, usize)],
-    tractions: &[SurfaceTraction],
-    prescribed: &[Prescribed],
+    (tractions, prescribed): (&[SurfaceTraction], &[Prescribed]),
 ) -> Result<(), Located> {
     let held: HashSet<u32> = prescribed.iter().map(|(dof, ..)| *dof).collect();
     for (k, (i, key, from)) in loads.iter().enumerate() {
         let to = loads.get(k + 1).map_or(tractions.len(), |next| next.2);
         let mut pushes = false;
         let mut moves = |load: &SurfaceTraction| {
-            let largest = load.value.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-            let along = |d: &u32| load.value[*d as usize].abs() > NONE * largest;
-            let along: Vec<u32> = (0..3).filter(along).collect();
-            pushes |= !along.is_empty();
-            let nodes = load.faces.iter().flatten();
-            let mut dofs = nodes.flat_map(|node| along.iter().map(move |d| 3 * node + d));
-            dofs.any(|dof| !held.contains(&dof))
+            (load.faces.iter()).any(|nodes| {
+                let value = match load.pull {
+                    Pull::Traction(t) => t,
+                    Pull::Pressure(p) => normal(nodes, built).map(|n| -p * n),
+                };
+                let largest = value.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+                let along = |d: &u32| value[*d as usize].abs() > NONE * largest;
+                let along: Vec<u32> = (0..3).filter(along).collect();
+                pushes |= !along.is_empty();
+                let mut dofs =
+                    (nodes.iter()).flat_map(|node| along.iter().map(move |d| 3 * node + d));
+                dofs.any(|dof| !held.contains(&dof))
+            })
         };
         if !tractions[*from..to].iter().any(&mut moves) && pushes {
             let side = boundaries[*i].place();
@@ -150,28 +158,6 @@ fn require_free(
 }
 
 /// Outward unit normal, averaged over the face.
-fn normal(face: &FaceSide, built: &BuiltMesh) -> [f64; 3] {
-    face_geometry(&face.nodes.map(|n| built.mesh.nodes[n as usize])).frame[0]
-}
-
-/// Tractions −p n; faces in a row with the same normal share one.
-fn pressed<K: crate::units::Kind>(
-    faces: &[FaceSide],
-    built: &BuiltMesh,
-    pressure: &Measure<K>,
-    history: usize,
-) -> Vec<SurfaceTraction> {
-    let mut loads: Vec<SurfaceTraction> = Vec::new();
-    for face in faces {
-        let value = normal(face, built).map(|n| -pressure.si() * n);
-        match loads.last_mut() {
-            Some(last) if last.value == value => last.faces.push(face.nodes),
-            _ => loads.push(SurfaceTraction {
-                faces: vec![face.nodes],
-                value,
-                history,
-            }),
-        }
-    }
-    loads
+fn normal(nodes: &[u32; 4], built: &BuiltMesh) -> [f64; 3] {
+    face_geometry(&nodes.map(|n| built.mesh.nodes[n as usize])).frame[0]
 }

@@ -1,6 +1,6 @@
 //! What a body is made of, what holds it and what loads it, with totals to hold against a sketch.
 
-use super::Body;
+use super::{Body, Pull};
 use crate::mesh::face_geometry;
 use std::fmt;
 
@@ -28,7 +28,7 @@ pub struct Push {
     pub faces: usize,
     /// Area [m²].
     pub area: f64,
-    /// Force per area [Pa].
+    /// Force per area, its mean where it changes [Pa].
     pub traction: [f64; 3],
     /// Sum of the force [N].
     pub force: [f64; 3],
@@ -99,11 +99,18 @@ impl Body {
         (self.tractions.iter())
             .map(|load| {
                 let area: f64 = load.faces.iter().map(area).sum();
+                let forces = load.forces(&self.mesh.nodes);
+                let sum = |i: usize| forces.iter().skip(i).step_by(3).sum();
+                let force: [f64; 3] = [0, 1, 2].map(sum);
+                let (traction, force) = match load.pull {
+                    Pull::Traction(t) => (t, t.map(|t| t * area)),
+                    Pull::Pressure(_) => (force.map(|f| f / area), force),
+                };
                 Push {
                     faces: load.faces.len(),
                     area,
-                    traction: load.value,
-                    force: load.value.map(|t| t * area),
+                    traction,
+                    force,
                 }
             })
             .collect()

@@ -34,7 +34,7 @@ mod wells;
 use std::path::{Path, PathBuf};
 
 pub use crate::contact::{Friction, Weakening};
-pub use body::{Body, InitialStress, SurfaceTraction};
+pub use body::{Body, InitialStress, Pull, SurfaceTraction};
 pub use error::{Place, Problem, SceneError};
 pub use flow_problem::FlowProblem;
 pub use flow_sections::{FluidSection, SourceSection, WellSection};

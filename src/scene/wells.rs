@@ -94,8 +94,9 @@ fn cuts(section: &WellSection, built: &BuiltMesh) -> Result<Vec<(u32, f64)>, Flo
     for (f, face) in faces.iter().enumerate() {
         let outline = Outline::new(face, built);
         match outline.meeting(from, along) {
-            Meeting::Apart => {}
-            Meeting::Through(place) => found.push((f as u32, place)),
+            Meeting::Through(places) => {
+                found.extend(places.into_iter().map(|place| (f as u32, place)));
+            }
             Meeting::Along => {
                 return Err(FlowProblem::WellInPlane {
                     name: name(),

@@ -359,3 +359,63 @@ fn bent_fractures_in_distorted_rock_are_the_same_from_a_file() {
         &Scene::from_toml(&text, &name).unwrap().build().unwrap(),
     );
 }
+
+#[test]
+fn groups_of_one_name_are_one_group() {
+    let folder = folder("twice");
+    let scene = fracas::scene::named("layered_crossing").unwrap();
+    let scene = scene.small_scene().unwrap();
+    let body = scene.build().unwrap();
+    for (f, form) in FORMS.iter().enumerate() {
+        let mut msh = as_msh(&body);
+        // every second element of a group is in another one of its name, which may come first
+        let again = |number: i32| number + 1000;
+        let mut names = msh.names.clone();
+        names.iter_mut().for_each(|name| name.1 = again(name.1));
+        msh.names = match f % 2 {
+            0 => [msh.names, names].concat(),
+            _ => [names, msh.names].concat(),
+        };
+        for element in msh.elements.iter_mut().step_by(2) {
+            // every second fracture is called by its number, which is that of one group
+            let by_name = |g: &i32| *g < FRACTURE || (*g - FRACTURE) % 2 == 0;
+            let groups = element.groups.iter_mut().filter(|g| by_name(g));
+            groups.for_each(|g| *g = again(*g));
+        }
+        let file = format!("{f}.msh");
+        std::fs::write(folder.join(&file), msh.write(*form)).unwrap();
+        let text = as_file_scene(&scene, &body, &file);
+        let name = folder.join("s.toml").display().to_string();
+        assert_same(
+            &body,
+            &Scene::from_toml(&text, &name).unwrap().build().unwrap(),
+        );
+    }
+}
+
+#[test]
+fn a_roller_on_a_list_of_sides_holds_each_along_its_own_axis() {
+    let folder = folder("rollers");
+    let scene = fracas::scene::named("patch").unwrap();
+    let scene = scene.small_scene().unwrap();
+    let body = scene.build().unwrap();
+    std::fs::write(folder.join("m.msh"), as_msh(&body).write(FORMS[2])).unwrap();
+    let text = as_file_scene(&scene, &body, "m.msh");
+    let mut table: Table = toml::from_str(&text).unwrap();
+    let name = folder.join("s.toml").display().to_string();
+    let built = |table: &Table, boundaries: &str| {
+        let own: Table = toml::from_str(boundaries).unwrap();
+        let mut table = table.clone();
+        table.insert("boundary".into(), own["boundary"].clone());
+        let text = toml::to_string(&table).unwrap();
+        Scene::from_toml(&text, &name).unwrap().build()
+    };
+    table.remove("boundary");
+    let one = "[[boundary]]\nsurface = ['x-', 'y-', 'z-']\nhold = 'roller'\n";
+    let each: String = (["x-", "y-", "z-"].iter())
+        .map(|side| format!("[[boundary]]\nsurface = '{side}'\nhold = 'roller'\n"))
+        .collect();
+    let [one, each] = [one, &each].map(|text| built(&table, text).unwrap());
+    assert_eq!(one.constraints.free(), each.constraints.free());
+    assert!(one.constraints.free_len() < one.constraints.full_len());
+}

@@ -398,3 +398,36 @@ fn an_edge_pressure_at_a_level_is_hydrostatic() {
         "{text}"
     );
 }
+
+/// Edges of a side are those of the mesh, far from the origin and with coordinates in six digits, too.
+#[test]
+fn the_edge_of_a_side_is_found_far_away_and_where_coordinates_are_rounded() {
+    let source = "[[source]]\nfracture = 'F'\nedge = 'x-'\npressure = '1 MPa'\n";
+    let plain = block(
+        "conductivity = '1e-13 m3'\nstorage = '1e-11 m/Pa'",
+        "end = '1e3 s'\nsteps = 1",
+        source,
+    );
+    let brought = |toml: &str| {
+        let (steps, why) = run(&built(toml));
+        assert_eq!(why, None);
+        steps.last().unwrap().flow.unwrap().injected
+    };
+    let whole = brought(&plain);
+    let far = plain.replace(
+        "x = { from = '0 m', to = '4 m'",
+        "x = { from = '5000000 m', to = '5000004 m'",
+    );
+    assert_ne!(far, plain);
+    assert!((brought(&far) / whole - 1.0).abs() < 1e-6);
+    for amplitude in [1e-7, 1e-5, 1e-4] {
+        let distort = format!(
+            "[mesh.map.distort]\namplitude = {amplitude}\nseed = 5\nbend_fractures = true\n"
+        );
+        let rounded = plain.replace("[[material]]", &format!("{distort}[[material]]"));
+        assert!(
+            (brought(&rounded) / whole - 1.0).abs() < 1e-2,
+            "{amplitude}"
+        );
+    }
+}

@@ -1,6 +1,6 @@
 //! Claim: whatever is wrong with a scene is said with its place, what it is, and what to do.
 
-use fracas::scene::{Body, Scene, SceneError, named};
+use fracas::scene::{Body, Pull, Scene, SceneError, named};
 use proptest::prelude::*;
 
 const SCENE: &str = r#"title = "Two blocks"
@@ -402,9 +402,14 @@ fn loads_arrive_with_their_signs() {
     .replace("poisson = 0.25", "poisson = 0.25\ndensity = \"2500 kg/m3\"");
     let body = Scene::from_toml(&text, "s.toml").unwrap().build().unwrap();
     assert_eq!(body.tractions.len(), 2);
-    assert_eq!(body.tractions[0].value, [-2e6, 0.0, 0.0]);
+    assert_eq!(body.tractions[0].pull, Pull::Pressure(2e6));
     assert_eq!(body.tractions[0].faces.len(), 4);
-    assert_eq!(body.tractions[1].value, [1e6, 0.0, 0.0]);
+    assert_eq!(body.tractions[1].pull, Pull::Traction([1e6, 0.0, 0.0]));
+    let pushes = body.inventory().pushes;
+    for (push, traction) in pushes.iter().zip([[-2e6, 0.0, 0.0], [1e6, 0.0, 0.0]]) {
+        let off = |i: usize| (push.traction[i] - traction[i]).abs();
+        assert!((0..3).all(|i| off(i) < 1e-8), "{push:?}");
+    }
     assert_eq!(body.body_force, [[0.0, 0.0, -25e3]]);
     assert_eq!(
         body.initial_stress.unwrap().at([0.0, 0.0, 1.0])[2],

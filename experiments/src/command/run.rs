@@ -109,7 +109,8 @@ fn warn(events: &[Event], progress: &Progress) {
     }
 }
 
-/// A step in a line, and where H or the stabilization of pressures acts on more or less than its states constrain, or faces have no cohesion.
+/// A step in a line, and where H or the stabilization of pressures acts on more or less than its states constrain, faces have no cohesion, or
+/// given pressures were raised in parts.
 fn line(record: &StepRecord, events: &[Event]) -> String {
     let [stick, new_slip, slip, open] = record.faces;
     let cuts = match record.cuts {
@@ -121,6 +122,7 @@ fn line(record: &StepRecord, events: &[Event]) -> String {
             Some(format!("; stabilized on {faces} faces beyond their states"))
         }
         Event::Unstabilized { faces } => Some(format!("; {faces} faces left unstabilized")),
+        Event::Raised { parts, .. } => Some(format!("; given pressures raised in {parts} parts")),
         Event::Torn { faces } => Some(format!("; {} faces without their cohesion", faces.len())),
         _ => None,
     });

@@ -30,7 +30,7 @@ def numbers(name: str, value: Any) -> NDArray[Any]:
     if array.dtype.kind not in "iuf":
         given = f"an array of {array.dtype}" if isinstance(value, np.ndarray) else kind(value)
         raise WrongType(f"{name}: expected real numbers (float64), not {given}")
-    return np.ascontiguousarray(array, dtype=np.float64)
+    return np.require(array, np.float64, "CA")
 
 
 def vector(name: str, value: Any, n: int | None = None) -> Vector:
@@ -73,6 +73,10 @@ def rows(name: str, value: Any) -> Rows:
         raise WrongType(f"{name}: expected a scipy.sparse matrix or a 2-D array, not {kind(value)}")
     if csr.data.dtype.kind not in "iuf":
         raise WrongType(f"{name}: expected real entries (float64), not {csr.data.dtype}")
+    # scipy goes where indptr points
+    starts = csr.indptr
+    if len(starts) != csr.shape[0] + 1 or starts[0] != 0 or starts[-1] > len(csr.indices) or (np.diff(starts) < 0).any():
+        raise SystemInputError(f"{name}: indptr does not count the entries of its rows: it grows from 0 to the number of entries")
     if not csr.has_canonical_format:
         csr = csr.copy()
         csr.sum_duplicates()

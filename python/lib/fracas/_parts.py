@@ -42,14 +42,16 @@ def _c_of(value: Any, n_t: int) -> tuple[str, Any]:
         found = rows("C", value)
         if found[:2] != (n_t, n_t):
             raise InputError(f"C is {found[0]} x {found[1]}, expected {n_t} x {n_t}")
-        if (abs(value - value.T) > 1e-12 * abs(value).max()).nnz:
+        c = matrix(found)
+        if c.nnz and (abs(c - c.T) > 1e-12 * abs(c).max()).nnz:
             raise InputError("C is not symmetric")
         return "sparse", found
     array = numbers("C", value)
     if array.shape == (n_t,):
         return "diagonal", array
     if array.ndim == 3 and array.shape == (n_t // 3, 3, 3) and n_t % 3 == 0:
-        if not np.allclose(array, array.transpose(0, 2, 1), rtol=1e-12, atol=0.0):
+        sizes = np.abs(array).max(axis=(1, 2))
+        if (np.abs(array - array.transpose(0, 2, 1)).max(axis=(1, 2)) > 1e-12 * sizes).any():
             raise InputError("a block of C is not symmetric")
         return "faces", array.reshape(-1)
     if array.shape == (n_t, n_t):
@@ -102,7 +104,7 @@ def augmentation(part: PartLike) -> str | _core.Part | None:
     """What `augmentation=` means."""
     if part is None or isinstance(part, str):
         return part
-    if isinstance(part, dict):
+    if isinstance(part, dict) and not hasattr(part, "tocsr"):
         return text(part)
     return _augmentation(part, bool(getattr(part, "is_local", False)))
 

@@ -91,11 +91,14 @@ class Run(Iterator[Step]):
     """Steps of a scene, each computed when it is asked for; ``Scene.run`` makes it.
 
     With a folder every step is on the disk before it is handed over, as `fracas run` leaves it. A step that does not converge raises
-    `NotConverged`. ``close`` (or the end of a ``with`` block) stops before the end; the folder can be restarted.
+    `NotConverged`. ``close`` (or the end of a ``with`` block) stops before the end; the folder can be restarted. An observer may close its run,
+    and may not ask it for a step.
     """
 
-    def __init__(self, core: _core.Steps):
+    def __init__(self, core: _core.Steps, observer: Observer | None = None):
         self._core = core
+        # handed over with every wish, so that the run holds nobody who holds the run
+        self._observer = observer
         # when it is let go, and where Python ends before it
         weakref.finalize(self, core.close)
 
@@ -103,7 +106,7 @@ class Run(Iterator[Step]):
         return self
 
     def __next__(self) -> Step:
-        told = self._core.advance()
+        told = self._core.advance(self._observer)
         if told is None:
             raise StopIteration
         return Step._of(told)
@@ -120,7 +123,7 @@ class Run(Iterator[Step]):
 
     @property
     def outcome(self) -> str:
-        """``running``, ``finished``, ``stopped``, ``interrupted``, ``not_converged`` or ``unstable``."""
+        """``running``, ``finished``, ``stopped``, ``interrupted``, ``not_converged``, ``unstable``, or ``failed`` after another exception."""
         return self._core.ended[0]
 
     @property
@@ -133,6 +136,12 @@ class Run(Iterator[Step]):
         """Where its files are, once it has ended."""
         path = self._core.ended[2]
         return None if path is None else Path(path)
+
+
+def _sees_blocks(settings: Mapping[str, Any]) -> bool:
+    """True where a part is an object: it sees blocks, and counts in their units."""
+    parts = (settings.get(part, "") for part in ("preconditioner", "augmentation", "inner"))
+    return not all(part is None or isinstance(part, (str, dict)) for part in parts)
 
 
 class Scene:
@@ -219,14 +228,14 @@ class Scene:
         """As `fracas solve SCENE`: A is not assembled where that serves. Settings as of `System.solve`; a C or a preconditioner that is an
         object sees the blocks, so that A is assembled."""
         name, b = _right_hand_side(rhs)
-        parts = (settings.get(part, "") for part in ("preconditioner", "augmentation", "inner"))
-        if not all(part is None or isinstance(part, (str, dict)) for part in parts):
-            # they see blocks, and count in their units
+        if _sees_blocks(settings):
             return self.system(stabilization=stabilization).solve(rhs=rhs, observer=observer, **settings)
         return Solution._of(self._core.solve(_asked(rhs=name, **settings), float(stabilization), b, observer))
 
     def set_up(self, *, stabilization: float = 1.0, observer: Observer | None = None, **settings: Unpack[Settings]) -> Solver:
         """Everything that does not depend on a right-hand side."""
+        if _sees_blocks(settings):
+            return self.system(stabilization=stabilization).set_up(observer=observer, **settings)
         return Solver(self._core.set_up(_asked(**settings), float(stabilization), observer))
 
     def spectrum(
@@ -274,7 +283,8 @@ class Scene:
                 clock,
                 fields,
                 observer,
-            )
+            ),
+            observer,
         )
 
     def __repr__(self) -> str:

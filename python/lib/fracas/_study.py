@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import os
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -36,13 +37,20 @@ class Study:
         return [row[name] for row in self.rows]
 
 
-def _cell(text: str) -> Any:
-    for read in (int, float):
-        try:
-            return read(text)
-        except ValueError:
-            continue
-    return text or None
+_INTEGER = re.compile(r"[+-]?(0|[1-9]\d*)")
+_NUMBER = re.compile(r"[+-]?((\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|inf|nan)", re.IGNORECASE)
+
+
+def _values(name: str, cells: list[str]) -> list[Any]:
+    """A column: integers or numbers where all its cells are, else text; None where a cell is empty. A digest is text whatever its digits."""
+    written = [cell for cell in cells if cell]
+    read: Callable[[str], Any] = str
+    if name != "digest":
+        if all(_INTEGER.fullmatch(cell) for cell in written):
+            read = int
+        elif all(_NUMBER.fullmatch(cell) for cell in written):
+            read = float
+    return [read(cell) if cell else None for cell in cells]
 
 
 def study(
@@ -72,5 +80,7 @@ def study(
     parent = os.path.dirname(name) if text is not None and name != "study" else ""
     done, total, holds = _core.study(text, name, parent, folder, jobs, level, observer)
     with open(Path(folder) / "rows.csv", newline="", encoding="utf-8") as lines:
-        rows = [{key: _cell(value) for key, value in row.items()} for row in csv.DictReader(lines)]
+        heading, *table = csv.reader(lines)
+    columns = [_values(name, list(cells)) for name, cells in zip(heading, zip(*table))]
+    rows = [dict(zip(heading, row)) for row in zip(*columns)]
     return Study(Path(folder), done, total, holds, rows)

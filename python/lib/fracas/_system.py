@@ -35,7 +35,8 @@ class Settings(TypedDict, total=False):
     linear: bool
 
 
-#: Called with every `Event`; returning False stops the iteration.
+#: Called with every `Event`; returning False stops the iteration, and what sets it up at its next look: a factorization, dense eigenvalues
+#: and the exact C are waited for.
 Observer = Callable[[_core.Event], Any]
 
 
@@ -43,7 +44,8 @@ Observer = Callable[[_core.Event], Any]
 class Solution:
     """A system that was solved, or not: not converging is no exception.
 
-    ``u``, ``t``, ``p`` are in the units of the system; ``report`` has every key of ``fracas solve --json``.
+    ``u``, ``t``, ``p`` are in the units of the system; ``report`` has the keys of ``fracas solve --json``, without those that
+    tell of a file and of the program.
     """
 
     u: Vector
@@ -129,7 +131,7 @@ class Part:
 class Spectrum:
     """Eigenvalues of M⁻¹𝒜, what is proved about them, and whether it holds.
 
-    ``report`` has every key of ``fracas spectrum --json``.
+    ``report`` has the keys of ``fracas spectrum --json``, without those that tell of a file and of the program.
     """
 
     #: All of them, or the outer ones of a large system.

@@ -1,14 +1,10 @@
 //! `z ← M⁻¹ r` by a function of Python's.
 
-use super::held;
+use crate::call;
 use fracas_operators::{Layout, Preconditioner, Properties};
 use fracas_solvers::saddle::T;
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
-use std::sync::{Arc, Mutex};
-
-/// The first exception since it was asked for.
-pub(super) type Failure = Mutex<Option<PyErr>>;
 
 /// `z ← M⁻¹ r` by a function of Python's.
 pub(super) struct Inverse {
@@ -17,7 +13,6 @@ pub(super) struct Inverse {
     pub(super) linear: bool,
     /// Fields and unit of the tractions, where the function counts them in 1: `M'⁻¹ = D⁻¹ M⁻¹ D⁻¹`.
     pub(super) scaled: Option<(Layout, f64)>,
-    pub(super) failure: Arc<Failure>,
 }
 
 impl Inverse {
@@ -47,14 +42,16 @@ impl Preconditioner<f64> for Inverse {
     }
 
     fn solve(&self, r: &[f64], z: &mut [f64], _: &mut [f64]) {
-        if held(&self.failure).is_some() {
+        if call::has_raised() {
             z.fill(f64::NAN);
             return;
         }
         if let Err(error) = Python::attach(|py| self.call(py, r, z)) {
             // the iteration breaks down, and the exception is raised in its place
             z.fill(f64::NAN);
-            held(&self.failure).get_or_insert(error);
+            if let Some(error) = call::keep(error) {
+                Python::attach(|py| error.write_unraisable(py, Some(self.f.bind(py))));
+            }
         }
     }
 

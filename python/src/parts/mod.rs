@@ -102,11 +102,10 @@ impl Lent {
 impl Drop for Lent {
     fn drop(&mut self) {
         let part = held(&self.0.part).take();
-        let failure = held(&self.0.failure).take();
         *held(&self.0.unit) = 1.0;
         *held(&self.0.of) = Weak::new();
-        // references to Python's objects go with the lock at hand
-        Python::attach(|_| drop((part, failure)));
+        // a reference to an object of Python's goes with the lock at hand
+        Python::attach(|_| drop(part));
         held(&FREE).push(self.0);
     }
 }
@@ -116,14 +115,6 @@ pub(crate) fn show(lent: &[Lent], blocks: &Arc<SaddleBlocks>) {
     let named = held(&NAMED).clone();
     let slots = lent.iter().map(|lent| lent.0).chain(named);
     slots.for_each(|slot| *held(&slot.of) = Arc::downgrade(blocks));
-}
-
-/// The result, unless a part raised.
-pub(crate) fn end<T>(lent: &[Lent], result: PyResult<T>) -> PyResult<T> {
-    let named = held(&NAMED).clone();
-    let slots = lent.iter().map(|lent| lent.0).chain(named);
-    let mut failures = slots.filter_map(|slot| held(&slot.failure).take());
-    failures.next().map_or(result, Err)
 }
 
 /// Makes a part known by its name to scenes, studies and every call from here on.

@@ -1,8 +1,9 @@
 //! What the library knows a part of Python's by, for as long as the process lives.
 
 use super::entries::Entries;
-use super::inverse::{Failure, Inverse};
+use super::inverse::Inverse;
 use super::{Family, Part, held};
+use crate::call;
 use crate::error::{Kind, raise};
 use crate::system::System;
 use fracas_operators::sparse::SparseMatrix;
@@ -21,8 +22,6 @@ use std::sync::{Arc, Mutex, Weak};
 pub(super) struct Slot {
     pub(super) name: &'static str,
     pub(super) part: Mutex<Option<Py<Part>>>,
-    /// The first exception since it was asked for.
-    pub(super) failure: Arc<Failure>,
     /// Of the tractions while iterating, in those that Python counts them in.
     pub(super) unit: Mutex<f64>,
     /// The system that is solved: it is not copied where it is asked for as it is.
@@ -34,7 +33,6 @@ impl Slot {
         Box::leak(Box::new(Self {
             name,
             part: Mutex::new(None),
-            failure: Arc::default(),
             unit: Mutex::new(1.0),
             of: Mutex::new(Weak::new()),
         }))
@@ -51,7 +49,8 @@ impl Slot {
         });
         result.map_err(|error| {
             let reason = error.to_string();
-            held(&self.failure).get_or_insert(error);
+            // without a call the row of a study says the reason
+            let _ = call::keep(error);
             SetupError::NotApplicable {
                 method: self.name,
                 reason,
@@ -80,7 +79,6 @@ impl Slot {
             n,
             linear,
             scaled: layout.map(|layout| (layout, unit)).filter(|_| unit != 1.0),
-            failure: self.failure.clone(),
         }
     }
 }

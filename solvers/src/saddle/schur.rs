@@ -28,8 +28,8 @@ pub fn primal_schur(
 ///
 /// For a C⁻¹ with a sparse root, S_u is assembled and factorized (LLᵀ). For any other C, `S_u y = x` is the first
 /// row of `[A B; Bᵀ −C] [y; w] = [x; 0]`, factorized by LDLᵀ: no fill from BC⁻¹Bᵀ and no subtraction of large terms,
-/// which the Woodbury formula has where BC⁻¹Bᵀ dominates A. It needs A positive definite, and so does every dense C
-/// of the list.
+/// which the Woodbury formula has where BC⁻¹Bᵀ dominates A. It needs A positive definite; where A leaves blocks of rock free that fractures
+/// hold, LU with pivots finds what LDLᵀ in a given order cannot.
 ///
 /// # Errors
 /// [`SetupError::NotPositiveDefinite`] or [`SetupError::Singular`] for S_u when a floating block is touched by no
@@ -40,11 +40,7 @@ pub fn exact_inverse(
     direct: &dyn DirectSolver,
 ) -> Result<Box<dyn Preconditioner<f64>>, SetupError> {
     if !c.is_sparse() {
-        let matrix = quasi_definite(blocks, c);
-        let factors = direct
-            .analyze(&matrix, Kind::QuasiDefinite)?
-            .factor(&matrix)
-            .map_err(about_s_u)?;
+        let factors = augmented_factors(blocks, c, direct).map_err(about_s_u)?;
         return Ok(Box::new(Leading::new(blocks.n_u(), factors)));
     }
     let s_u = primal_schur(&blocks.a, &blocks.b1, c)?;
@@ -105,8 +101,20 @@ fn about_s_u(error: SetupError) -> SetupError {
     error
 }
 
+/// Of `[A B; Bᵀ −C]`, whose A is positive semidefinite.
+fn augmented_factors(
+    blocks: &SaddleBlocks,
+    c: &AugmentationMatrix,
+    direct: &dyn DirectSolver,
+) -> Result<Box<dyn Factorization>, SetupError> {
+    let matrix = augmented(blocks, c);
+    let factors = |kind| direct.analyze(&matrix, kind)?.factor(&matrix);
+    // a pivot of 0
+    factors(Kind::QuasiDefinite).or_else(|_| factors(Kind::General))
+}
+
 /// `[A B; Bᵀ −C]`.
-fn quasi_definite(blocks: &SaddleBlocks, c: &AugmentationMatrix) -> SparseMatrix<f64> {
+fn augmented(blocks: &SaddleBlocks, c: &AugmentationMatrix) -> SparseMatrix<f64> {
     let augmented = SaddleBlocks {
         b2: None,
         h: Some(c.entries()),
@@ -114,4 +122,59 @@ fn quasi_definite(blocks: &SaddleBlocks, c: &AugmentationMatrix) -> SparseMatrix
         ..blocks.clone()
     };
     augmented.assembled()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::saddle::oracle::{full, inverse};
+    use crate::saddle::samples::two_chains;
+    use faer::Mat;
+    use fracas_operators::laws::probe;
+    use fracas_operators::sparse::Triplets;
+
+    /// `RRᵀ/n + I/10`.
+    fn dense_c(n: usize, seed: u64) -> AugmentationMatrix {
+        let r: Vec<f64> = probe(n * n, seed);
+        let r = Mat::from_fn(n, n, |i, j| r[i * n + j]);
+        let identity = Mat::<f64>::identity(n, n);
+        let c = &r * r.transpose() * faer::Scale(1.0 / n as f64) + identity * faer::Scale(0.1);
+        AugmentationMatrix::from_dense(c).unwrap()
+    }
+
+    #[test]
+    fn a_dense_c_goes_with_blocks_that_only_fractures_hold() {
+        let direct = DirectChoice::Faer.solver().unwrap();
+        for seed in 0..60u64 {
+            let (n, m) = (3 + (seed % 9) as usize, 2 + (seed % 2) as usize);
+            let contrast = 10f64.powi((seed % 13) as i32 - 6);
+            let blocks = two_chains(n, m, contrast, !seed.is_multiple_of(4));
+            let c = dense_c(m, seed);
+            let s_u = exact_inverse(&blocks, &c, direct.as_ref()).unwrap();
+            let b = full(&blocks.b1);
+            let expected =
+                inverse(&(full(&blocks.a) + &b * inverse(&c.to_dense()) * b.transpose()));
+            let r: Vec<f64> = probe(2 * n, seed + 500);
+            let mut z = vec![0.0; 2 * n];
+            s_u.solve(&r, &mut z, &mut vec![0.0; s_u.work_len()]);
+            let of_row = |i: usize| (0..2 * n).map(|j| expected[(i, j)] * r[j]).sum::<f64>();
+            let size = (0..2 * n).fold(0.0f64, |size, i| size.max(of_row(i).abs()));
+            for (i, z) in z.iter().enumerate() {
+                assert!(
+                    (z - of_row(i)).abs() < 1e-7 * size,
+                    "{seed}: {z} {}",
+                    of_row(i)
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_dense_c_does_not_go_with_a_block_that_nothing_holds() {
+        let direct = DirectChoice::Faer.solver().unwrap();
+        let mut loose = two_chains(6, 3, 1.0, true);
+        let nothing = Triplets::new((12, 3));
+        loose.b1 = nothing.to_csr();
+        assert!(exact_inverse(&loose, &dense_c(3, 3), direct.as_ref()).is_err());
+    }
 }

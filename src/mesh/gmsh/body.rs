@@ -70,11 +70,11 @@ impl GmshMesh {
         let cells = &self.file.hexahedra;
         let mut marks = vec![false; cells.len()];
         for name in names {
-            let number = self.file.groups.find(3, name);
-            let number = number.map_err(|defect| self.file.error(defect))?;
+            let numbers = self.file.groups.find(3, name);
+            let numbers = numbers.map_err(|defect| self.file.error(defect))?;
             let mut found = false;
             for (mark, cell) in marks.iter_mut().zip(cells) {
-                let is_here = self.file.groups.touches(cell.set, &[number]);
+                let is_here = self.file.groups.touches(cell.set, &numbers);
                 *mark |= is_here;
                 found |= is_here;
             }

@@ -124,14 +124,16 @@ impl Groups {
         }
     }
 
-    /// Number of the group of this dimension with this name.
+    /// Numbers of the groups of this dimension with this name: files that were joined have several.
     ///
     /// # Errors
     /// [`GmshDefect::UnknownGroup`] with the nearest name, [`GmshDefect::WrongDimension`].
-    pub(super) fn find(&self, dimension: u8, name: &GroupName) -> Result<i32, GmshDefect> {
+    pub(super) fn find(&self, dimension: u8, name: &GroupName) -> Result<Vec<i32>, GmshDefect> {
         let meant = self.meant(name);
-        if let Some((_, number)) = meant.iter().find(|g| g.0 == dimension) {
-            return Ok(*number);
+        let here = meant.iter().filter(|g| g.0 == dimension);
+        let numbers: Vec<i32> = here.map(|(_, number)| *number).collect();
+        if !numbers.is_empty() {
+            return Ok(numbers);
         }
         let expected = DIMENSIONS[usize::from(dimension)];
         if let Some((other, _)) = meant.first() {

@@ -47,8 +47,8 @@ impl GmshMesh {
         used: SurfaceUse,
     ) -> Result<Vec<[Face; 2]>, GmshDefect> {
         let file = &self.file;
-        let number = file.groups.find(2, name)?;
-        let is_here = |set: u32| file.groups.touches(set, &[number]);
+        let numbers = file.groups.find(2, name)?;
+        let is_here = |set: u32| file.groups.touches(set, &numbers);
         let others = file.others.iter();
         if let Some(other) = others
             .clone()

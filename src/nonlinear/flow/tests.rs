@@ -69,6 +69,7 @@ fn the_jacobian_of_three_fields_is_the_derivative_in_every_state() {
             size: problem.saddle().layout().values(0.0),
             held: None,
             flow: Some(&step),
+            holds: false,
             step: 1,
             attempt: 0,
         };

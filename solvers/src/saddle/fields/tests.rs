@@ -1,7 +1,7 @@
 use super::*;
 use crate::Silent;
 use crate::krylov::{Criteria, Gmres, Outcome, System};
-use crate::saddle::oracle::{DenseInverse, Full, inverse};
+use crate::saddle::oracle::{DenseInverse, Full, inverse, stacked};
 use crate::saddle::samples::{random, sparse};
 use crate::saddle::{
     Assembled, BlockDiagonalInverse, EnergyNorms, FlowBlocks, Measure, SaddleOperator,
@@ -9,7 +9,7 @@ use crate::saddle::{
 };
 use fracas_operators::laws::{check_operator, probe};
 use fracas_operators::sparse::Csr;
-use fracas_operators::{BlockOperator, Dense, LinearOperator};
+use fracas_operators::{BlockOperator, Dense, LinearOperator, Preconditioner, Properties};
 use std::borrow::Cow;
 
 /// Blocks of u and t beside flow in four pressures, Q2 = −Q1ᵀ.
@@ -114,5 +114,59 @@ fn a_third_field_goes_by_its_name_through_products_iteration_judge_and_precondit
         assert_eq!(norms.random_residual().len(), 24);
         let residual = system.residual(&x, &b, Some(&blocks));
         assert!(residual.contact.unwrap() < 1e-8 && residual.backward.unwrap() < 1e-8);
+    }
+}
+
+/// M⁻¹ that takes some rows for 0.
+struct Sees(DenseInverse, fn(usize) -> bool);
+
+impl Preconditioner<f64> for Sees {
+    fn size(&self) -> usize {
+        self.0.size()
+    }
+    fn solve(&self, r: &[f64], z: &mut [f64], work: &mut [f64]) {
+        self.0.solve(r, z, work);
+        let unseen = z.iter_mut().enumerate().filter(|(i, _)| !self.1(*i));
+        unseen.for_each(|(_, z)| *z = 0.0);
+    }
+    fn work_len(&self) -> usize {
+        self.0.work_len()
+    }
+    fn flops(&self) -> u64 {
+        self.0.flops()
+    }
+    fn properties(&self) -> Properties {
+        Properties::BLIND
+    }
+}
+
+#[test]
+fn a_preconditioner_that_sees_nothing_proves_nothing() {
+    let blocks = random(14, 6, 0.5, 3);
+    let system = Assembled::new(&blocks, None);
+    let operator = SaddleOperator::new(&blocks);
+    let full = Full::new(&blocks);
+    let whole = stacked(&full.a, &full.b1, &full.b2, &(&full.h * faer::Scale(-1.0)));
+    let b = probe(20, 5);
+    let sees: [fn(usize) -> bool; 4] = [|_| false, |i| i < 14, |i| i >= 14, |i| i != 3];
+    for (k, sees) in sees.into_iter().enumerate() {
+        let m = Sees(DenseInverse::of(&whole), sees);
+        let equations = System {
+            operator: &operator,
+            preconditioner: &m,
+            rhs: &b,
+        };
+        let criteria = Criteria {
+            relative_tolerance: 1e-8,
+            max_iterations: 100,
+        };
+        let mut x = vec![0.0; 20];
+        let norms = system.norms(true);
+        let how = (Measure::Error, &norms);
+        let gmres = Gmres::default();
+        let solved = solve_accurately(&gmres, &equations, &criteria, how, &mut x, &mut Silent);
+        let converged =
+            matches!(&solved.result, Ok(report) if report.outcome == Outcome::Converged);
+        assert!(!converged, "{k}: {:?}", solved.result);
     }
 }
