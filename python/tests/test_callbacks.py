@@ -269,3 +269,10 @@ def test_an_inner_solver_of_ones_own_is_not_taken_for_symmetric():
         return lambda r: sp.linalg.spsolve_triangular(triangle, r, lower=True)
 
     assert not patch.preconditioner(inner=lower).is_symmetric
+
+
+def test_names_and_texts_that_no_scene_could_hold():
+    for name in ("", " ", "{x", "a b"):
+        with pytest.raises(fracas.InputError):
+            fracas.register_inner(name, lambda s, x: None)
+    assert fracas._convert.toml({"title": "a\x7fb"}, "scene") == 'title = "a\\u007fb"\n'

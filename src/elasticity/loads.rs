@@ -2,7 +2,7 @@
 
 use super::element::{GaussPoints, gauss_point, shape_functions};
 use super::{ElasticityError, check};
-use crate::mesh::{FractureFace, HexMesh, face_geometry, for_each_point};
+use crate::mesh::{FaceGeometry, FractureFace, HexMesh, face_geometry, for_each_point};
 
 /// Stress in the order xx, yy, zz, xy, yz, xz [Pa].
 pub type Voigt = [f64; 6];
@@ -63,15 +63,37 @@ pub fn surface_traction(nodes: &[[f64; 3]], faces: &[[u32; 4]], traction: [f64; 
 pub fn surface_pressure(nodes: &[[f64; 3]], faces: &[[u32; 4]], pressure: f64) -> Vec<f64> {
     let mut force = vec![0.0; 3 * nodes.len()];
     for face in faces {
-        for_each_point(&face.map(|node| nodes[node as usize]), |_, shape, n| {
-            for (node, shape) in face.iter().zip(shape) {
-                for i in 0..3 {
-                    force[3 * *node as usize + i] -= pressure * shape * n[i];
-                }
+        let corners = face.map(|node| nodes[node as usize]);
+        let shape = face_geometry(&corners);
+        let mut shares = [[0.0; 3]; 4];
+        match is_plane(&corners, &shape) {
+            // equal nodes of equal faces have equal forces, to the last bit
+            true => {
+                let t = shape.frame[0].map(|n| -pressure * n);
+                shares = shape.node_areas.map(|area| t.map(|t| area * t));
             }
-        });
+            false => for_each_point(&corners, |_, shape, n| {
+                for (share, shape) in shares.iter_mut().zip(shape) {
+                    (0..3).for_each(|i| share[i] -= pressure * shape * n[i]);
+                }
+            }),
+        }
+        for (node, share) in face.iter().zip(shares) {
+            (0..3).for_each(|i| force[3 * *node as usize + i] += share[i]);
+        }
     }
     force
+}
+
+/// Height of the corners of a face over its mean plane that is rounding, relative to its size and its distance from the origin. Unit: 1.
+const FLAT: f64 = 1e-12;
+
+fn is_plane(corners: &[[f64; 3]; 4], shape: &FaceGeometry) -> bool {
+    let n = shape.frame[0];
+    let height = |x: &[f64; 3]| -> f64 { (0..3).map(|i| n[i] * (x[i] - shape.center[i])).sum() };
+    let far = corners.iter().flatten().fold(0.0f64, |m, x| m.max(x.abs()));
+    let size = shape.area.sqrt().max(far);
+    corners.iter().all(|x| height(x).abs() <= FLAT * size)
 }
 
 /// Forces of an initial stress: `f = −∫ Bᵀ σ0 dV`; `stress(region, x)` in [Pa], tension positive.

@@ -147,11 +147,14 @@ mod tests {
         }
     }
 
-    /// Ways that are tried, `(share, faces held)`, where those fail that `fails`; and how it ends.
+    /// A share, and whether faces are held.
+    type Way = (f64, bool);
+
+    /// Ways that are tried where those fail that `fails`, and how it ends.
     fn tried(
         given: &str,
         fails: impl Fn(f64, bool) -> bool,
-    ) -> (Vec<(f64, bool)>, Result<Option<Event>, Failure>) {
+    ) -> (Vec<Way>, Result<Option<Event>, Failure>) {
         let body = body(given);
         let problem = ContactProblem::new(&body).unwrap();
         let states = vec![crate::contact::ContactState::Stick; 4];

@@ -90,6 +90,9 @@ pub struct Scene {
     folder: PathBuf,
 }
 
+/// What the name of a scene with overrides ends with.
+const OVERRIDDEN: &str = " with overrides";
+
 impl Scene {
     /// Reads a scene from text; `file_name` is for messages, and its folder is where the path of a mesh file starts.
     ///
@@ -137,7 +140,11 @@ impl Scene {
             return Ok(self.clone());
         }
         let text = overrides::apply(&self.source, overrides)?;
-        let name = format!("{} with overrides", self.source.file());
+        let file = self.source.file();
+        let name = match file.ends_with(OVERRIDDEN) {
+            true => file.to_owned(),
+            false => format!("{file}{OVERRIDDEN}"),
+        };
         Self::read(&text, &name, &self.folder)
     }
 

@@ -1,7 +1,7 @@
 //! `fracas fault`: slip of a displaced fault without a mesh.
 
 use super::{Status, output};
-use crate::fault::{FaultFile, curve, findings, sample};
+use crate::fault::{FaultFile, MOST_ELEMENTS, curve, findings, sample};
 use crate::report::{Formats, Sheet};
 use anyhow::Context;
 use clap::Args;
@@ -35,15 +35,15 @@ impl Fault {
         let first = curve.points.iter().find(|p| p.length > 0.0);
         rows.push((
             "slips",
-            first.map_or_else(
-                || "nowhere".into(),
-                |p| {
-                    format!(
-                        "at a change of {} for the first time in these steps",
-                        mega(p.change)
-                    )
-                },
-            ),
+            match (first, &curve.runaway) {
+                (Some(p), _) => format!(
+                    "at a change of {} for the first time in these steps",
+                    mega(p.change)
+                ),
+                // the first slip is that which runs away
+                (None, Some(at)) => format!("not before a change of {}", mega(at.change)),
+                (None, None) => "nowhere".into(),
+            },
         ));
         rows.push((
             "runs away",
@@ -69,12 +69,18 @@ impl Fault {
         if curve.fault.h > RESOLVED * curve.nucleation {
             let wanted =
                 curve.fault.along.len() as f64 * curve.fault.h / (RESOLVED * curve.nucleation);
+            let advice = match wanted.ceil() <= MOST_ELEMENTS as f64 {
+                true => format!("take fault.elements = {}", wanted.ceil()),
+                false => format!(
+                    "{:.0} would, and fault.elements goes up to {MOST_ELEMENTS}: look at a shorter part of the fault",
+                    wanted.ceil()
+                ),
+            };
             rows.push((
                 "note",
                 format!(
-                    "elements of {:.2} m do not resolve that length, so that where slip runs away depends on them: take fault.elements = {}",
-                    curve.fault.h,
-                    wanted.ceil()
+                    "elements of {:.2} m do not resolve that length, so that where slip runs away depends on them: {advice}",
+                    curve.fault.h
                 ),
             ));
         }
@@ -103,11 +109,13 @@ impl Fault {
         if let Some(sampled) = &sampled {
             rows.push((
                 "samples",
-                format!(
-                    "{}: slip runs away in {:.1} %",
-                    sampled.samples.len(),
-                    100.0 * sampled.share_before(f64::INFINITY)
-                ),
+                match sampled.samples.len() {
+                    0 => "none is left of those that were drawn".into(),
+                    left => format!(
+                        "{left}: slip runs away in {:.1} %",
+                        100.0 * sampled.share_before(f64::INFINITY)
+                    ),
+                },
             ));
             rows.extend(sampled.left_out().into_iter().map(|why| ("note", why)));
         }

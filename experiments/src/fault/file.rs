@@ -139,7 +139,7 @@ enum InFault {
 }
 
 /// Most elements of a fault: the cost of a state grows with their third power.
-const MOST_ELEMENTS: usize = 5_000;
+pub const MOST_ELEMENTS: usize = 5_000;
 
 impl FaultFile {
     /// Reads a file.

@@ -8,6 +8,6 @@ mod sampling;
 mod uncertain;
 
 pub use curve::{Curve, Point, curve};
-pub use file::FaultFile;
+pub use file::{FaultFile, MOST_ELEMENTS};
 pub use page::findings;
 pub use sampling::{Sample, Sampled, sample};

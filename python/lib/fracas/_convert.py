@@ -160,7 +160,7 @@ def _key(key: object, what: str) -> str:
     if not isinstance(key, str):
         raise WrongType(f"{what}: keys are strings, not {kind(key)}")
     bare = key.replace("-", "").replace("_", "").isalnum() and key.isascii()
-    return key if bare else json.dumps(key)
+    return key if bare else json.dumps(key).replace("\x7f", "\\u007f")
 
 
 def _value(value: Any, where: str, what: str) -> str:
@@ -173,7 +173,8 @@ def _value(value: Any, where: str, what: str) -> str:
     if isinstance(value, float):
         return repr(value) if np.isfinite(value) else str(value)
     if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False)
+        # TOML takes no DEL as it is
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(_value(v, where, what) for v in value) + "]"
     if isinstance(value, dict):

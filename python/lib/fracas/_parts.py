@@ -120,6 +120,15 @@ def inner(part: PartLike, linear: bool) -> str | _core.Part | None:
     return _inner(part, linear)
 
 
+def _named(name: str) -> str:
+    """A name that commands and scenes can give."""
+    if not isinstance(name, str):
+        raise WrongType(f"name: expected text, not {kind(name)}")
+    if not name.replace("_", "").replace("-", "").isalnum():
+        raise InputError(f"name = {name!r}: expected letters, digits, _ and -")
+    return name
+
+
 def register_augmentation(name: str, c: Callable[[System], Any], *, local: bool = False) -> None:
     """Makes a C known by its name, to scenes, studies and every call from here on.
 
@@ -127,17 +136,17 @@ def register_augmentation(name: str, c: Callable[[System], Any], *, local: bool 
     symmetric positive definite, in the units of BᵀA⁻¹B. ``local=True`` says that C of a face needs A on the supports of that face's
     columns of B alone; runs without an assembled A then ask for it piece by piece.
     """
-    _core.register(name, _augmentation(c, local))
+    _core.register(_named(name), _augmentation(c, local))
 
 
 def register_preconditioner(name: str, make: Callable[[System], Any], *, linear: bool = True) -> None:
     """Makes a preconditioner known by its name; ``make(system)`` returns M⁻¹ as a function of r, or as an object with ``matvec`` or
     ``solve``. ``linear=False`` says that M⁻¹ changes from call to call: FGMRES is then taken."""
-    _core.register(name, _factory(make, linear))
+    _core.register(_named(name), _factory(make, linear))
 
 
 def register_inner(name: str, make: Callable[..., Any], *, linear: bool = True) -> None:
     """Makes an inner solver known by its name; ``make(S, coordinates)`` gets a scipy.sparse matrix, symmetric positive definite, and where
     its unknowns live (n × 4: x, y, z, component; or None), and returns S⁻¹ as a function of r, or as an object with ``matvec`` or
     ``solve``."""
-    _core.register(name, _inner(make, linear))
+    _core.register(_named(name), _inner(make, linear))

@@ -11,6 +11,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from . import _convert, _core
 from ._convert import Vector, kind
 from ._errors import InputError, SceneError, WrongType
@@ -272,7 +274,7 @@ class Scene:
         (0, 3, 'interrupted')
         """
         for name, count in (("steps", steps), ("fields_every", fields_every)):
-            if count is not None and (not isinstance(count, int) or count < 1):
+            if count is not None and (not isinstance(count, (int, np.integer)) or count < 1):
                 raise InputError(f"{name} = {count!r}: expected a number from 1 on")
         return Run(
             self._core.run(
