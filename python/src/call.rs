@@ -12,6 +12,34 @@ thread_local! {
     static RAISED: RefCell<Option<Raised>> = const { RefCell::new(None) };
 }
 
+thread_local! {
+    /// Solvers and runs at work for which this thread works, by their addresses: the outer ones first.
+    static OWNERS: RefCell<Vec<usize>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Solvers and runs for which this thread works, for a thread that goes on for it.
+pub(crate) fn owners() -> Vec<usize> {
+    OWNERS.with_borrow(Clone::clone)
+}
+
+/// This thread works for these from here on.
+pub(crate) fn works_for(owners: Vec<usize>) {
+    OWNERS.set(owners);
+}
+
+/// Works for a solver or a run beside those of before.
+pub(crate) fn owned<T>(owner: usize, work: impl FnOnce() -> T) -> T {
+    OWNERS.with_borrow_mut(|owners| owners.push(owner));
+    let result = work();
+    OWNERS.with_borrow_mut(|owners| owners.pop());
+    result
+}
+
+/// True where this thread works for it, at whatever depth: what asks is its own observer or part, or what they have called.
+pub(crate) fn is_within(owner: usize) -> bool {
+    OWNERS.with_borrow(|owners| owners.contains(&owner))
+}
+
 /// Puts back the call that a nested one came out of.
 struct Within(Option<Raised>);
 

@@ -1,6 +1,7 @@
 //! A run as an iterator over steps: the work has its own thread, which waits while nobody asks for the next step.
 
 use crate::arrays::{given, table};
+use crate::call;
 use crate::error::{Kind, raise};
 use crate::running::{self, Line};
 use crate::work::{in_own_pool, mind, no_thread, of_panic, thread};
@@ -84,8 +85,12 @@ struct Ends {
     process: u32,
 }
 
-/// For the next step: who observes it.
-type Wish = Option<Py<PyAny>>;
+/// For the next step: who observes it, and for whom the one who asks works.
+#[derive(Default)]
+pub(crate) struct Wish {
+    pub(crate) observer: Option<Py<PyAny>>,
+    pub(crate) owners: Vec<usize>,
+}
 
 fn held<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
@@ -143,10 +148,10 @@ impl Steps {
 
 impl Ends {
     /// Asks for a step and waits for it; the exception of a signal that came before it.
-    fn ask(&mut self, stop: &AtomicBool, observer: Wish) -> (Option<Message>, Option<PyErr>) {
+    fn ask(&mut self, stop: &AtomicBool, wish: Wish) -> (Option<Message>, Option<PyErr>) {
         if let Some(asks) = &self.asks {
             // where the thread is gone, it has left a message
-            let _ = asks.send(observer);
+            let _ = asks.send(wish);
         }
         let mut message = None;
         let signal = mind(stop, |patience| match self.tells.recv_timeout(patience) {
@@ -159,7 +164,7 @@ impl Ends {
         });
         // a step that was done all the same: the run ends with the next wish, which a stop answers
         while signal.is_some() && matches!(message, Some(Message::Step(_))) {
-            let _ = self.asks.as_ref().map(|asks| asks.send(None));
+            let _ = self.asks.as_ref().map(|asks| asks.send(Wish::default()));
             message = self.tells.recv().ok();
         }
         (message, signal)
@@ -191,19 +196,27 @@ impl Steps {
         py: Python<'py>,
         observer: Option<Py<PyAny>>,
     ) -> PyResult<Option<Bound<'py, PyDict>>> {
-        if running::is_within(&self.stop) {
+        if call::is_within(running::owner(&self.stop)) {
             return Err(raise(
                 Kind::Input,
                 "the next step of a run is asked for while the one before is at work, by its own observer or part",
             ));
         }
+        let wish = Wish {
+            observer,
+            owners: call::owners(),
+        };
         // nobody who has the interpreter's lock waits for this one
         let (message, signal) = py.detach(|| {
             let mut ends = held(&self.line);
             if held(&self.ended).is_some() || ends.thread.is_none() {
                 return (None, None);
             }
-            let (message, signal) = ends.ask(&self.stop, observer);
+            if ends.process != std::process::id() {
+                let elsewhere = "this run goes on in the process that was forked: begin another one, or restart its folder";
+                return (Some(Message::Failed(raise(Kind::Run, elsewhere), None)), None);
+            }
+            let (message, signal) = ends.ask(&self.stop, wish);
             if matches!(message, Some(Message::Step(_))) {
                 return (message, signal);
             }
@@ -234,6 +247,9 @@ impl Steps {
     /// that ends the run.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         self.stop.store(true, Ordering::Relaxed);
+        if call::is_within(running::owner(&self.stop)) {
+            return Ok(());
+        }
         let failed = py.detach(|| {
             let mut ends = match self.line.try_lock() {
                 Ok(ends) => ends,
@@ -268,6 +284,10 @@ impl Steps {
 impl Drop for Steps {
     fn drop(&mut self) {
         self.stop.store(true, Ordering::Relaxed);
+        if call::is_within(running::owner(&self.stop)) {
+            // its own thread lets it go, and ends with it
+            return;
+        }
         let line = self.line.get_mut().unwrap_or_else(PoisonError::into_inner);
         // the thread may wait for the interpreter's lock
         let panic = Python::attach(|py| py.detach(|| line.join()));

@@ -2,14 +2,13 @@
 
 use crate::call;
 use crate::error::{Kind, Raise, of_any, raise};
-use crate::run::{Asked, Ended, Fields, Message, Step};
+use crate::run::{Asked, Ended, Fields, Message, Step, Wish};
 use crate::watch::Watch;
 use fracas::contact::ContactState;
 use fracas::nonlinear::{Event, Failure, Simulation, State, StepRecord};
 use fracas::run::{History, Outcome, Run, Taken, event};
 use fracas_experiments::command::{PageSteps, write_page};
 use pyo3::prelude::*;
-use std::cell::Cell;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender};
@@ -17,7 +16,7 @@ use std::sync::mpsc::{Receiver, Sender};
 /// The thread's ends of the line to the iterator.
 pub(crate) struct Line {
     /// A wish for the next step, with who observes it; gone when the iterator is.
-    pub(crate) asks: Receiver<Option<Py<PyAny>>>,
+    pub(crate) asks: Receiver<Wish>,
     /// Answers.
     pub(crate) tells: Sender<Message>,
 }
@@ -28,7 +27,14 @@ impl Line {
     fn wait(&self, stop: &AtomicBool, watch: &mut Watch<'_>) {
         watch.tells(None);
         match self.asks.recv() {
-            Ok(observer) => watch.tells(observer),
+            Ok(Wish {
+                observer,
+                mut owners,
+            }) => {
+                owners.push(owner(stop));
+                call::works_for(owners);
+                watch.tells(observer);
+            }
             Err(_) => stop.store(true, Ordering::Relaxed),
         }
     }
@@ -39,31 +45,28 @@ impl Line {
     }
 }
 
-thread_local! {
-    /// The wish to stop of the run that this thread works for.
-    static AT_WORK: Cell<*const AtomicBool> = const { Cell::new(std::ptr::null()) };
-}
-
-/// True where this thread works for the run that stops so: what asks is its own observer or a part of it.
-pub(crate) fn is_within(stop: &AtomicBool) -> bool {
-    std::ptr::eq(AT_WORK.get(), stop)
+/// What a run is known by while it is at work.
+pub(crate) fn owner(stop: &AtomicBool) -> usize {
+    std::ptr::from_ref(stop) as usize
 }
 
 /// Runs to the end, step by step as the iterator asks.
 pub(crate) fn run(mut asked: Asked, line: &Line, stop: &AtomicBool) {
-    AT_WORK.set(stop);
+    call::works_for(vec![owner(stop)]);
     let mut watch = Watch::new(stop, asked.observer.take());
     let (ended, raised) = call::heard(|| match asked.in_memory() {
         true => in_memory(&asked, line, stop, &mut watch),
         false => in_folder(&asked, line, stop, &mut watch),
     });
-    let raised = watch.end(raised.map_or(Ok(()), Err)).err();
-    line.tell(match (ended, raised) {
-        (Ok(ended), None) => Message::Ended(ended),
-        (Ok(ended), Some(error)) => Message::Failed(error, Some(ended)),
-        (Err(error), raised) => Message::Failed(raised.unwrap_or(error), None),
+    let observed = watch.end(Ok(())).err();
+    line.tell(match (ended, raised, observed) {
+        (Ok(ended), None, None) => Message::Ended(ended),
+        (Ok(ended), None, Some(error)) => Message::Failed(error, Some(ended)),
+        // what ended it so is no failure of the run
+        (_, Some(error), _) | (Err(_), None, Some(error)) | (Err(error), None, None) => {
+            Message::Failed(error, None)
+        }
     });
-    AT_WORK.set(std::ptr::null());
 }
 
 /// As `fracas run` does, with the same files.

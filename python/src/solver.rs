@@ -1,6 +1,7 @@
 //! A system and its preconditioner, ready for right-hand sides.
 
 use crate::arrays::{given, vector};
+use crate::call;
 use crate::error::{Kind, Raise, raise};
 use crate::parts;
 use crate::settings::Settings;
@@ -13,8 +14,7 @@ use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use std::sync::atomic::AtomicBool;
-use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::thread::ThreadId;
+use std::sync::{Mutex, PoisonError};
 
 /// Iteration and residual.
 type History = Vec<(usize, f64)>;
@@ -94,16 +94,10 @@ pub(crate) struct Solver {
     ready: Mutex<Ready>,
     unknowns: usize,
     setup_s: f64,
-    /// The thread that solves with it.
-    solving: Mutex<Option<ThreadId>>,
     _lent: Vec<parts::Lent>,
 }
 
 impl Solver {
-    fn solving(&self) -> MutexGuard<'_, Option<ThreadId>> {
-        self.solving.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     pub(crate) fn new(
         py: Python<'_>,
         settings: Settings,
@@ -121,7 +115,6 @@ impl Solver {
             unknowns: ready.unknowns(),
             setup_s: ready.setup_s(),
             ready: Mutex::new(ready),
-            solving: Mutex::new(None),
             _lent: settings.lent,
         })
     }
@@ -140,8 +133,8 @@ impl Solver {
         let b = b
             .map(|b| vector("rhs", &b, b.len().unwrap_or(0)))
             .transpose()?;
-        let here = std::thread::current().id();
-        if *self.solving() == Some(here) {
+        let own = std::ptr::from_ref(self) as usize;
+        if call::is_within(own) {
             return Err(raise(
                 Kind::Input,
                 "this solver is at work, and its own observer or preconditioner asks it for another solution: set up a second one",
@@ -149,13 +142,10 @@ impl Solver {
         }
         let (solved, history) = watched(py, observer, |observer| {
             let mut ready = self.ready.lock().unwrap_or_else(PoisonError::into_inner);
-            *self.solving() = Some(std::thread::current().id());
-            let solved = match b.map_or(Ok(()), |b| with_rhs(&mut ready, b)) {
-                Ok(()) => ready.solve(observer).raised(),
-                Err(error) => Err(error),
-            };
-            *self.solving() = None;
-            solved
+            if let Some(b) = b {
+                with_rhs(&mut ready, b)?;
+            }
+            call::owned(own, || ready.solve(observer).raised())
         })?;
         packed(py, solved, history)
     }

@@ -113,12 +113,16 @@ pub(crate) fn apart<T: Send>(
     stop: &AtomicBool,
     work: impl FnOnce() -> PyResult<T> + Send,
 ) -> PyResult<T> {
+    let owners = call::owners();
     let (ended, signal) = py.detach(|| {
         std::thread::scope(|scope| {
             let (done, wait) = mpsc::channel::<()>();
             let worker = thread().spawn_scoped(scope, move || {
                 let _done = done;
-                in_own_pool(|| call::raising(work))
+                in_own_pool(|| {
+                    call::works_for(owners);
+                    call::raising(work)
+                })
             });
             let worker = match worker {
                 Ok(worker) => worker,

@@ -4,6 +4,7 @@ import gc
 import subprocess
 import sys
 import threading
+import time
 import weakref
 
 import numpy as np
@@ -84,6 +85,76 @@ print(solver.solve(observer=hear).converged, len(refused) > 0, solver.solve().co
     assert told == ["True", "True", "True"]
 
 
+@pytest.mark.parametrize("threads", ["", "fracas.set_threads(1)"])
+def test_what_is_called_by_what_an_observer_calls_is_within_it_too(threads):
+    told = alone(
+        f"""
+import fracas
+{threads}
+patch = fracas.Scene.gallery("patch:small")
+solver = patch.system().set_up()
+refused = []
+def asks(what):
+    def hear(event):
+        if len(refused) < 9:
+            try:
+                what()
+            except fracas.InputError:
+                refused.append(True)
+    return hear
+def solve(event):
+    patch.solve(observer=asks(solver.solve))
+print(solver.solve(observer=solve).converged, len(refused))
+refused.clear()
+def step(event):
+    patch.solve(observer=asks(lambda: next(run)))
+run = fracas.Scene.gallery("cycle:small").run(observer=step)
+print(next(run).step, len(refused))
+"""
+    )
+    assert told == ["True", "9", "0", "9"]
+
+
+@pytest.mark.parametrize("threads", ["", "fracas.set_threads(1)"])
+def test_a_run_may_be_closed_while_its_folder_is_opened(tmp_path, threads):
+    told = alone(
+        f"""
+import fracas
+{threads}
+def hear(event):
+    if event.kind == "line" and runs:
+        runs[0].close()
+runs = []
+import time
+run = fracas.Scene.gallery("patch:small").run({str(tmp_path / "o")!r}, observer=hear)
+runs.append(run)
+steps = list(run)
+run.close()
+print(len(steps) <= 2, run.outcome in ("interrupted", "finished"))
+"""
+    )
+    assert told == ["True", "True"]
+
+
+def test_a_run_does_not_go_on_in_a_child():
+    told = alone(
+        """
+import os, fracas
+run = fracas.Scene.gallery("cycle:small").run()
+next(run)
+child = os.fork()
+if child == 0:
+    try:
+        next(run)
+    except fracas.RunError:
+        os._exit(0)
+    os._exit(1)
+print(os.waitpid(child, 0)[1], next(run).step)
+"""
+    )
+    assert told == ["0", "1"]
+
+
 def test_a_forked_child_has_threads_of_its_own():
     told = alone(
         """
@@ -139,8 +210,10 @@ def test_what_a_registered_part_raises_ends_its_call_and_no_other():
     raises = [ZeroDivisionError("mine")]
     registered("mine_that_raises", raises)
     scene = fracas.Scene.gallery("cycle:small", {"solver.racp.inner": "mine_that_raises"})
+    run = scene.run(steps=1)
     with pytest.raises(ZeroDivisionError):
-        list(scene.run(steps=1))
+        list(run)
+    assert run.outcome == "failed" and "mine" in run.reason
     assert system().solve().converged
     raises.clear()
     with scene.run() as run:
@@ -193,8 +266,13 @@ def test_who_holds_a_run_and_observes_it_is_let_go():
         assert watcher.seen > 0
         alive.append(weakref.ref(watcher))
         del watcher
-    gc.collect()
-    assert not any(held() for held in alive)
+    # the thread of a run lets its observer go once it has told the step
+    for _ in range(100):
+        gc.collect()
+        if not any(held() for held in alive):
+            return
+        time.sleep(0.05)
+    raise AssertionError("somebody holds a run and its observer")
 
 
 def test_a_right_hand_side_of_zeros_is_one():

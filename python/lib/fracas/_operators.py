@@ -20,7 +20,7 @@ class _Linear(LinearOperator):  # type: ignore[misc]
 
     def matvec(self, x: Any) -> Any:
         """The product with a vector, of shape (n,) or (n, 1)."""
-        if type(x) is np.ndarray and x.ndim == 1 and x.dtype == np.float64 and x.flags.c_contiguous:
+        if type(x) is np.ndarray and x.ndim == 1 and x.dtype == np.float64 and x.flags.c_contiguous and x.flags.aligned:
             return self._core.apply(x)
         return super().matvec(x)
 
