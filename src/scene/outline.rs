@@ -139,20 +139,44 @@ impl Outline {
             a1 * d2 - a2 * d1 + c1 * b2 - c2 * b1,
             c1 * d2 - c2 * d1,
         ];
-        let rounding = ON_FACE * self.radius * self.radius;
-        if [q0, q1, q2].iter().all(|q| q.abs() <= ON_FACE * rounding) {
-            return Meeting::Along;
+        let at = |r: f64, s: f64| -> [f64; 3] {
+            std::array::from_fn(|i| self.corners[0][i] + r * (a[i] + s * d[i]) + s * b[i])
+        };
+        let inside = |t: f64| (-ON_FACE..=1.0 + ON_FACE).contains(&t);
+        let share = |x: [f64; 3]| dot(minus(x, from), along) / squared;
+        let row = |s: f64| {
+            let rows = [[a1 + c1 * s, b1 + d1 * s], [a2 + c2 * s, b2 + d2 * s]];
+            rows[usize::from(rows[1][1].abs() > rows[0][1].abs())]
+        };
+        // a straight line of the face, from one side to the other, along which the line goes
+        let ruling = |number: f64, ends: [[f64; 3]; 2]| {
+            let [first, last] = ends.map(share);
+            let meets = first.min(last).max(0.0) < first.max(last).min(1.0);
+            match inside(number) && meets {
+                true => Meeting::Along,
+                false => Meeting::Through(Vec::new()),
+            }
+        };
+        let (tiny, all) = (ON_FACE * self.radius, [q0, q1, q2].map(f64::abs));
+        if all.iter().all(|q| *q <= tiny * tiny) {
+            let [value, slope] = row(0.5);
+            let r = -value / slope;
+            return ruling(r, [at(r, 0.0), at(r, 1.0)]);
+        }
+        let double = -0.5 * q1 / q2;
+        let vanishes = |s: f64| {
+            let [rows, others] = [[a1 + c1 * s, b1 + d1 * s], [a2 + c2 * s, b2 + d2 * s]];
+            rows.iter().chain(&others).all(|v| v.abs() <= tiny)
+        };
+        if double.is_finite() && vanishes(double) {
+            return ruling(double, [at(0.0, double), at(1.0, double)]);
         }
         let place = |s: f64| {
-            let rows = [[a1 + c1 * s, b1 + d1 * s], [a2 + c2 * s, b2 + d2 * s]];
-            let steeper = usize::from(rows[1][1].abs() > rows[0][1].abs());
-            let [value, slope] = rows[steeper];
+            let [value, slope] = row(s);
             let r = -value / slope;
-            let x: [f64; 3] =
-                std::array::from_fn(|i| self.corners[0][i] + r * (a[i] + s * d[i]) + s * b[i]);
-            let share = dot(minus(x, from), along) / squared;
+            let x = at(r, s);
+            let share = share(x);
             let on_line: [f64; 3] = std::array::from_fn(|i| from[i] + share * along[i]);
-            let inside = |t: f64| (-ON_FACE..=1.0 + ON_FACE).contains(&t);
             let is_here = inside(r) && inside(s) && (0.0..=1.0).contains(&share);
             (is_here && self.is_same(x, on_line)).then_some(x)
         };
@@ -295,13 +319,24 @@ mod tests {
         };
         assert_eq!(places.len(), 2);
         assert!(places.iter().all(|x| (x[0] * x[1] - 0.25).abs() < 1e-12));
-        assert_eq!(
-            saddle.meeting([0.5, -2.0, -1.0], [0.0, 4.0, 2.0]),
-            Meeting::Along
-        );
-        assert_eq!(
-            saddle.meeting([0.0, -2.0, 0.5], [0.0, 4.0, 0.0]),
-            Meeting::Through(Vec::new())
-        );
+        for turns in 0..4 {
+            let saddle = outline([0, 1, 2, 3].map(|a: usize| corners[(a + turns) % 4]));
+            for at in [-1.0, -0.3, 0.5, 1.0] {
+                // z = x y along x = at and along y = at, and beside the face
+                for (from, along) in [
+                    ([at, -2.0, -2.0 * at], [0.0, 4.0, 4.0 * at]),
+                    ([-2.0, at, -2.0 * at], [4.0, 0.0, 4.0 * at]),
+                ] {
+                    assert_eq!(saddle.meeting(from, along), Meeting::Along, "{turns} {at}");
+                    let beyond = along.map(|v| 0.2 * v);
+                    let apart = Meeting::Through(Vec::new());
+                    assert_eq!(saddle.meeting(from, beyond), apart, "{turns} {at}");
+                }
+            }
+            let apart = Meeting::Through(Vec::new());
+            assert_eq!(saddle.meeting([5.0, -1.0, -5.0], [0.0, 2.0, 10.0]), apart);
+            assert_eq!(saddle.meeting([-1.0, 5.0, -5.0], [2.0, 0.0, 10.0]), apart);
+            assert_eq!(saddle.meeting([0.0, -2.0, 0.5], [0.0, 4.0, 0.0]), apart);
+        }
     }
 }
