@@ -30,7 +30,7 @@ def numbers(name: str, value: Any) -> NDArray[Any]:
     if array.dtype.kind not in "iuf":
         given = f"an array of {array.dtype}" if isinstance(value, np.ndarray) else kind(value)
         raise WrongType(f"{name}: expected real numbers (float64), not {given}")
-    return np.require(array, np.float64, "CA")
+    return np.require(array, np.float64, ["C", "A"])
 
 
 def vector(name: str, value: Any, n: int | None = None) -> Vector:
