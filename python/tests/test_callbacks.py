@@ -125,7 +125,6 @@ def hear(event):
     if event.kind == "line" and runs:
         runs[0].close()
 runs = []
-import time
 run = fracas.Scene.gallery("patch:small").run({str(tmp_path / "o")!r}, observer=hear)
 runs.append(run)
 steps = list(run)

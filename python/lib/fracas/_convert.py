@@ -160,7 +160,12 @@ def _key(key: object, what: str) -> str:
     if not isinstance(key, str):
         raise WrongType(f"{what}: keys are strings, not {kind(key)}")
     bare = key.replace("-", "").replace("_", "").isalnum() and key.isascii()
-    return key if bare else json.dumps(key).replace("\x7f", "\\u007f")
+    return key if bare else _quoted(key)
+
+
+def _quoted(text: str) -> str:
+    """A string of TOML: one of JSON, but for DEL, which TOML does not take as it is."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _value(value: Any, where: str, what: str) -> str:
@@ -173,8 +178,7 @@ def _value(value: Any, where: str, what: str) -> str:
     if isinstance(value, float):
         return repr(value) if np.isfinite(value) else str(value)
     if isinstance(value, str):
-        # TOML takes no DEL as it is
-        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+        return _quoted(value)
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(_value(v, where, what) for v in value) + "]"
     if isinstance(value, dict):
