@@ -2,6 +2,7 @@
 
 use super::network::Network;
 use super::pattern::pattern;
+use super::reservoir::Reservoir;
 use super::sealed::connected;
 use super::well::Driven;
 use super::{Control, FlowPoint, FlowStep, Fluid, Given, Place, WellGiven, WellStep};
@@ -25,7 +26,8 @@ pub(super) const ROUNDINGS: f64 = 32.0;
 ///
 /// A sealed part of closed faces has a pressure up to a constant. The row of its first face then holds the mean where it was,
 /// `R + ω Σ A (p − p₀)`: the limit of a storage that goes to nothing. Whatever must open, opens ([`Sealed`](super::Sealed)). A well at its
-/// limit gives the part its pressure instead.
+/// limit gives the part its pressure instead. A closed part that stores something, but so little that rounding loses it beside what flows
+/// in the step, has its balance as a whole there, `Σ R`, in which fluxes cancel.
 ///
 /// # Source
 /// M. Ferronato, SNA'25 lecture (conductivity, two-point fluxes, stabilization of the same form as that of tractions); increments in
@@ -46,7 +48,11 @@ pub struct Balance<'a> {
     pub(super) parts: Vec<Vec<u32>>,
     /// Those that are sealed where all their faces are closed: none of their faces stores fluid or has a pressure of its own.
     pub(super) closable: Vec<Vec<u32>>,
+    /// Those that have a pressure by what their faces store alone where all are closed.
+    pub(super) reservoirs: Vec<Reservoir>,
     pattern: Pattern,
+    /// That with the rows of reservoirs.
+    whole_pattern: Pattern,
 }
 
 /// Derivatives of the balance.
@@ -81,10 +87,7 @@ impl<'a> Balance<'a> {
         for (number, middle) in network.held_middles() {
             held_middles[number] = middle;
         }
-        let mut open_ended: Vec<bool> = faces
-            .iter()
-            .map(|face| fluid.compressibility > 0.0 || fluid.channel(face).storage > 0.0)
-            .collect();
+        let mut given = vec![false; faces.len()];
         let held_faces = fluid
             .sources
             .iter()
@@ -92,21 +95,34 @@ impl<'a> Balance<'a> {
                 (Place::Faces(faces), Given::Pressure(_)) => Some(faces.as_slice()),
                 _ => None,
             });
-        held_faces
-            .flatten()
-            .for_each(|f| open_ended[*f as usize] = true);
+        held_faces.flatten().for_each(|f| given[*f as usize] = true);
         let by_pressure = fluid
             .wells
             .iter()
             .filter(|w| matches!(w.given, WellGiven::Pressure(_)));
         let by_pressure = by_pressure.flat_map(|w| w.cuts.iter().map(|(f, _)| *f as usize));
         let edges = network.held_edge_faces().map(|(_, f)| f).chain(by_pressure);
-        edges.for_each(|f| open_ended[f] = true);
+        edges.for_each(|f| given[f] = true);
         let meetings = network.meetings();
         let meetings = meetings.map(|arms| arms.iter().map(|arm| arm.face).collect());
         let parts = connected(faces.len(), meetings);
-        let sealed = |part: &&Vec<u32>| !part.iter().any(|f| open_ended[*f as usize]);
-        let closable: Vec<Vec<u32>> = parts.iter().filter(sealed).cloned().collect();
+        let stores = |f: u32| fluid.storage(&faces[f as usize], 0.0) > 0.0;
+        let alone = |part: &&Vec<u32>| !part.iter().any(|f| given[*f as usize]);
+        let alone = parts.iter().filter(alone).cloned();
+        let (storing, closable): (Vec<_>, Vec<_>) =
+            alone.partition(|part| part.iter().any(|f| stores(*f)));
+        let reservoirs = Reservoir::among(
+            storing.into_iter(),
+            (fluid, faces),
+            (&network, held_middles.len()),
+        );
+        let of = |parts: &mut dyn Iterator<Item = &[u32]>| {
+            pattern(faces.len(), &network, &fractures.edges, parts)
+        };
+        let sealed = || closable.iter().map(Vec::as_slice);
+        let whole = reservoirs.iter().map(|part| part.faces.as_slice());
+        let pattern = of(&mut sealed());
+        let whole_pattern = of(&mut sealed().chain(whole));
         let n = |face: u32| faces[face as usize].frame[0];
         let weights = stabilization.edge_weights(mesh, fractures, materials);
         let normal = |(edge, y): (&FractureEdge, [[f64; 3]; 3])| {
@@ -115,7 +131,8 @@ impl<'a> Balance<'a> {
         };
         Self {
             weights: fractures.edges.iter().zip(weights).map(normal).collect(),
-            pattern: pattern(faces.len(), &network, &fractures.edges, &closable),
+            pattern,
+            whole_pattern,
             compliance: faces
                 .iter()
                 .map(|face| face_compliance(mesh, materials, face))
@@ -127,6 +144,7 @@ impl<'a> Balance<'a> {
             held_middles,
             parts,
             closable,
+            reservoirs,
         }
     }
 
@@ -241,10 +259,8 @@ impl<'a> Balance<'a> {
     }
 
     /// Volume that a pressure presses into a face and its storage [m³].
-    fn pressed(&self, f: usize, a: f64, p: f64) -> f64 {
-        let face = &self.faces[f];
-        let pressed = self.fluid.compressibility * (self.fluid.closed_width(face) + a.abs());
-        face.area * p * (pressed + self.fluid.channel(face).storage)
+    pub(super) fn pressed(&self, f: usize, a: f64, p: f64) -> f64 {
+        p * self.fluid.storage(&self.faces[f], a.abs())
     }
 
     /// The equations at normal jumps (three entries per face, as contact has them) and pressures.
@@ -325,6 +341,12 @@ impl<'a> Balance<'a> {
             .filter(|(_, held)| held.is_none())
             .map(|(r, _)| r)
             .sum();
+        for part in self.drowned(states, step) {
+            let (first, whole) = (part.faces[0] as usize, self.whole(part, p, step));
+            residual[first] = whole.residual;
+            size[first] = whole.size;
+            rounding[first] = whole.rounding;
+        }
         for (f, held) in step.held.iter().enumerate() {
             if let Some(held) = held {
                 let weight = self.compliance[f] * self.faces[f].area;
@@ -362,9 +384,13 @@ impl<'a> Balance<'a> {
         p: &[f64],
         step: &FlowStep,
     ) -> FlowTangent {
-        let mut t = vec![0.0; self.pattern.columns.len()];
+        let pattern = match self.drowned(states, step).next() {
+            Some(_) => &self.whole_pattern,
+            None => &self.pattern,
+        };
+        let mut t = vec![0.0; pattern.columns.len()];
         let mut by_gap = t.clone();
-        let place = |k: usize, l: usize| self.pattern.place(k, l as u32);
+        let place = |k: usize, l: usize| pattern.place(k, l as u32);
         let free = |k: usize| step.held[k].is_none();
         let [mobility, by_width] = self.mobility(states, jumps);
         let (potential, held) = self.potentials(p, step);
@@ -375,11 +401,9 @@ impl<'a> Balance<'a> {
         });
         for (f, face) in self.faces.iter().enumerate() {
             let a = Fluid::aperture(states[f], jumps[3 * f]);
-            let c = self.fluid.compressibility;
-            let width = self.fluid.closed_width(face) + a;
-            t[place(f, f)] += face.area * (c * width + self.fluid.channel(face).storage);
+            t[place(f, f)] += self.fluid.storage(face, a);
             if states[f] == ContactState::Open {
-                by_gap[place(f, f)] += face.area * (1.0 + c * p[f]);
+                by_gap[place(f, f)] += face.area * (1.0 + self.fluid.compressibility * p[f]);
             }
         }
         for (edge, y) in self.stabilized(states, step) {
@@ -399,14 +423,22 @@ impl<'a> Balance<'a> {
                 t[place(first, f)] += self.compliance[first] * self.faces[f].area;
             }
         }
+        for part in self.drowned(states, step) {
+            let first = part.faces[0] as usize;
+            t[pattern.range(first)].fill(0.0);
+            by_gap[pattern.range(first)].fill(0.0);
+            for f in part.faces.iter().map(|f| *f as usize) {
+                t[place(first, f)] = self.fluid.storage(&self.faces[f], 0.0);
+            }
+        }
         for f in (0..self.faces.len()).filter(|f| !free(*f)) {
-            t[self.pattern.range(f)].fill(0.0);
-            by_gap[self.pattern.range(f)].fill(0.0);
+            t[pattern.range(f)].fill(0.0);
+            by_gap[pattern.range(f)].fill(0.0);
             t[place(f, f)] = self.compliance[f] * self.faces[f].area;
         }
         let matrix = |values: Vec<f64>| {
             let n = self.faces.len();
-            let (offsets, columns) = (self.pattern.offsets.clone(), self.pattern.columns.clone());
+            let (offsets, columns) = (pattern.offsets.clone(), pattern.columns.clone());
             SparseMatrix::new((n, n), offsets, columns, values)
         };
         FlowTangent {

@@ -107,4 +107,10 @@ impl Fluid {
     pub fn closed_width(&self, face: &FractureFace) -> f64 {
         (12.0 * self.channel(face).conductivity).cbrt()
     }
+
+    /// `A (c_f w + s)`, `w = (12 C_f0)^⅓ + a`: what a face of aperture a takes up per pressure [m³/Pa].
+    pub fn storage(&self, face: &FractureFace, aperture: f64) -> f64 {
+        let width = self.closed_width(face) + aperture;
+        face.area * (self.compressibility * width + self.channel(face).storage)
+    }
 }

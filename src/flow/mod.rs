@@ -12,6 +12,7 @@
 //! | which wells are at their rate, at their limit, or shut | `control` |
 //! | open faces as a surface that pressures open | `surface` |
 //! | given pressures on their way up | `raised` |
+//! | parts whose storage rounding loses | `reservoir` |
 //! | pressure jumps held down | `balance`, weights of [`JumpStabilization`](crate::contact::JumpStabilization) |
 
 mod balance;
@@ -24,6 +25,7 @@ mod pattern;
 mod point;
 mod raised;
 mod record;
+mod reservoir;
 mod sealed;
 mod step;
 mod surface;

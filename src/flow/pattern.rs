@@ -4,12 +4,13 @@ use super::network::Network;
 use crate::mesh::FractureEdge;
 use fracas_operators::sparse::Pattern;
 
-/// Faces that share an edge of the network or a vertex that decides on fluxes, and all faces of a part that may be sealed in the row of its first.
+/// Faces that share an edge of the network or a vertex that decides on fluxes, and all faces of these
+/// parts in the row of their first.
 pub(super) fn pattern(
     faces: usize,
     network: &Network,
     edges: &[FractureEdge],
-    closable: &[Vec<u32>],
+    parts: &mut dyn Iterator<Item = &[u32]>,
 ) -> Pattern {
     let mut rows: Vec<Vec<u32>> = (0..faces).map(|f| vec![f as u32]).collect();
     let mut meet = |all: &[u32]| {
@@ -22,7 +23,7 @@ pub(super) fn pattern(
     }
     network.around().for_each(|faces| meet(&faces));
     edges.iter().for_each(|edge| meet(&edge.faces));
-    for part in closable {
+    for part in parts {
         rows[part[0] as usize].extend(part);
     }
     let mut pattern = Pattern {
