@@ -2,6 +2,7 @@
 
 use crate::contact::{ContactState, FaceLaw, FacePoint, FaceRows, Friction, face_compliance};
 use crate::elasticity::ElasticityError;
+use crate::mesh::FractureFace;
 use crate::system::StickSystem;
 use fracas_operators::sparse::{SparseMatrix, Triplets};
 use fracas_solvers::saddle::SaddleBlocks;
@@ -59,22 +60,19 @@ pub struct ContactSystem<'a> {
 const TINY_SLIP: f64 = 1e-9;
 
 impl<'a> ContactSystem<'a> {
-    /// Assembles what does not depend on the states; `friction` has an entry per fracture.
+    /// Assembles what does not depend on the states; `friction` says that of a face, where it has one.
     ///
     /// # Errors
     /// [`ContactError::Elasticity`] for an inverted element or a region without material.
     pub fn new(
         system: StickSystem<'a>,
         force: &[f64],
-        friction: &[Option<Friction>],
+        friction: impl Fn(&FractureFace) -> Option<Friction>,
     ) -> Result<Self, ContactError> {
         let faces = &system.fractures.faces;
-        let of_face = |f: &crate::mesh::FractureFace| {
-            friction.get(usize::from(f.fracture)).copied().flatten()
-        };
         Ok(Self {
             stick: system.assemble(force)?,
-            friction: faces.iter().map(of_face).collect(),
+            friction: faces.iter().map(friction).collect(),
             compliance: faces
                 .iter()
                 .map(|f| face_compliance(system.mesh, system.materials, f))

@@ -153,13 +153,13 @@ impl Body {
     /// (p, 0, 0) of every face whose fracture has a pressure of that history, the initial one of a fluid included [Pa]; `None` where
     /// there is none.
     fn pressures_of(&self, history: usize) -> Option<Vec<f64>> {
-        let value = |fracture: u16| match self.pressures.get(usize::from(fracture)) {
-            Some((p, of)) if *of == history => *p,
+        let value = |f: &FractureFace| match self.pressures.get(usize::from(f.fracture)) {
+            Some((_, of)) if *of == history => self.pressure_of(f),
             _ => 0.0,
         };
         let fluid = self.fluid.as_ref().filter(|_| history == Self::ALWAYS);
         let initial = |f: &FractureFace| fluid.map_or(0.0, |fluid| fluid.initial_pressure(f));
-        let normal = |f: &FractureFace| [value(f.fracture) + initial(f), 0.0, 0.0];
+        let normal = |f: &FractureFace| [value(f) + initial(f), 0.0, 0.0];
         let all: Vec<f64> = self.fractures.faces.iter().flat_map(normal).collect();
         all.iter().any(|p| *p != 0.0).then_some(all)
     }

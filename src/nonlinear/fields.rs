@@ -149,7 +149,10 @@ impl Simulation<'_> {
         }
         let body = self.problem().body();
         let pressure = |f: &FractureFace| {
-            let (p, history) = body.pressures[usize::from(f.fracture)];
+            let (p, history) = (
+                body.pressure_of(f),
+                body.pressures[usize::from(f.fracture)].1,
+            );
             state.loaded * p * body.histories[history].at(state.time)
         };
         self.problem().faces().iter().map(pressure).collect()

@@ -10,7 +10,7 @@ use crate::elasticity::{Constraints, ElasticityError, strain_norm};
 use crate::flow::{Balance, FlowPoint};
 use crate::matrix_free::{Magnitude, MatrixFreeSaddle};
 use crate::mesh::FractureFace;
-use crate::scene::Body;
+use crate::scene::{Body, Profile};
 use crate::system::StickSystem;
 use fracas_operators::sparse::Csr;
 use fracas_operators::{AdjointOperator, LinearOperator};
@@ -136,6 +136,7 @@ impl<'a> ContactProblem<'a> {
                 .friction
                 .iter()
                 .flatten()
+                .flat_map(Profile::values)
                 .any(|f| f.weakening.is_some()),
             body,
             saddle,
@@ -225,8 +226,8 @@ impl<'a> ContactProblem<'a> {
 
     /// Friction of a face; none where the scene gives none.
     pub fn friction(&self, face: usize) -> Friction {
-        let fracture = usize::from(self.faces()[face].fracture);
-        self.body.friction[fracture].unwrap_or(Friction::NONE)
+        let friction = self.body.friction_of(&self.faces()[face]);
+        friction.unwrap_or(Friction::NONE)
     }
 
     /// Friction of a face within a step: without cohesion where it is torn, without weakening where its limit stays.

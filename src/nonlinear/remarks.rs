@@ -2,7 +2,8 @@
 
 use super::loads::initial_traction;
 use crate::analytic::{LinearWeakening, RESOLVED, Rock};
-use crate::scene::Body;
+use crate::contact::{Friction, Weakening};
+use crate::scene::{Body, Profile};
 
 /// Something that runs, but perhaps not as meant.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -38,10 +39,10 @@ pub enum Remark {
 pub fn friction_remarks(body: &Body) -> Vec<Remark> {
     let tractions = initial_traction(body);
     let mut remarks = Vec::new();
-    for (fracture, friction) in body.friction.iter().enumerate() {
-        let Some((friction, weakening)) = friction.and_then(|f| Some((f, f.weakening?))) else {
-            continue;
-        };
+    for (fracture, profile) in body.friction.iter().enumerate() {
+        let weakening = |f: Friction| Some((f, f.weakening?));
+        let levels = profile.iter().flat_map(Profile::values);
+        let levels: Vec<(Friction, Weakening)> = levels.filter_map(weakening).collect();
         let name = || {
             body.fractures
                 .names
@@ -49,7 +50,8 @@ pub fn friction_remarks(body: &Body) -> Vec<Remark> {
                 .cloned()
                 .unwrap_or_default()
         };
-        if weakening.angle > friction.angle {
+        let strengthens = levels.iter().find(|(f, w)| w.angle > f.angle);
+        if let Some((friction, weakening)) = strengthens {
             remarks.push(Remark::Strengthens {
                 fracture: name(),
                 static_deg: friction.angle.to_degrees(),
@@ -61,6 +63,9 @@ pub fn friction_remarks(body: &Body) -> Vec<Remark> {
         let mut worst: Option<(f64, f64)> = None;
         let faces = body.fractures.faces.iter().zip(tractions.chunks_exact(3));
         for (face, t) in faces.filter(|(f, _)| usize::from(f.fracture) == fracture) {
+            let Some((friction, weakening)) = body.friction_of(face).and_then(weakening) else {
+                break;
+            };
             let law = LinearWeakening {
                 static_friction: friction.angle.tan(),
                 dynamic_friction: weakening.angle.tan(),

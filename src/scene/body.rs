@@ -1,6 +1,6 @@
 //! What a scene becomes: everything that assembly needs, in SI units.
 
-use super::{History, SolverSection, TimeTable, WeightStress};
+use super::{History, Profile, SolverSection, TimeTable, WeightStress};
 use crate::contact::Friction;
 use crate::creep::Initial;
 use crate::elasticity::{Constraints, Elastic, loads};
@@ -75,8 +75,8 @@ pub struct Body {
     pub mesh: HexMesh,
     /// Its fractures.
     pub fractures: FractureMesh,
-    /// Friction per fracture, where the scene gives it.
-    pub friction: Vec<Option<Friction>>,
+    /// Friction per fracture along z, where the scene gives it.
+    pub friction: Vec<Option<Profile<Friction>>>,
     /// Names of the materials; `mesh.regions` indexes all lists of materials.
     pub material_names: Vec<String>,
     /// Of every material the first one that deforms as it does: equal elastic constants, viscosity, and stress and pressure that come with it.
@@ -101,8 +101,8 @@ pub struct Body {
     pub isotropic: Vec<bool>,
     /// Stress before any displacement.
     pub initial_stress: Option<InitialStress>,
-    /// Pressure of the fluid in each fracture [Pa] and the number of its history.
-    pub pressures: Vec<(f64, usize)>,
+    /// Pressure of the fluid in each fracture along z [Pa] and the number of its history.
+    pub pressures: Vec<(Profile<f64>, usize)>,
     /// `α Δp` of each material: Biot's coefficient times its change of pore pressure [Pa], and the number of its history (where this counts
     /// in Pa, Biot's coefficient alone).
     pub pore_pressures: Vec<(f64, usize)>,
@@ -152,6 +152,18 @@ impl Body {
         let [xx, yy, zz, xy, yz, xz] = std::array::from_fn(mean);
         let sigma = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
         sigma.map(|row| (0..3).map(|k| row[k] * n[k]).sum())
+    }
+
+    /// Friction of a face, where the scene gives it.
+    pub fn friction_of(&self, face: &FractureFace) -> Option<Friction> {
+        let profile = self.friction.get(usize::from(face.fracture))?.as_ref();
+        profile.map(|profile| profile.at(face.center[2]))
+    }
+
+    /// Pressure of the fluid in a face, that at the factor 1 of its history [Pa].
+    pub fn pressure_of(&self, face: &FractureFace) -> f64 {
+        let profile = self.pressures.get(usize::from(face.fracture));
+        profile.map_or(0.0, |(profile, _)| profile.at(face.center[2]))
     }
 
     /// Marks of the prescribed displacements, `3·node + component`.

@@ -9,14 +9,14 @@ use super::geometry::{axis, expand, regions, warps};
 use super::history::Histories;
 use super::hold::hold;
 use super::located::{Located, at};
-use super::mesh_sections::{AxisName, FractureSection};
+use super::mesh_sections::AxisName;
+use super::profile;
 use super::rocks::{elastic, viscosities};
 use super::sections::SceneSections;
 use super::source::Source;
 use super::used::require_used;
 use super::{
-    Body, Friction, InitialStress, Method, Problem, SceneError, SolverSection, TimeTable,
-    Weakening, WeightStress,
+    Body, InitialStress, Method, Problem, SceneError, SolverSection, TimeTable, WeightStress,
 };
 use crate::contact::Rocks;
 use crate::elasticity::{Constraints, Elastic};
@@ -90,7 +90,7 @@ fn assemble(sections: &SceneSections, folder: &Path) -> Result<Body, Located> {
         let fracture = &sections.fracture[*i];
         let path = ["fracture", &i.to_string(), "pressure_history"];
         let history = histories.number(fracture.pressure_history.as_ref(), &path, of_time)?;
-        pressures.push((fracture.pressure.as_ref().map_or(0.0, Measure::si), history));
+        pressures.push((profile::pressure(*i, fracture)?, history));
     }
     let mut pore_pressures = Vec::with_capacity(sections.material.len());
     for (i, material) in sections.material.iter().enumerate() {
@@ -109,7 +109,7 @@ fn assemble(sections: &SceneSections, folder: &Path) -> Result<Body, Located> {
     }
     let friction = section_of
         .iter()
-        .map(|i| friction(*i, &sections.fracture[*i]))
+        .map(|i| profile::friction(*i, &sections.fracture[*i]))
         .collect::<Result<_, _>>()?;
     let gravity = sections.gravity.as_ref().map_or([0.0; 3], |g| g.si());
     let of_fluid = (&mut histories, of_time);
@@ -239,33 +239,6 @@ fn unique<'a>(
         }
     }
     Ok(())
-}
-
-fn friction(number: usize, fracture: &FractureSection) -> Result<Option<Friction>, Located> {
-    let (angle, cohesion) = (&fracture.friction_angle, &fracture.cohesion);
-    let weakening = match (
-        &fracture.dynamic_friction_angle,
-        &fracture.weakening_distance,
-    ) {
-        (None, None) => None,
-        (Some(dynamic), Some(distance)) if distance.si() > 0.0 && angle.is_some() => {
-            Some(Weakening {
-                angle: dynamic.si(),
-                distance: distance.si(),
-            })
-        }
-        _ => {
-            let name = fracture.name.clone();
-            let path = ["fracture", &number.to_string()];
-            return Err(at(&path, Problem::Weakening { name }));
-        }
-    };
-    let given = angle.is_some() || cohesion.is_some();
-    Ok(given.then(|| Friction {
-        angle: angle.as_ref().map_or(0.0, Measure::si),
-        cohesion: cohesion.as_ref().map_or(0.0, Measure::si),
-        weakening,
-    }))
 }
 
 /// Of several values for one displacement the last one counts, with its history.

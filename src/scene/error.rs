@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{FlowProblem, GeologyProblem, TableProblem};
+use super::{FlowProblem, GeologyProblem, PartProblem, ProfileProblem, TableProblem};
 use crate::mesh::MeshError;
 
 /// A place in a scene file.
@@ -54,6 +54,12 @@ pub enum Problem {
     /// From a table of pressures.
     #[error(transparent)]
     Table(#[from] TableProblem),
+    /// From levels of a fracture.
+    #[error(transparent)]
+    Profile(#[from] ProfileProblem),
+    /// From a part of a side.
+    #[error(transparent)]
+    Part(#[from] PartProblem),
     /// Two ways to say one thing.
     #[error(
         "material \"{name}\" has `pore_pressure` and `{key}`, which both say how its pressure changes; leave one of them out"

@@ -38,7 +38,7 @@ pub(super) fn fluid(
     for i in section_of {
         let fracture = &sections.fracture[*i];
         let path = ["fracture", &i.to_string()];
-        if fracture.pressure.is_some() {
+        if fracture.has_pressure() {
             let name = fracture.name.clone();
             let path = [path[0], path[1], "pressure"];
             return Err(at(&path, FlowProblem::FixedPressure { name }));

@@ -1,7 +1,8 @@
 //! Boundary conditions on the sides of the body.
 
 use super::located::{Located, at};
-use super::sections::{BoundarySection, HoldSection, SideName};
+use super::part_of_side::part;
+use super::sections::{BoundarySection, HoldSection};
 use super::{Problem, Pull, SurfaceTraction};
 use crate::mesh::{BuiltMesh, face_geometry};
 use std::collections::HashSet;
@@ -24,8 +25,7 @@ pub(super) fn hold(
     let mut loads = Vec::new();
     for (i, boundary) in boundaries.iter().enumerate() {
         let number = i.to_string();
-        // the sides of a mesh file are those of the sections
-        let faces = &built.sides[boundary.side.map_or(i, SideName::index)];
+        let faces = part(i, boundary, built)?;
         let history = history(i, boundary)?;
         let mut prescribe = |given: [Option<f64>; 3]| {
             let mut nodes: Vec<u32> = faces.iter().flat_map(|f| f.nodes).collect();
@@ -47,7 +47,7 @@ pub(super) fn hold(
             (Some(HoldSection::Roller), None, None, None) => {
                 // every face along its own axis: a list may have several sides
                 let mut rollers: Vec<Prescribed> = Vec::new();
-                for face in faces {
+                for face in &faces {
                     let normal = normal(&face.nodes, built);
                     let axis = (0..3usize).find(|d| normal[*d].abs() >= 1.0 - FLAT);
                     let Some(axis) = axis else {

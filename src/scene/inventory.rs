@@ -45,8 +45,8 @@ pub struct Inventory {
     pub moved: [(usize, f64); 3],
     /// Loads on the surface.
     pub pushes: Vec<Push>,
-    /// Pressure of the fluid in fractures that have one: name, pressure [Pa], pressure times area [N].
-    pub pressures: Vec<(String, f64, f64)>,
+    /// Pressure of the fluid in fractures that have one: name, least and largest pressure [Pa], ∫ p dA [N].
+    pub pressures: Vec<(String, [f64; 2], f64)>,
 }
 
 impl Body {
@@ -116,16 +116,21 @@ impl Body {
             .collect()
     }
 
-    fn fluid(&self) -> Vec<(String, f64, f64)> {
-        let area = |fracture: usize| -> f64 {
-            let own = |f: &&crate::mesh::FractureFace| usize::from(f.fracture) == fracture;
-            (self.fractures.faces.iter().filter(own))
-                .map(|f| f.area)
-                .sum()
-        };
-        (self.fractures.names.iter().zip(&self.pressures).enumerate())
-            .filter(|(_, (_, (pressure, _)))| *pressure != 0.0)
-            .map(|(i, (name, (pressure, _)))| (name.clone(), *pressure, pressure * area(i)))
+    fn fluid(&self) -> Vec<(String, [f64; 2], f64)> {
+        let none = [f64::INFINITY, f64::NEG_INFINITY, 0.0];
+        let mut all = vec![none; self.fractures.names.len()];
+        for face in &self.fractures.faces {
+            let [least, most, force] = &mut all[usize::from(face.fracture)];
+            let pressure = self.pressure_of(face);
+            (*least, *most) = (least.min(pressure), most.max(pressure));
+            *force += pressure * face.area;
+        }
+        let named = self.fractures.names.iter().zip(all);
+        named
+            .filter(|(_, [least, most, _])| {
+                [least, most].iter().any(|p| **p != 0.0 && p.is_finite())
+            })
+            .map(|(name, [least, most, force])| (name.clone(), [least, most], force))
             .collect()
     }
 }
@@ -168,10 +173,12 @@ impl fmt::Display for Inventory {
             )?;
         }
         for (name, pressure, force) in &self.pressures {
-            writeln!(
-                f,
-                "pressure    \"{name}\": {pressure:.4e} Pa, {force:.4e} N on either side"
-            )?;
+            let [least, most] = pressure;
+            write!(f, "pressure    \"{name}\": {least:.4e}")?;
+            if most > least {
+                write!(f, " to {most:.4e}")?;
+            }
+            writeln!(f, " Pa, {force:.4e} N on either side")?;
         }
         Ok(())
     }

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::group_names::GroupNames;
 use super::one_or_many::OneOrMany;
+use super::profile::LevelSection;
 use crate::mesh::SizeField;
 use crate::units::{
     Angle, Conductivity, Distance, Duration, FrictionAngle, Length, Measure, MeshUnit, Ratio,
@@ -305,6 +306,10 @@ pub struct FractureSection {
     /// Pressure of the fluid inside, the same on every face (positive pushes the sides apart).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Measure<Stress>>,
+    /// What changes with depth: levels, each with a height `z` and the value of some of `friction_angle`, `cohesion`,
+    /// `dynamic_friction_angle`, `weakening_distance` and `pressure`, in place of that of the whole fracture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub profile: Option<Vec<LevelSection>>,
     /// Conductivity C_f0 of the closed fracture for the [fluid], `w³/12` of a width w; where open, `g_N³/12` is added.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub conductivity: Option<Measure<Conductivity>>,

@@ -20,7 +20,9 @@ mod mesh_sections;
 mod one_or_many;
 mod outline;
 mod overrides;
+mod part_of_side;
 mod pore_pressure;
+mod profile;
 mod rocks;
 mod rounds;
 mod sections;
@@ -50,7 +52,9 @@ pub use mesh_sections::{
     MapSection, MeshSection, RotateSection, ShearSection,
 };
 pub use one_or_many::OneOrMany;
+pub use part_of_side::PartProblem;
 pub use pore_pressure::{Between, PorePressureSection, TableProblem};
+pub use profile::{LevelSection, Profile, ProfileProblem};
 pub use rounds::Rounds;
 pub use sections::{
     BoundarySection, BoxSection, ComponentsSection, HoldSection, InitialStressSection,

@@ -131,6 +131,15 @@ pub struct BoundarySection {
     /// Physical surfaces of a mesh file, by name or number, in place of `side`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surface: Option<GroupNames>,
+    /// Part of the side: its faces between two x, which no face reaches across.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub x: Option<[Measure<Length>; 2]>,
+    /// The same between two y.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub y: Option<[Measure<Length>; 2]>,
+    /// The same between two z.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub z: Option<[Measure<Length>; 2]>,
     /// Zero displacement, normal or all.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hold: Option<HoldSection>,

@@ -67,7 +67,7 @@ pub(super) fn require_used(sections: &SceneSections) -> Result<(), Located> {
             let what = format!("fracture \"{}\"", f.name);
             return Err(idle(["fracture", &i.to_string()], key, what, "[geology]"));
         }
-        if f.pressure_history.is_some() && f.pressure.is_none() {
+        if f.pressure_history.is_some() && !f.has_pressure() {
             let what = format!("fracture \"{}\"", f.name);
             let path = ["fracture", &i.to_string()];
             return Err(idle(path, "pressure_history", what, "pressure"));

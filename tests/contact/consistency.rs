@@ -117,7 +117,8 @@ fn with_stick_and_open_faces_it_is_the_assembled_jacobian() {
     let jacobian = problem.jacobian(&states, h.as_ref(), &at, false);
 
     let stick = body.stick_system(Some(JumpStabilization::default()));
-    let system = ContactSystem::new(stick, &body.forces().unwrap(), &body.friction).unwrap();
+    let system =
+        ContactSystem::new(stick, &body.forces().unwrap(), |f| body.friction_of(f)).unwrap();
     let point = ContactPoint {
         u: &u,
         t: &t,

@@ -26,7 +26,7 @@ fn body() -> Body {
 
 fn system(body: &Body) -> ContactSystem<'_> {
     let stick = body.stick_system(Some(JumpStabilization::default()));
-    ContactSystem::new(stick, &body.forces().unwrap(), &body.friction).unwrap()
+    ContactSystem::new(stick, &body.forces().unwrap(), |f| body.friction_of(f)).unwrap()
 }
 
 /// Every state somewhere, neighbours in different ones.
@@ -171,7 +171,8 @@ fn newton_on_a_fixed_state_reaches_the_laws_of_every_face() {
     let h = system.stick().h.as_ref().unwrap();
     let mut slipping = 0;
     for (f, state) in pattern(ContactState::Slip).iter().enumerate() {
-        let limit = body.friction[usize::from(body.fractures.faces[f].fracture)]
+        let limit = body
+            .friction_of(&body.fractures.faces[f])
             .unwrap()
             .limit(t[3 * f], 0.0);
         assert!(t[3 * f] < 0.0, "face {f} is in tension");

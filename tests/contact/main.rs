@@ -7,6 +7,7 @@ mod consistency;
 mod jacobian;
 mod known;
 mod patch;
+mod profiles;
 mod robust;
 mod scenes;
 mod slip;

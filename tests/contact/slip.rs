@@ -10,22 +10,22 @@ use fracas_operators::LinearOperator;
 use fracas_operators::random::Random;
 use fracas_solvers::Silent;
 
-fn seeds() -> std::ops::Range<u64> {
+pub(crate) fn seeds() -> std::ops::Range<u64> {
     let asked = std::env::var("FRACAS_SEEDS").ok();
     0..asked.map_or(4, |n| n.parse().unwrap())
 }
 
 /// An accepted step.
-struct Step {
-    before: State,
-    after: State,
-    fields: FaceFields,
-    energy: EnergyRecord,
-    record: StepRecord,
+pub(crate) struct Step {
+    pub(crate) before: State,
+    pub(crate) after: State,
+    pub(crate) fields: FaceFields,
+    pub(crate) energy: EnergyRecord,
+    pub(crate) record: StepRecord,
 }
 
 /// Runs to the end, or as far as it gets; true if to the end.
-fn steps(body: &Body, mut visit: impl FnMut(&Simulation<'_>, Step)) -> bool {
+pub(crate) fn steps(body: &Body, mut visit: impl FnMut(&Simulation<'_>, Step)) -> bool {
     let mut simulation = Simulation::new(body).unwrap();
     let end = simulation.run(&mut Silent, |simulation, before, done| {
         let step = Step {
@@ -44,7 +44,7 @@ fn steps(body: &Body, mut visit: impl FnMut(&Simulation<'_>, Step)) -> bool {
 }
 
 /// A box of random cells, perhaps thin in any direction, cut by a fault and sheared to and fro under 100 MPa.
-fn sheared(r: &mut Random, friction: &str) -> String {
+pub(crate) fn sheared(r: &mut Random, friction: &str) -> String {
     let cells = [0; 3].map(|_| r.whole(2, 5));
     let sizes = [0; 3].map(|_| r.scale(0.02, 1.0));
     let [lx, ly, lz] = [0, 1, 2].map(|i: usize| 2.0 * f64::from(cells[i]) * sizes[i]);
@@ -83,7 +83,7 @@ fn a_fault_that_cannot_slip_shows_none_and_keeps_its_friction() {
         let r = &mut Random::new(seed);
         let friction = "friction_angle = '31 deg'\ncohesion = '1 GPa'\ndynamic_friction_angle = '10 deg'\nweakening_distance = '1 um'\n";
         let body = body(&sheared(r, friction), &[]);
-        let law = body.friction[0].unwrap();
+        let law = body.friction_of(&body.fractures.faces[0]).unwrap();
         let finished = steps(&body, |simulation, step| {
             let (fields, state) = (&step.fields, &step.after);
             assert_eq!(step.record.faces[1..], [0; 3], "seed {seed}: all stick");

@@ -21,6 +21,7 @@ mod interface_crack;
 mod layers;
 mod plane_strain;
 mod pore_pressure;
+mod strip_load;
 mod tips;
 mod volume_control;
 mod weight;

@@ -166,7 +166,7 @@ impl<'a> Laboratory<'a> {
     /// Solves the body with every face in stick.
     pub(super) fn new(body: &'a Body, h: Option<JumpStabilization>) -> anyhow::Result<Self> {
         let stick = body.stick_system(h);
-        let system = ContactSystem::new(stick, &body.forces()?, &body.friction)?;
+        let system = ContactSystem::new(stick, &body.forces()?, |f| body.friction_of(f))?;
         let unit = system.stick().traction_unit();
         let blocks = system.stick().in_traction_unit(unit);
         let x = solve(&blocks, &blocks.rhs())?;

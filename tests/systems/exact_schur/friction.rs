@@ -137,7 +137,8 @@ fn slip_of_assembled_scenes_moves_eigenvalues_by_its_term() {
     for seed in scenes() {
         let body = super::scene(seed).build().unwrap();
         let stick = body.stick_system(Some(JumpStabilization::default()));
-        let system = ContactSystem::new(stick, &body.forces().unwrap(), &body.friction).unwrap();
+        let system =
+            ContactSystem::new(stick, &body.forces().unwrap(), |f| body.friction_of(f)).unwrap();
         let (n_u, n_t) = (system.stick().n_u(), system.stick().n_t());
         let sized = |n: usize, seed, size: f64| -> Vec<f64> {
             probe::<f64>(n, seed).iter().map(|v| size * v).collect()

@@ -1,0 +1,392 @@
+//! Properties of a fracture that change with depth: rows of a scene, and values along z.
+
+use super::located::{Located, at};
+use super::{FractureSection, Problem};
+use crate::contact::{Friction, Weakening};
+use crate::units::{Distance, FrictionAngle, Kind, Length, Measure, Strength, Stress};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A level of the `profile` of a [[fracture]]: what it has there.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LevelSection {
+    /// Its height; levels go up or down from row to row.
+    pub z: Measure<Length>,
+    /// Friction angle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction_angle: Option<Measure<FrictionAngle>>,
+    /// Cohesion.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cohesion: Option<Measure<Strength>>,
+    /// Friction angle after `weakening_distance` of slip.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dynamic_friction_angle: Option<Measure<FrictionAngle>>,
+    /// Slip over which friction weakens.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub weakening_distance: Option<Measure<Distance>>,
+    /// Pressure of the fluid inside.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pressure: Option<Measure<Stress>>,
+}
+
+/// A `profile` that makes no sense.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ProfileProblem {
+    /// A value of the whole fracture beside those of its levels.
+    #[error("fracture \"{name}\" has `{key}` and a `profile` with `{key}`; give one of them")]
+    Twice {
+        /// Its name.
+        name: String,
+        /// The key.
+        key: &'static str,
+    },
+    /// A profile without levels.
+    #[error(
+        "the `profile` of fracture \"{name}\" is empty; give levels, e.g. profile = [{{ z = \"-1 km\", friction_angle = \"30 deg\" }}, …]"
+    )]
+    Empty {
+        /// The fracture.
+        name: String,
+    },
+    /// A level without values.
+    #[error(
+        "this level of the `profile` of fracture \"{name}\" has no value; give `friction_angle`, `cohesion`, `dynamic_friction_angle`, `weakening_distance` or `pressure`"
+    )]
+    Idle {
+        /// The fracture.
+        name: String,
+    },
+    /// Levels that go up and down.
+    #[error(
+        "the levels in the `profile` of fracture \"{name}\" must go down, or up, from row to row: {level} m comes after {before} m"
+    )]
+    Unsorted {
+        /// The fracture.
+        name: String,
+        /// z of the row [m].
+        level: f64,
+        /// z of the row before [m].
+        before: f64,
+    },
+}
+
+/// Values between which there are others.
+pub trait Between: Copy {
+    /// That at a share of the way to `other`, 0 to 1.
+    fn between(self, other: Self, share: f64) -> Self;
+}
+
+impl Between for f64 {
+    fn between(self, other: Self, share: f64) -> Self {
+        self + share * (other - self)
+    }
+}
+
+impl Between for Friction {
+    fn between(self, other: Self, share: f64) -> Self {
+        let of = |a: f64, b: f64| a.between(b, share);
+        let weakening = self.weakening.zip(other.weakening).map(|(a, b)| Weakening {
+            angle: of(a.angle, b.angle),
+            distance: of(a.distance, b.distance),
+        });
+        Self {
+            angle: of(self.angle, other.angle),
+            cohesion: of(self.cohesion, other.cohesion),
+            weakening,
+        }
+    }
+}
+
+/// A value along z: linear from level to level, constant below the lowest and above the highest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Profile<T> {
+    /// z [m], increasing, and the value there; at least one.
+    levels: Vec<(f64, T)>,
+}
+
+impl<T: Between> Profile<T> {
+    /// The same everywhere.
+    pub fn constant(value: T) -> Self {
+        Self {
+            levels: vec![(0.0, value)],
+        }
+    }
+
+    /// The value at z [m].
+    pub fn at(&self, z: f64) -> T {
+        let above = self.levels.partition_point(|(level, _)| *level < z);
+        match (self.levels[..above].last(), self.levels.get(above)) {
+            (Some((low, a)), Some((high, b))) => a.between(*b, (z - low) / (high - low)),
+            (Some((_, value)), None) | (None, Some((_, value))) => *value,
+            (None, None) => unreachable!("a level at least"),
+        }
+    }
+
+    /// The values at the levels, from the lowest up.
+    pub fn values(&self) -> impl Iterator<Item = T> + '_ {
+        self.levels.iter().map(|(_, value)| *value)
+    }
+}
+
+/// A key of a fracture: one value, or one per level of its `profile`.
+struct Column(Option<Profile<f64>>);
+
+impl Column {
+    /// From the key itself and from the rows that have it.
+    ///
+    /// # Errors
+    /// Both are given.
+    fn new<K: Kind>(
+        (path, fracture): (&[&str; 2], &FractureSection),
+        key: &'static str,
+        own: Option<&Measure<K>>,
+        of: impl Fn(&LevelSection) -> Option<&Measure<K>>,
+    ) -> Result<Self, Located> {
+        let rows = fracture.profile.iter().flatten();
+        let given = rows.filter_map(|row| Some((row.z.si(), of(row)?.si())));
+        let mut levels: Vec<(f64, f64)> = given.collect();
+        levels.sort_by(|a, b| a.0.total_cmp(&b.0));
+        match (own, levels.is_empty()) {
+            (Some(_), false) => {
+                let name = fracture.name.clone();
+                let path = [path[0], path[1], key];
+                Err(at(&path, ProfileProblem::Twice { name, key }))
+            }
+            (Some(value), true) => Ok(Self(Some(Profile::constant(value.si())))),
+            (None, true) => Ok(Self(None)),
+            (None, false) => Ok(Self(Some(Profile { levels }))),
+        }
+    }
+
+    fn levels(&self) -> impl Iterator<Item = f64> + '_ {
+        self.0.iter().flat_map(|p| p.levels.iter().map(|(z, _)| *z))
+    }
+
+    /// Its value; 0 where it has none.
+    fn at(&self, z: f64) -> f64 {
+        self.0.as_ref().map_or(0.0, |profile| profile.at(z))
+    }
+}
+
+/// Refuses levels that do not go up, or down, from row to row, and rows that say nothing.
+fn require_levels(path: &[&str; 2], fracture: &FractureSection) -> Result<(), Located> {
+    let Some(rows) = &fracture.profile else {
+        return Ok(());
+    };
+    let name = || fracture.name.clone();
+    let refuse = |row: usize, problem: ProfileProblem| {
+        let row = row.to_string();
+        Err(at(&[path[0], path[1], "profile", &row], problem))
+    };
+    if rows.is_empty() {
+        return Err(at(
+            &[path[0], path[1], "profile"],
+            ProfileProblem::Empty { name: name() },
+        ));
+    }
+    for (i, row) in rows.iter().enumerate() {
+        let says = row.friction_angle.is_some()
+            || row.cohesion.is_some()
+            || row.dynamic_friction_angle.is_some()
+            || row.weakening_distance.is_some()
+            || row.pressure.is_some();
+        if !says {
+            return refuse(i, ProfileProblem::Idle { name: name() });
+        }
+    }
+    let z: Vec<f64> = rows.iter().map(|row| row.z.si()).collect();
+    for i in 1..z.len() {
+        let (step, first) = (z[i] - z[i - 1], z[1] - z[0]);
+        if step == 0.0 || step.signum() != first.signum() {
+            let (before, level) = (z[i - 1], z[i]);
+            return refuse(
+                i,
+                ProfileProblem::Unsorted {
+                    name: name(),
+                    level,
+                    before,
+                },
+            );
+        }
+    }
+    Ok(())
+}
+
+/// Friction of a fracture along z; none where the scene gives neither angle nor cohesion.
+///
+/// # Errors
+/// Levels out of order, a key here and there, half of the weakening data.
+pub(super) fn friction(
+    number: usize,
+    fracture: &FractureSection,
+) -> Result<Option<Profile<Friction>>, Located> {
+    let number = number.to_string();
+    let path = ["fracture", number.as_str()];
+    require_levels(&path, fracture)?;
+    let place = (&path, fracture);
+    let angle = Column::new(
+        place,
+        "friction_angle",
+        fracture.friction_angle.as_ref(),
+        |row| row.friction_angle.as_ref(),
+    )?;
+    let cohesion = Column::new(place, "cohesion", fracture.cohesion.as_ref(), |row| {
+        row.cohesion.as_ref()
+    })?;
+    let dynamic = Column::new(
+        place,
+        "dynamic_friction_angle",
+        fracture.dynamic_friction_angle.as_ref(),
+        |row| row.dynamic_friction_angle.as_ref(),
+    )?;
+    let distance = Column::new(
+        place,
+        "weakening_distance",
+        fracture.weakening_distance.as_ref(),
+        |row| row.weakening_distance.as_ref(),
+    )?;
+    let above_zero = |column: &Profile<f64>| column.values().all(|value| value > 0.0);
+    let weakens = match (&angle.0, &dynamic.0, &distance.0) {
+        (_, None, None) => false,
+        (Some(_), Some(_), Some(distance)) if above_zero(distance) => true,
+        _ => {
+            let name = fracture.name.clone();
+            return Err(at(&path, Problem::Weakening { name }));
+        }
+    };
+    if angle.0.is_none() && cohesion.0.is_none() {
+        return Ok(None);
+    }
+    let columns = [&angle, &cohesion, &dynamic, &distance];
+    let mut levels: Vec<f64> = columns.into_iter().flat_map(Column::levels).collect();
+    levels.sort_by(f64::total_cmp);
+    levels.dedup();
+    let of = |z: f64| Friction {
+        angle: angle.at(z),
+        cohesion: cohesion.at(z),
+        weakening: weakens.then(|| Weakening {
+            angle: dynamic.at(z),
+            distance: distance.at(z),
+        }),
+    };
+    let levels = levels.into_iter().map(|z| (z, of(z))).collect();
+    Ok(Some(Profile { levels }))
+}
+
+/// Pressure in a fracture along z [Pa]; 0 where the scene gives none.
+///
+/// # Errors
+/// A pressure of its own and one in the `profile`.
+pub(super) fn pressure(number: usize, fracture: &FractureSection) -> Result<Profile<f64>, Located> {
+    let number = number.to_string();
+    let place = (&["fracture", number.as_str()], fracture);
+    let column = Column::new(place, "pressure", fracture.pressure.as_ref(), |row| {
+        row.pressure.as_ref()
+    })?;
+    Ok(column.0.unwrap_or_else(|| Profile::constant(0.0)))
+}
+
+impl FractureSection {
+    /// True where it has a pressure of its own, here or there.
+    pub(super) fn has_pressure(&self) -> bool {
+        let mut rows = self.profile.iter().flatten();
+        self.pressure.is_some() || rows.any(|row| row.pressure.is_some())
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use fracas_operators::random::Random;
+
+    fn fracture(text: &str) -> FractureSection {
+        toml::from_str(&format!("name = \"F\"\n{text}")).unwrap()
+    }
+
+    fn problem(text: &str) -> (String, String) {
+        match friction(2, &fracture(text)) {
+            Err(located) => (located.path.join("."), located.problem.to_string()),
+            Ok(found) => panic!("{found:?}"),
+        }
+    }
+
+    /// Claim: every key is linear between the rows that have it, and constant beyond them, whatever the other keys and the order.
+    #[test]
+    fn keys_are_linear_between_their_own_levels() {
+        let mut random = Random::new(4);
+        for _ in 0..200 {
+            let mut z: Vec<f64> = (0..2 + random.below(4))
+                .map(|_| -random.between(1.0, 3e3))
+                .collect();
+            z.sort_by(f64::total_cmp);
+            if random.chance(0.5) {
+                z.reverse();
+            }
+            let (mut rows, mut angles, mut cohesions) = (String::new(), Vec::new(), Vec::new());
+            for z in &z {
+                rows += &format!("{{ z = \"{z} m\"");
+                let has = [random.chance(0.6), random.chance(0.6)];
+                if has[0] || !has[1] {
+                    angles.push((*z, random.between(5.0, 40.0)));
+                    rows += &format!(", friction_angle = \"{} deg\"", angles[angles.len() - 1].1);
+                }
+                if has[1] {
+                    cohesions.push((*z, random.between(0.0, 9.0)));
+                    rows += &format!(", cohesion = \"{} MPa\"", cohesions[cohesions.len() - 1].1);
+                }
+                rows += " }, ";
+            }
+            let found = friction(0, &fracture(&format!("profile = [{rows}]")));
+            let found = found.ok().flatten().unwrap();
+            let linear = |rows: &mut Vec<(f64, f64)>, z: f64| {
+                rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+                let clamped = z.clamp(rows[0].0, rows[rows.len() - 1].0);
+                let pair = rows
+                    .windows(2)
+                    .find(|w| w[0].0 <= clamped && clamped <= w[1].0);
+                pair.map_or(rows[0].1, |w| {
+                    w[0].1 + (clamped - w[0].0) / (w[1].0 - w[0].0) * (w[1].1 - w[0].1)
+                })
+            };
+            for _ in 0..20 {
+                let z = -random.between(0.0, 3.2e3);
+                let at = found.at(z);
+                if !angles.is_empty() {
+                    let expected = linear(&mut angles, z).to_radians();
+                    assert!((at.angle - expected).abs() < 1e-12, "{at:?} {expected}");
+                }
+                if !cohesions.is_empty() {
+                    let expected = 1e6 * linear(&mut cohesions, z);
+                    assert!((at.cohesion - expected).abs() < 1e-5, "{at:?} {expected}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_told_with_its_row() {
+        let (path, said) = problem(
+            "friction_angle = \"30 deg\"\nprofile = [{ z = \"0 m\", friction_angle = \"20 deg\" }]",
+        );
+        assert_eq!(path, "fracture.2.friction_angle");
+        assert!(said.contains("`profile`"), "{said}");
+        let row = |z: &str| format!("{{ z = \"{z}\", cohesion = \"1 MPa\" }}");
+        for z in [["0 m", "-1 m", "-1 m"], ["0 m", "-2 m", "-1 m"]] {
+            let rows: Vec<String> = z.iter().map(|z| row(z)).collect();
+            let (path, said) = problem(&format!("profile = [{}]", rows.join(", ")));
+            assert_eq!(path, "fracture.2.profile.2");
+            assert!(said.contains("-1 m"), "{said}");
+        }
+        assert_eq!(problem("profile = []").0, "fracture.2.profile");
+        assert_eq!(
+            problem("profile = [{ z = \"0 m\" }]").0,
+            "fracture.2.profile.0"
+        );
+        let half = "profile = [{ z = \"0 m\", friction_angle = \"30 deg\", dynamic_friction_angle = \"10 deg\" }]";
+        assert!(problem(half).1.contains("weakens only"));
+        let still = "friction_angle = \"30 deg\"\ndynamic_friction_angle = \"10 deg\"\nprofile = [{ z = \"0 m\", weakening_distance = \"0 mm\" }, { z = \"1 m\", weakening_distance = \"2 mm\" }]";
+        assert!(problem(still).1.contains("weakens only"));
+    }
+}
