@@ -1,7 +1,7 @@
 //! The coupling block B: tractions on faces push on the nodes of both sides.
 
 use crate::elasticity::Constraints;
-use crate::mesh::FractureMesh;
+use crate::mesh::{FractureFace, FractureMesh};
 use fracas_operators::operator::assert_product;
 use fracas_operators::sparse::{SparseMatrix, Triplets};
 use fracas_operators::vector::for_row_ranges;
@@ -13,7 +13,8 @@ const PRESCRIBED: u32 = u32::MAX;
 /// Faces, or nodes, that one thread handles without splitting.
 const GRAIN: usize = 512;
 
-/// One face: `B[(a, i), (f, k)] = ± ∫_f N_a dS · e_k[i]`, + on the + side; nodes count in [`Coupling::unknowns`].
+/// One face: `B[(a, i), (f, k)] = ± ∫_f N_a dS · e_k[i]`, + on the + side, and for k = n of a face that is not plane `± ∫_f N_a n[i] dS`, n the
+/// normal of every point; nodes count in [`Coupling::unknowns`].
 #[derive(Clone, Copy, Debug)]
 struct Face<R> {
     minus: [u32; 4],
@@ -48,22 +49,42 @@ pub struct Coupling<R> {
     unknowns: Vec<[u32; 3]>,
     pushed: Vec<Pushed>,
     around: Vec<(u32, R)>,
+    /// What a normal traction pushes beyond `∫ N_a dS n`, beside every entry of `around`; empty where every face is plane.
+    around_tilts: Vec<[R; 3]>,
+    /// The same per face and corner.
+    tilts: Vec<[[R; 3]; 4]>,
 }
 
-/// `(node, face, weight)` for every node that belongs to one side only; at a tip both sides share the node, their
-/// forces cancel and nothing is stored.
-fn weights(fractures: &FractureMesh) -> Vec<(u32, u32, f64)> {
+/// A node on one side of a face.
+struct Side {
+    node: u32,
+    face: u32,
+    /// `± ∫ N_a dS` [m²].
+    weight: f64,
+    /// `± ∫ N_a (n(x) − n) dS` [m²].
+    tilt: [f64; 3],
+}
+
+/// Every node that belongs to one side only, node by node; at a tip both sides share the node, their forces cancel and nothing is stored.
+fn sides(fractures: &FractureMesh) -> Vec<Side> {
     let mut list = Vec::with_capacity(8 * fractures.faces.len());
     for (f, face) in fractures.faces.iter().enumerate() {
         for a in 0..4 {
             let (minus, plus) = (face.minus.nodes[a], face.plus.nodes[a]);
             if minus != plus {
-                list.push((minus, f as u32, -face.node_areas[a]));
-                list.push((plus, f as u32, face.node_areas[a]));
+                let tilt = face.tilts.as_ref().map_or([0.0; 3], |tilts| tilts[a]);
+                for (node, sign) in [(minus, -1.0), (plus, 1.0)] {
+                    list.push(Side {
+                        node,
+                        face: f as u32,
+                        weight: sign * face.node_areas[a],
+                        tilt: tilt.map(|t| sign * t),
+                    });
+                }
             }
         }
     }
-    list.sort_unstable_by_key(|(node, face, _)| (*node, *face));
+    list.sort_unstable_by_key(|side| (side.node, side.face));
     list
 }
 
@@ -104,11 +125,16 @@ impl<R: Real> Coupling<R> {
             })
             .collect();
 
+        let is_plane = fractures.faces.iter().all(|f| f.tilts.is_none());
         let (mut pushed, mut around): (Vec<Pushed>, Vec<(u32, R)>) = Default::default();
-        for group in weights(fractures).chunk_by(|a, b| a.0 == b.0) {
+        let mut around_tilts = Vec::new();
+        for group in sides(fractures).chunk_by(|a, b| a.node == b.node) {
             let first = around.len() as u32;
-            around.extend(group.iter().map(|(_, f, w)| (*f, R::of(*w))));
-            let unknowns = unknowns[local(group[0].0) as usize];
+            around.extend(group.iter().map(|side| (side.face, R::of(side.weight))));
+            if !is_plane {
+                around_tilts.extend(group.iter().map(|side| side.tilt.map(R::of)));
+            }
+            let unknowns = unknowns[local(group[0].node) as usize];
             if unknowns != [PRESCRIBED; 3] {
                 let last = around.len() as u32;
                 pushed.push(Pushed {
@@ -124,7 +150,28 @@ impl<R: Real> Coupling<R> {
             unknowns,
             pushed,
             around,
+            around_tilts,
+            tilts: match is_plane {
+                true => Vec::new(),
+                false => fractures.faces.iter().map(tilts_of).collect(),
+            },
         }
+    }
+
+    /// What a unit traction along k = n, t1, t2 pushes on a node, face by face, as `(face, k, weight, direction)`.
+    fn columns(&self, node: &Pushed) -> impl Iterator<Item = (usize, usize, R, [R; 3])> + '_ {
+        let places = node.first as usize..node.last as usize;
+        places.flat_map(move |place| {
+            let (face, weight) = self.around[place];
+            let frame = self.faces[face as usize].frame;
+            (0..3).map(move |k| {
+                let mut direction = frame[k];
+                if let (0, Some(tilt)) = (k, self.around_tilts.get(place)) {
+                    (0..3).for_each(|i| direction[i] += tilt[i] / weight);
+                }
+                (face as usize, k, weight, direction)
+            })
+        })
     }
 
     /// `s B`: the coupling of tractions counted in units of s.
@@ -133,6 +180,9 @@ impl<R: Real> Coupling<R> {
         let weights = self.around.iter_mut().map(|(_, weight)| weight);
         let areas = self.faces.iter_mut().flat_map(|face| &mut face.node_areas);
         weights.chain(areas).for_each(|factor| *factor *= unit);
+        let of_faces = self.tilts.iter_mut().flatten();
+        let tilts = self.around_tilts.iter_mut().chain(of_faces).flatten();
+        tilts.for_each(|factor| *factor *= unit);
         self
     }
 
@@ -140,12 +190,10 @@ impl<R: Real> Coupling<R> {
     pub fn largest_entry(&self) -> R {
         let mut largest = R::zero();
         for node in &self.pushed {
-            for (f, weight) in &self.around[node.first as usize..node.last as usize] {
-                for e in &self.faces[*f as usize].frame {
-                    for (row, e_i) in node.unknowns.iter().zip(e) {
-                        if *row != PRESCRIBED {
-                            largest = largest.max((*weight * *e_i).abs());
-                        }
+            for (_, _, weight, e) in self.columns(node) {
+                for (row, e_i) in node.unknowns.iter().zip(e) {
+                    if *row != PRESCRIBED {
+                        largest = largest.max((weight * e_i).abs());
                     }
                 }
             }
@@ -161,11 +209,9 @@ impl<R: Real> Coupling<R> {
                 PRESCRIBED => R::zero(),
                 j => u[j as usize].abs(),
             });
-            for (f, weight) in &self.around[node.first as usize..node.last as usize] {
-                for (k, e) in self.faces[*f as usize].frame.iter().enumerate() {
-                    let jump = e[0].abs() * size[0] + e[1].abs() * size[1] + e[2].abs() * size[2];
-                    y[3 * *f as usize + k] += weight.abs() * jump;
-                }
+            for (f, k, weight, e) in self.columns(node) {
+                let jump = e[0].abs() * size[0] + e[1].abs() * size[1] + e[2].abs() * size[2];
+                y[3 * f + k] += weight.abs() * jump;
             }
         }
     }
@@ -178,11 +224,9 @@ impl<R: Real> Coupling<R> {
                 PRESCRIBED => R::zero(),
                 j => w[j as usize],
             });
-            for (f, weight) in &self.around[node.first as usize..node.last as usize] {
-                for (k, e) in self.faces[*f as usize].frame.iter().enumerate() {
-                    let sum = w[0] * e[0] * e[0] + w[1] * e[1] * e[1] + w[2] * e[2] * e[2];
-                    y[3 * *f as usize + k] += *weight * *weight * sum;
-                }
+            for (f, k, weight, e) in self.columns(node) {
+                let sum = w[0] * e[0] * e[0] + w[1] * e[1] * e[1] + w[2] * e[2] * e[2];
+                y[3 * f + k] += weight * weight * sum;
             }
         }
     }
@@ -193,6 +237,8 @@ impl<R: Real> Coupling<R> {
             + size_of_val(&*self.unknowns)
             + size_of_val(&*self.pushed)
             + size_of_val(&*self.around)
+            + size_of_val(&*self.around_tilts)
+            + size_of_val(&*self.tilts)
     }
 
     /// Forces on the nodes, splitting the list of nodes and `y` together (both are ordered).
@@ -219,6 +265,12 @@ impl<R: Real> Coupling<R> {
                     force[i] += *weight * (e[0][i] * t[0] + e[1][i] * t[1] + e[2][i] * t[2]);
                 }
             }
+            if !self.around_tilts.is_empty() {
+                for place in node.first as usize..node.last as usize {
+                    let t_n = t[3 * self.around[place].0 as usize];
+                    (0..3).for_each(|i| force[i] += self.around_tilts[place][i] * t_n);
+                }
+            }
             for (row, f_i) in node.unknowns.iter().zip(force) {
                 if *row != PRESCRIBED {
                     y[*row as usize - offset] += alpha * f_i;
@@ -233,12 +285,10 @@ impl Coupling<f64> {
     pub fn assemble(&self) -> SparseMatrix<f64> {
         let mut b = Triplets::new((self.rows, 3 * self.faces.len()));
         for node in &self.pushed {
-            for (f, weight) in &self.around[node.first as usize..node.last as usize] {
-                for (k, e) in self.faces[*f as usize].frame.iter().enumerate() {
-                    for (row, e_i) in node.unknowns.iter().zip(e) {
-                        if *row != PRESCRIBED && *e_i != 0.0 {
-                            b.add_triplet(*row as usize, 3 * *f as usize + k, weight * e_i);
-                        }
+            for (f, k, weight, e) in self.columns(node) {
+                for (row, e_i) in node.unknowns.iter().zip(e) {
+                    if *row != PRESCRIBED && e_i != 0.0 {
+                        b.add_triplet(*row as usize, 3 * f + k, weight * e_i);
                     }
                 }
             }
@@ -247,15 +297,22 @@ impl Coupling<f64> {
     }
 }
 
+/// Those of a face, 0 where it is plane.
+fn tilts_of<R: Real>(face: &FractureFace) -> [[R; 3]; 4] {
+    let zero = [[R::zero(); 3]; 4];
+    (face.tilts.as_ref()).map_or(zero, |tilts| tilts.map(|tilt| tilt.map(R::of)))
+}
+
 /// `B_cᵀ u_c`: the area-weighted jump that the prescribed displacements alone make, one entry per traction [m³].
 pub fn prescribed_jump(fractures: &FractureMesh, constraints: &Constraints) -> Vec<f64> {
     let mut jump = vec![0.0; 3 * fractures.faces.len()];
-    for (node, f, weight) in weights(fractures) {
-        let (node, f) = (node as usize, f as usize);
+    for side in sides(fractures) {
+        let (node, f) = (side.node as usize, side.face as usize);
         for (k, e) in fractures.faces[f].frame.iter().enumerate() {
             for (i, e_i) in e.iter().enumerate() {
                 let u_c = constraints.value(3 * node + i).unwrap_or(0.0);
-                jump[3 * f + k] += weight * e_i * u_c;
+                let tilt = if k == 0 { side.tilt[i] } else { 0.0 };
+                jump[3 * f + k] += (side.weight * e_i + tilt) * u_c;
             }
         }
     }
@@ -273,7 +330,8 @@ impl<R: Real> LinearOperator<R> for Coupling<R> {
     }
 
     fn flops(&self) -> u64 {
-        21 * self.around.len() as u64 + 6 * self.pushed.len() as u64
+        let tilts = 6 * self.around_tilts.len() as u64;
+        21 * self.around.len() as u64 + 6 * self.pushed.len() as u64 + tilts
     }
 }
 
@@ -287,13 +345,18 @@ impl<R: Real> AdjointOperator<R> for Coupling<R> {
         for_row_ranges(0, 3 * GRAIN, y, &|start, part| {
             for (f, g) in part.chunks_exact_mut(3).enumerate() {
                 let face = &self.faces[start / 3 + f];
-                let mut jump = [R::zero(); 3];
+                let (mut jump, mut tilted) = ([R::zero(); 3], R::zero());
+                let tilts = self.tilts.get(start / 3 + f);
                 for a in 0..4 {
                     for i in 0..3 {
                         let du = u(face.plus[a], i) - u(face.minus[a], i);
                         jump[i] += face.node_areas[a] * du;
+                        if let Some(tilts) = tilts {
+                            tilted += tilts[a][i] * du;
+                        }
                     }
                 }
+                g[0] += alpha * tilted;
                 for (g_k, e) in g.iter_mut().zip(&face.frame) {
                     *g_k += alpha * (e[0] * jump[0] + e[1] * jump[1] + e[2] * jump[2]);
                 }
@@ -303,6 +366,6 @@ impl<R: Real> AdjointOperator<R> for Coupling<R> {
 
     fn adjoint_flops(&self) -> u64 {
         // jumps of four pairs of nodes, their components in the frame of the face
-        57 * self.faces.len() as u64
+        57 * self.faces.len() as u64 + 26 * self.tilts.len() as u64
     }
 }

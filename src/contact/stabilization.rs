@@ -3,6 +3,7 @@
 mod interfaces;
 mod junctions;
 mod lengths;
+mod turned;
 
 use super::ContactState;
 use crate::elasticity::Elastic;
@@ -14,6 +15,7 @@ pub use interfaces::{Interfaces, Rocks};
 pub use junctions::Junctions;
 pub use lengths::{Lengths, Side, side_stiffness};
 use lengths::{Tensor, inverse};
+use turned::in_one_plane;
 
 /// `H(μ, t) = Σ_e [[μ]]_e · Y⁽ᵉ⁾ · [[t]]_e` over the inner edges e of every fracture.
 ///
@@ -21,10 +23,10 @@ use lengths::{Tensor, inverse};
 /// ```text
 /// k_{F,side} = s E/((1+ν)(1−2ν)) (2/9)(2−3ν) A_F d G       G = (a aᵀ + b bᵀ + d² n nᵀ)⁻¹: diag(1/h_j²) of a brick
 /// Y          = Σ_side (k_{K,side} + k_{L,side})⁻¹ · Σ_{a ∈ the 2 edge nodes} A_{K,a} A_{L,a}        A_{K,a} = ∫_K N_a dS
-/// H         += [ R_K Y R_Kᵀ  −R_K Y R_Lᵀ ; −R_L Y R_Kᵀ  R_L Y R_Lᵀ ]        rows of R_F: the frame of F
+/// H         += [ R_K Y R_Kᵀ  −R_K Y R_Lᵀ ; −R_L Y R_Kᵀ  R_L Y R_Lᵀ ]        rows of R_F: the frame of F, turned into one plane
 /// ```
-/// On a planar fracture R_K = R_L, which is the published form; across a bend the jump is taken of the traction vector,
-/// so a constant vector is never penalised. An element is as deep as its volume says, or as its face is wide where that is more
+/// On a planar fracture R_K = R_L, which is the published form. Across a bend both frames are turned by the shortest way to the normal
+/// half-way between theirs, so that a normal traction is compared with a normal one: a pressure all round is penalised nowhere. An element is as deep as its volume says, or as its face is wide where that is more
 /// ([`Lengths::Deep`]). The published weights ([`Lengths::Box`]) are those of the bounding box, V and diag(1/h_j²), which are the
 /// same for bricks along the axes that are no thinner; elsewhere they depend on how the body is turned. What becomes of edges at which fractures meet
 /// say [`Junctions`], of those at which materials do [`Interfaces`].
@@ -111,9 +113,11 @@ impl JumpStabilization {
                 let through = others.iter().all(|f| state(*f as usize).constrained() == 3);
                 let shared = if through { shared[0].min(shared[1]) } else { 0 };
                 let y = self.weight(edge, fractures, &beside);
+                let frames = in_one_plane(ends.map(|f| &faces[f]));
+                let frame = |g: usize| &frames[usize::from(g == ends[1])];
                 for g in ends {
                     let sign = if f == g { 1.0 } else { -1.0 };
-                    let [r_f, r_g] = [f, g].map(|f| &faces[f].frame);
+                    let [r_f, r_g] = [f, g].map(frame);
                     let place = row.iter().position(|(column, _)| *column == g);
                     let place = place.unwrap_or_else(|| {
                         row.push((g, [[0.0; 3]; 3]));

@@ -2,7 +2,7 @@
 
 use super::element::{GaussPoints, gauss_point, shape_functions};
 use super::{ElasticityError, check};
-use crate::mesh::{FaceGeometry, FractureFace, HexMesh, face_geometry, for_each_point};
+use crate::mesh::{FractureFace, HexMesh, face_geometry, for_each_point};
 
 /// Stress in the order xx, yy, zz, xy, yz, xz [Pa].
 pub type Voigt = [f64; 6];
@@ -65,35 +65,20 @@ pub fn surface_pressure(nodes: &[[f64; 3]], faces: &[[u32; 4]], pressure: f64) -
     for face in faces {
         let corners = face.map(|node| nodes[node as usize]);
         let shape = face_geometry(&corners);
-        let mut shares = [[0.0; 3]; 4];
-        match is_plane(&corners, &shape) {
-            // equal nodes of equal faces have equal forces, to the last bit
-            true => {
-                let t = shape.frame[0].map(|n| -pressure * n);
-                shares = shape.node_areas.map(|area| t.map(|t| area * t));
-            }
-            false => for_each_point(&corners, |_, shape, n| {
-                for (share, shape) in shares.iter_mut().zip(shape) {
-                    (0..3).for_each(|i| share[i] -= pressure * shape * n[i]);
-                }
-            }),
+        // equal nodes of equal faces have equal forces, to the last bit
+        let t = shape.frame[0].map(|n| -pressure * n);
+        let mut shares = shape.node_areas.map(|area| t.map(|t| area * t));
+        for (share, tilt) in shares
+            .iter_mut()
+            .zip(shape.tilts(&corners).iter().flatten())
+        {
+            (0..3).for_each(|i| share[i] -= pressure * tilt[i]);
         }
         for (node, share) in face.iter().zip(shares) {
             (0..3).for_each(|i| force[3 * *node as usize + i] += share[i]);
         }
     }
     force
-}
-
-/// Height of the corners of a face over its mean plane that is rounding, relative to its size and its distance from the origin. Unit: 1.
-const FLAT: f64 = 1e-12;
-
-fn is_plane(corners: &[[f64; 3]; 4], shape: &FaceGeometry) -> bool {
-    let n = shape.frame[0];
-    let height = |x: &[f64; 3]| -> f64 { (0..3).map(|i| n[i] * (x[i] - shape.center[i])).sum() };
-    let far = corners.iter().flatten().fold(0.0f64, |m, x| m.max(x.abs()));
-    let size = shape.area.sqrt().max(far);
-    corners.iter().all(|x| height(x).abs() <= FLAT * size)
 }
 
 /// Forces of an initial stress: `f = −∫ Bᵀ σ0 dV`; `stress(region, x)` in [Pa], tension positive.
@@ -124,7 +109,7 @@ pub fn initial_stress(
     Ok(force)
 }
 
-/// What an initial stress pulls on the corners of a face beyond its mean on it, `∫ N_a σ0 n dS − A_a σ0(centre) n` [N]; `pull(x, n)` is
+/// What an initial stress pulls on the corners of a face beyond its mean on it, `∫ N_a σ0 n dS − B σ0(centre) n` [N]; `pull(x, n)` is
 /// σ0 n. 0 where that is rounding.
 ///
 /// [`initial_stress`] is that of the cut body, and a closed face holds its two sides by one traction: where σ0 grows with depth, its corners
@@ -137,6 +122,13 @@ pub fn pull_beyond_mean(
     let corners = face.minus.nodes.map(|node| mesh.nodes[node as usize]);
     let mean = pull(face.center, face.frame[0]);
     let mut beyond = face.node_areas.map(|area| mean.map(|t| -area * t));
+    let normal: f64 = (0..3).map(|i| mean[i] * face.frame[0][i]).sum();
+    for (beyond, tilt) in beyond
+        .iter_mut()
+        .zip(face.tilts.iter().flat_map(|t| t.iter()))
+    {
+        (0..3).for_each(|i| beyond[i] -= normal * tilt[i]);
+    }
     let mut size = mean
         .iter()
         .fold(0.0, |m: f64, t| m.max(face.area * t.abs()));

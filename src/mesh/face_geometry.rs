@@ -19,7 +19,7 @@ pub struct FaceGeometry {
 }
 
 /// a × b.
-pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -28,12 +28,12 @@ pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 }
 
 /// a · b.
-pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// a − b.
-pub(super) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub(crate) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
@@ -98,6 +98,34 @@ pub fn face_geometry(x: &[[f64; 3]; 4]) -> FaceGeometry {
         center: moment.map(|m| m / area),
         frame: frame(unit(cross(minus(x[2], x[0]), minus(x[3], x[1])))),
         node_areas,
+    }
+}
+
+/// Height of the corners of a face over its mean plane that is rounding, relative to its size and its distance from the origin. Unit: 1.
+const FLAT: f64 = 1e-12;
+
+impl FaceGeometry {
+    /// True where these corners, of which it is the geometry, lie in one plane.
+    pub fn is_plane(&self, corners: &[[f64; 3]; 4]) -> bool {
+        let height = |x: &[f64; 3]| dot(self.frame[0], minus(*x, self.center));
+        let far = corners.iter().flatten().fold(0.0f64, |m, x| m.max(x.abs()));
+        let size = self.area.sqrt().max(far);
+        corners.iter().all(|x| height(x).abs() <= FLAT * size)
+    }
+
+    /// `∫ N_a (n(x) − n) dS` at these corners, n(x) the normal of every point [m²]; `None` for a plane face.
+    pub fn tilts(&self, corners: &[[f64; 3]; 4]) -> Option<[[f64; 3]; 4]> {
+        if self.is_plane(corners) {
+            return None;
+        }
+        let n = self.frame[0];
+        let mut tilts = self.node_areas.map(|area| n.map(|n| -area * n));
+        for_each_point(corners, |_, shape, normal| {
+            for (tilt, shape) in tilts.iter_mut().zip(shape) {
+                (0..3).for_each(|i| tilt[i] += shape * normal[i]);
+            }
+        });
+        Some(tilts)
     }
 }
 

@@ -28,6 +28,8 @@ pub struct FractureFace {
     pub frame: [[f64; 3]; 3],
     /// ∫_f N_a dS for the four nodes [m²].
     pub node_areas: [f64; 4],
+    /// ∫_f N_a (n(x) − n) dS for the four nodes of a face that is not plane [m²].
+    pub tilts: Option<Box<[[f64; 3]; 4]>>,
 }
 
 /// An edge shared by exactly two faces of one fracture and by no other fracture face.
@@ -72,7 +74,8 @@ impl FractureMesh {
         mesh: &HexMesh,
     ) -> Self {
         let face = |(cut, (minus, plus)): (&Cut, &(FaceSide, FaceSide))| {
-            let shape = face_geometry(&minus.nodes.map(|n| mesh.nodes[n as usize]));
+            let corners = minus.nodes.map(|n| mesh.nodes[n as usize]);
+            let shape = face_geometry(&corners);
             FractureFace {
                 fracture: cut.fracture,
                 minus: *minus,
@@ -80,6 +83,7 @@ impl FractureMesh {
                 area: shape.area,
                 center: shape.center,
                 frame: shape.frame,
+                tilts: shape.tilts(&corners).map(Box::new),
                 node_areas: shape.node_areas,
             }
         };

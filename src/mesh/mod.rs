@@ -34,8 +34,8 @@ pub use bodies::{BodyPart, Hold, bodies};
 pub use box_grid::{BoxGrid, BoxRegion, BuiltMesh};
 pub use disc::Disc;
 pub use error::{MAX_NODES, MeshError};
-pub(crate) use face_geometry::for_each_point;
 pub use face_geometry::{FaceGeometry, face_geometry};
+pub(crate) use face_geometry::{cross, dot, for_each_point, minus};
 pub use fracture_edges::fracture_edges;
 pub use fracture_mesh::{Crossing, FaceSide, FractureEdge, FractureFace, FractureMesh};
 pub use gmsh::{

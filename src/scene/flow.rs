@@ -3,12 +3,12 @@
 use super::flow_sections::SourceSection;
 use super::history::Histories;
 use super::located::{Located, at};
-use super::outline::{Outline, dot, minus};
+use super::outline::Outline;
 use super::sections::{SceneSections, SideName};
 use super::wells::wells;
 use super::{FlowProblem, Problem};
 use crate::flow::{Channel, Fluid, Given, Place, Source, edge_ends};
-use crate::mesh::{BuiltMesh, FractureFace};
+use crate::mesh::{BuiltMesh, FractureFace, dot, minus};
 use crate::nearest::nearest;
 use crate::units::Measure;
 

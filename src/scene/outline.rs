@@ -1,27 +1,12 @@
 //! Where points and lines lie on a fracture face.
 
-use crate::mesh::{BuiltMesh, FractureFace};
+use crate::mesh::{BuiltMesh, FractureFace, cross, dot, minus};
 
 /// Share of the radius of a face by which a point may lie beside it. Unit: 1.
 const ON_FACE: f64 = 1e-6;
 
 /// Sine of the angle between a line and a plane below which they are parallel. Unit: 1.
 const PARALLEL: f64 = 1e-6;
-
-pub(super) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|i| a[i] - b[i])
-}
-
-pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|i| {
-        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        a[j] * b[k] - a[k] * b[j]
-    })
-}
 
 /// How a line meets a face.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,11 +3,11 @@
 use super::flow_sections::WellSection;
 use super::history::Histories;
 use super::located::{Located, at};
-use super::outline::{Meeting, Outline, dot, minus};
+use super::outline::{Meeting, Outline};
 use super::sections::SceneSections;
 use super::{FlowProblem, Problem};
 use crate::flow::{Well, WellGiven};
-use crate::mesh::{BuiltMesh, FractureFace};
+use crate::mesh::{BuiltMesh, FractureFace, dot, minus};
 use crate::units::Measure;
 use std::f64::consts::TAU;
 

@@ -33,8 +33,8 @@ fn faces_have_the_friction_and_the_pressure_of_their_depth() {
         let text = sheared(r, "friction_angle = '1 deg'\n");
         let plain = body(&text, &[]);
         let top = plain.mesh.nodes.iter().fold(0.0, |m: f64, x| m.max(x[2]));
-        let angles = levels(r, top, [2.0, 25.0]);
-        let cohesions = levels(r, top, [0.0, 5.0]);
+        let angles = levels(r, top, [0.2, 3.0]);
+        let cohesions = levels(r, top, [0.0, 1.0]);
         let pressures = levels(r, top, [0.0, 20.0]);
         // each key at levels of its own
         let mut all: Vec<(f64, String)> = Vec::new();

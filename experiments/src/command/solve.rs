@@ -65,7 +65,7 @@ enum RhsName {
     Folder,
     /// `b_i = sin(i)`, i = 1…n.
     Sin,
-    /// `b_i = 1`.
+    /// `b_i = 1`, tractions in the unit that balances the blocks.
     Ones,
 }
 

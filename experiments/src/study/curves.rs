@@ -100,9 +100,11 @@ pub(super) fn figure(
     let highest = points.iter().map(|p| p.y).filter(|y| y.is_finite());
     let highest = BEYOND * highest.fold(0.0, f64::max);
     let lines = lines(section, (rows, findings), &points, names.is_some());
-    let (lines, beyond): (Vec<_>, Vec<_>) = lines
-        .into_iter()
-        .partition(|line| section.log_y || line.points[0][1] <= highest);
+    let (lines, beyond): (Vec<_>, Vec<_>) =
+        lines.into_iter().partition(|line| match section.log_y {
+            true => line.points[0][1] > 0.0,
+            false => line.points[0][1] <= highest,
+        });
     if let (Some([_, high]), false) = (y.range, section.log_y) {
         let of_lines = lines.iter().map(|line| 1.08 * line.points[0][1]);
         y = y.range(0.0, of_lines.fold(high, f64::max));

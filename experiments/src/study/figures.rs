@@ -6,10 +6,14 @@ use super::figure_section::{FigureSection, Kind};
 use super::findings::{Fields, Findings};
 use super::labels::named;
 use super::map::map;
+use super::page::OWN_TABLES;
 use super::tornado::tornado;
 use crate::plot::{Axis, Figure, Mark, Series, Spectrum};
 use std::collections::BTreeSet;
 use toml::Table;
+
+/// Characters of the name of a file, at most: file systems take 255 bytes. Unit: 1.
+const LONGEST: usize = 120;
 
 /// Every figure that has something to show, and why those that were asked for and are not there have nothing.
 pub(super) fn figures(study: &Study, findings: &Findings) -> (Vec<Figure>, Vec<String>) {
@@ -52,6 +56,7 @@ pub(super) fn figures(study: &Study, findings: &Findings) -> (Vec<Figure>, Vec<S
                 }
             };
             let id = id.replace(|c: char| !c.is_ascii_alphanumeric() && c != '_', "_");
+            let id: String = id.chars().take(LONGEST).collect();
             let again = |k: usize| {
                 if k == 1 {
                     id.clone()
@@ -59,7 +64,11 @@ pub(super) fn figures(study: &Study, findings: &Findings) -> (Vec<Figure>, Vec<S
                     format!("{id}_{k}")
                 }
             };
-            let is_free = |id: &String| figures.iter().all(|f| f.id != *id);
+            let is_free = |id: &String| {
+                let of_table = study.table.iter().any(|table| table.id == *id);
+                let taken = of_table || OWN_TABLES.contains(&id.as_str());
+                !taken && figures.iter().all(|f| f.id != *id)
+            };
             let id = (1..).map(again).find(is_free).unwrap_or_default();
             match section.kind {
                 Kind::Curves | Kind::Points => {

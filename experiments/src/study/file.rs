@@ -229,12 +229,13 @@ impl Study {
                 ensure!(Path::new(system).is_dir(), "{system} is not a folder");
             }
         }
-        for skip in &mut self.skip {
+        // rows are chosen as they are written in the axes
+        let mut of_rows = |rows: &mut Table| -> anyhow::Result<()> {
             for (key, resolve) in [
                 ("scene", &file as &dyn Fn(&str) -> _),
                 ("system", &absolute),
             ] {
-                let values = match skip.get_mut(key) {
+                let values = match rows.get_mut(key) {
                     Some(Value::Array(values)) => values.as_mut_slice(),
                     Some(value) => std::slice::from_mut(value),
                     None => &mut [],
@@ -245,7 +246,12 @@ impl Study {
                     }
                 }
             }
-        }
+            Ok(())
+        };
+        self.skip.iter_mut().try_for_each(&mut of_rows)?;
+        let mut whole = Value::try_from(&self)?;
+        each_where(&mut whole, &mut of_rows)?;
+        self = whole.try_into()?;
         self.check()?;
         Ok(self)
     }
@@ -357,4 +363,23 @@ fn line_of(text: &str, section: &str, place: usize) -> Option<usize> {
         line.starts_with(&head) || (is_in_list && line.starts_with('{'))
     });
     found.nth(place).map(|(line, _)| line + 1)
+}
+
+/// Every `where` in a value.
+fn each_where(
+    value: &mut Value,
+    visit: &mut dyn FnMut(&mut Table) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
+    match value {
+        Value::Array(values) => values.iter_mut().try_for_each(|v| each_where(v, visit)),
+        Value::Table(table) => {
+            table
+                .iter_mut()
+                .try_for_each(|(key, value)| match (key.as_str(), value) {
+                    ("where", Value::Table(rows)) => visit(rows),
+                    (_, value) => each_where(value, visit),
+                })
+        }
+        _ => Ok(()),
+    }
 }

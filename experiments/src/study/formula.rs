@@ -5,7 +5,11 @@
 /// # Errors
 /// What cannot be read, in a few words.
 pub(super) fn value(text: &str, of: &mut dyn FnMut(&str) -> f64) -> Result<f64, String> {
-    let mut reader = Reader { rest: text, of };
+    let mut reader = Reader {
+        rest: text,
+        of,
+        depth: 0,
+    };
     let value = reader.sum()?;
     match reader.peek() {
         None => Ok(value),
@@ -13,9 +17,13 @@ pub(super) fn value(text: &str, of: &mut dyn FnMut(&str) -> f64) -> Result<f64, 
     }
 }
 
+/// Brackets and signs within each other, at most: each takes a frame of the stack. Unit: 1.
+const DEPTH: usize = 100;
+
 struct Reader<'a> {
     rest: &'a str,
     of: &'a mut dyn FnMut(&str) -> f64,
+    depth: usize,
 }
 
 impl<'a> Reader<'a> {
@@ -60,6 +68,21 @@ impl<'a> Reader<'a> {
     }
 
     fn factor(&mut self) -> Result<f64, String> {
+        self.depth += 1;
+        if self.depth > DEPTH {
+            return Err(format!(
+                "more than {DEPTH} brackets or signs lie within each other"
+            ));
+        }
+        let value = self.bare_factor();
+        self.depth -= 1;
+        value
+    }
+
+    fn bare_factor(&mut self) -> Result<f64, String> {
+        if self.take('-') {
+            return Ok(-self.factor()?);
+        }
         if self.take('(') {
             let inside = self.sum()?;
             return match self.take(')') {
@@ -70,7 +93,12 @@ impl<'a> Reader<'a> {
         let of_number = |c: char| c.is_ascii_digit() || c == '.';
         match self.peek() {
             Some(c) if of_number(c) => {
-                let text = self.word(|c| of_number(c) || c == 'e');
+                let mut before = ' ';
+                let text = self.word(|c| {
+                    let belongs = of_number(c) || c == 'e' || (before == 'e' && "+-".contains(c));
+                    before = c;
+                    belongs
+                });
                 (text.parse()).map_err(|_| format!("`{text}` is no number"))
             }
             Some(c) if c.is_alphabetic() => {
@@ -85,7 +113,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn word(&mut self, belongs: impl Fn(char) -> bool) -> &'a str {
+    fn word(&mut self, mut belongs: impl FnMut(char) -> bool) -> &'a str {
         let end = self.rest.find(|c| !belongs(c)).unwrap_or(self.rest.len());
         let (word, rest) = self.rest.split_at(end);
         self.rest = rest;
@@ -103,7 +131,12 @@ mod tests {
         assert_eq!(of("1 + 2 * (C_s - 4) / 3"), Ok(3.0));
         assert_eq!(of("1e3*C_s - 1 - 1"), Ok(6998.0));
         assert_eq!(of("2 * log10(100 * (C_s - 6))"), Ok(4.0));
+        assert_eq!(of("-C_s + 1e-3*-2 - 25e-1"), of("-(7 + 2/1000) - 2.5"));
+        assert_eq!(of("- -2*-C_s"), Ok(-14.0));
         assert!(of("published.n_it").unwrap().is_nan());
+        let deep = |n: usize| format!("{}1{}", "(".repeat(n), ")".repeat(n));
+        assert_eq!(of(&deep(90)), Ok(1.0));
+        assert!(of(&deep(20_000)).is_err());
         for wrong in ["", "1 +", "(1", "1 2", "1..2", "n $ 2"] {
             assert!(of(wrong).is_err(), "{wrong}");
         }

@@ -1,6 +1,7 @@
 //! What a study mentions: refused where it is unknown, measured where it is known.
 
 use super::measure::{Group, Name};
+use super::page::OWN_TABLES;
 use super::product::Wanted;
 use super::tornado::SETS;
 use super::{Column, FigureSection, Kind, Study, TableSection, formula};
@@ -172,6 +173,14 @@ impl Study {
         judge.section = "table";
         for (place, table) in self.table.iter().enumerate() {
             judge.place = place;
+            let taken = (self.table[..place].iter()).any(|other| other.id == table.id);
+            if taken || OWN_TABLES.contains(&table.id.as_str()) {
+                let why = format!(
+                    "another table is named {}; give it an `id` of its own",
+                    table.id
+                );
+                return Err(judge.fail(why));
+            }
             judge.rows(&table.of_rows)?;
             table
                 .rows

@@ -145,6 +145,9 @@ fn heading(name: &str) -> String {
     }
 }
 
+/// Tables that every study may have.
+pub(super) const OWN_TABLES: [&str; 2] = ["table", "failed"];
+
 fn table(study: &Study, rows: &Rows) -> Table {
     let axes = axes(study, rows);
     let columns: Vec<&str> = (["row"].into_iter())
@@ -152,12 +155,16 @@ fn table(study: &Study, rows: &Rows) -> Table {
         .chain(study.measures.iter().map(|name| name.text()))
         .chain(["outcome"])
         .collect();
-    let errors = match study.reference {
-        true => "errors are those against a direct solver, in the norms of energy",
-        false => "errors are estimates in the norms of energy",
+    let has = |name: Name| study.measures.contains(&name);
+    let errors = match (has(Name::ErrorU) || has(Name::ErrorT), study.reference) {
+        (false, _) => "",
+        (true, true) => {
+            " Errors are in the norms of energy: those against a direct solver where `referenced` is yes, else estimates."
+        }
+        (true, false) => " Errors are estimates in the norms of energy.",
     };
-    let caption = format!("Every row; {errors}. rows.csv has every column.");
-    table_of("table", &caption, &columns, rows, |_| true)
+    let caption = format!("Every row.{errors} rows.csv has every column.");
+    table_of(OWN_TABLES[0], &caption, &columns, rows, |_| true)
 }
 
 /// Rows that did not converge, with their reasons.
@@ -169,7 +176,7 @@ fn failed(study: &Study, rows: &Rows) -> Option<Table> {
         .collect();
     let has_failed = |row: &[String]| !rows.is_good(row);
     let table = table_of(
-        "failed",
+        OWN_TABLES[1],
         "Rows that did not converge, and why.",
         &columns,
         rows,

@@ -1,5 +1,6 @@
 //! Rows of a study, in order: the product of its axes without what it skips.
 
+use super::findings::number as number_of;
 use super::measure::number;
 use super::{Axes, Choice, Load, Name, Setting, Study, Together};
 use anyhow::{bail, ensure};
@@ -296,7 +297,8 @@ impl Study {
     }
 }
 
-/// What the fields of a row have to be: one of these values each; `"<5"`, `"<=5"`, `">5"` and `">=5"` bound a number.
+/// What the fields of a row have to be: one of these values each; `"<5"`, `"<=5"`, `">5"` and `">=5"` bound a number, `">2 GPa"` one with
+/// a unit, of which a plain bound takes the value in SI.
 pub(super) struct Wanted(pub(super) Vec<(String, Vec<String>)>);
 
 impl Wanted {
@@ -313,8 +315,8 @@ impl Wanted {
     }
 
     pub(super) fn is_met(&self, field: impl Fn(&str) -> String) -> bool {
-        let meets = |field: &str, value: &String| match (bound(value), field.parse::<f64>()) {
-            (Some((holds, bound)), Ok(found)) => holds(&found, &bound),
+        let meets = |field: &str, value: &String| match (bound(value), number_of(field)) {
+            (Some((holds, bound)), Some(found)) => holds(&found, &bound),
             _ => field == value,
         };
         self.0.iter().all(|(name, values)| {
@@ -337,7 +339,7 @@ const SIGNS: [(&str, Compare); 4] = [
 /// The comparison that a value asks for, and with what.
 fn bound(value: &str) -> Option<(Compare, f64)> {
     SIGNS.into_iter().find_map(|(sign, holds)| {
-        let with = value.strip_prefix(sign)?.trim().parse().ok()?;
+        let with = number_of(value.strip_prefix(sign)?.trim())?;
         Some((holds, with))
     })
 }

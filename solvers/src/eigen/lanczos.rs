@@ -177,7 +177,8 @@ impl Lanczos {
         let settings = self.settings;
         let beta = dot(&self.r, &self.z).max(0.0).sqrt();
         let k = self.alphas.len();
-        let each = self.alphas.iter().chain(&self.betas);
+        // the first β is the length of the start, which says nothing of the operator
+        let each = self.alphas.iter().chain(self.betas.iter().skip(1));
         let size = each.fold(0.0f64, |m, v| m.max(v.abs()));
         let exhausted = k > 0 && beta <= 1e-15 * size;
         if !beta.is_finite() {
@@ -347,5 +348,30 @@ mod tests {
         let (low, high) =
             extreme_eigenvalues(2, &mut apply, None, LanczosSettings::default()).unwrap();
         assert!((low.value - 3.0).abs() < 1e-12 && (high.value - 5.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_unit_of_a_pencil_does_not_matter() {
+        let n = 60;
+        for (of_k, of_m) in [(1e-150, 1.0), (1e120, 1e60), (1e-20, 1e-45), (1.0, 1e-80)] {
+            let mut apply = |x: &[f64], y: &mut [f64]| {
+                for i in 0..n {
+                    y[i] = of_k * (1.0 + i as f64) * x[i];
+                }
+            };
+            let mut solve = |x: &[f64], y: &mut [f64]| {
+                (y.iter_mut().zip(x)).for_each(|(y, x)| *y = x / of_m);
+            };
+            let settings = LanczosSettings::default();
+            let found = extreme_eigenvalues(n, &mut apply, Some(&mut solve), settings);
+            let (low, high) = found.unwrap();
+            let expected = [1.0, n as f64].map(|v| v * (of_k / of_m));
+            for (found, expected) in [low, high].into_iter().zip(expected) {
+                assert!(
+                    (found.value / expected - 1.0).abs() < 1e-8,
+                    "{found:?} {expected}"
+                );
+            }
+        }
     }
 }
