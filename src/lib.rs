@@ -16,6 +16,7 @@
 pub mod analytic;
 pub mod contact;
 pub mod creep;
+mod digest;
 pub mod elasticity;
 pub mod flow;
 mod inner;

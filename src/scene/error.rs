@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{FlowProblem, GeologyProblem, TableProblem};
+use super::{FlowProblem, GeologyProblem, PoreProblem, TableProblem};
 use crate::mesh::MeshError;
 
 /// A place in a scene file.
@@ -54,6 +54,9 @@ pub enum Problem {
     /// From a table of pressures.
     #[error(transparent)]
     Table(#[from] TableProblem),
+    /// From a field of pressures, or a layer that one diffuses into.
+    #[error(transparent)]
+    Pores(#[from] PoreProblem),
     /// Two ways to say one thing.
     #[error(
         "material \"{name}\" has `pore_pressure` and `{key}`, which both say how its pressure changes; leave one of them out"
