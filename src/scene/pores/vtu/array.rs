@@ -97,7 +97,7 @@ impl Array<'_> {
 }
 
 /// Bytes behind their length.
-fn raw<'b>(bytes: &'b [u8], layout: Layout) -> Option<&'b [u8]> {
+fn raw(bytes: &[u8], layout: Layout) -> Option<&[u8]> {
     let length = length(bytes.get(..layout.header)?, layout)?;
     bytes.get(layout.header..layout.header.checked_add(length)?)
 }
