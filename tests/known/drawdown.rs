@@ -119,7 +119,7 @@ fn early_times_go_with_erfc_and_late_ones_are_steady() {
         ("from = 'top', far = 'held'", true),
     ] {
         let body = body(&format!("{{ diffusivity = '2e-7 m2/s', {ends}, {step} }}"));
-        for years in [0.5, 3.0, 9.0] {
+        for years in [0.5, 2.0, 4.0] {
             for ([a, b], change) in changes(&body, (1.0 + years) * YEAR) {
                 // Simpson's rule over the element
                 let n = 200;
@@ -349,7 +349,11 @@ fn aquitards_are_refused_where_their_layer_is_not_known() {
             "['16 year', '12 bar']",
             "`drawdown` of material \"clay\", row 3: time ",
         ),
-        ("'40 year'", "'0.0 year'", "`end` must be later"),
+        (
+            "'40 year'",
+            "'0.0 year'",
+            "`pore_pressure` of material \"clay\" begins at 0 year, and the run ends at 0 year",
+        ),
         (
             " } }",
             " }, between = 'steps' }",

@@ -319,8 +319,9 @@ fn uniform_fields_do_what_a_table_does_whoever_solves() {
                 .collect();
             let known = known.get_or_insert_with(|| found.clone());
             assert_eq!(known.len(), found.len(), "{pressure} {solver}");
+            let all = known.iter().flatten();
+            let size = all.fold(0.0, |m: f64, u| m.max(u.abs()));
             for (u, v) in known.iter().zip(&found) {
-                let size = u.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
                 let apart = u
                     .iter()
                     .zip(v)
