@@ -1,6 +1,6 @@
 //! The model: from a fractured scene to the blocks of its saddle point, to their solution, and through its load steps.
 //!
-//! Rooms, each importing only those before it: `units` ◄ `mesh` ◄ `elasticity` ◄ {`creep`, `contact` ◄ `flow`} ◄ `scene` ◄ `system` ◄ {`undetermined`,
+//! Rooms, each importing only those before it: `units` ◄ `digest` ◄ `mesh` ◄ `elasticity` ◄ {`creep`, `contact` ◄ `flow`} ◄ `scene` ◄ `system` ◄ {`undetermined`,
 //! `memory` ◄ `inner`, `jacobian`, `multigrid` ◄ `matrix_free`} ◄ `nonlinear` ◄ `io` ◄ {`solve`, `run`} ◄ `prelude`; `analytic` knows the
 //! answers and imports nothing.
 //!
@@ -16,6 +16,7 @@
 pub mod analytic;
 pub mod contact;
 pub mod creep;
+mod digest;
 pub mod elasticity;
 pub mod flow;
 mod inner;

@@ -3,7 +3,7 @@
 use crate::contact::{ContactState, Coupling, JumpStabilization, Rocks, prescribed_jump};
 use crate::elasticity::{
     Constraints, Elastic, ElasticityError, FreeStiffness, Restricted, lift, loads, matrix_free,
-    reduced, stiffness,
+    pore_forces, reduced, stiffness,
 };
 use crate::mesh::{FractureFace, FractureMesh, HexMesh};
 use crate::scene::Body;
@@ -141,6 +141,20 @@ impl Body {
                 Coupling::<f64>::in_full_numbering(&self.fractures, self.mesh.nodes.len());
             let mut work = vec![0.0; coupling.work_len()];
             coupling.apply_add(1.0, &pressure, &mut force, &mut work);
+        }
+        Ok(force)
+    }
+
+    /// Forces of the pore pressures that differ from element to element, at a time [s], in full numbering [N]; `None` where there are none.
+    /// They are no part of [`forces`](Self::forces): at time 0 nothing has changed.
+    ///
+    /// # Errors
+    /// [`ElasticityError`] for an inverted element.
+    pub fn drained_forces(&self, time: f64) -> Result<Option<Vec<f64>>, ElasticityError> {
+        let mut force = None;
+        for field in &self.pore_fields {
+            let force = force.get_or_insert_with(|| vec![0.0; self.constraints.full_len()]);
+            pore_forces(&self.mesh, &field.elements, &field.drained(time), force)?;
         }
         Ok(force)
     }

@@ -73,6 +73,7 @@ fn rooms_of_the_model_form_a_chain() {
         "analytic",
         "units",
         "nearest",
+        "digest",
         "mesh",
         "elasticity",
         "creep",

@@ -6,7 +6,9 @@
 mod block_sliding;
 mod crack_network;
 mod depletion;
+mod diffusion;
 mod displaced_fault;
+mod error_function;
 mod fault_friction;
 mod inclined_crack;
 mod line_crack;
@@ -19,6 +21,7 @@ mod sliding_factor;
 pub use block_sliding::{BlockSliding, SlidingState};
 pub use crack_network::{CrackNetwork, NetworkCrack, StraightCrack};
 pub use depletion::Depletion;
+pub use diffusion::{Diffusion, FarSide};
 pub use displaced_fault::{
     DisplacedFault, FarStress, FaultLine, FaultPath, FaultPressure, FaultState, FaultStrength,
     LooseElement,

@@ -9,6 +9,7 @@ mod error;
 pub mod loads;
 mod material;
 mod matrix_free;
+mod pores;
 #[cfg(test)]
 mod sample;
 mod stress;
@@ -19,4 +20,5 @@ pub use diagonal::diagonal;
 pub use error::ElasticityError;
 pub use material::Elastic;
 pub use matrix_free::{Bricks, FreeStiffness, Hexes, Restricted, matrix_free, strain_norm};
+pub use pores::pore_forces;
 pub use stress::element_stress;

@@ -1,7 +1,7 @@
 //! States on disk, to the last bit: what a run goes on from.
 
-use super::fingerprint::{Fingerprint, Hash};
 use super::write_atomically;
+use super::{Fingerprint, Hash};
 use crate::contact::ContactState;
 use crate::nonlinear::{CreepState, Prepared, State};
 use fracas_operators::{Field, Fields};

@@ -13,6 +13,8 @@ pub struct Fields<'a> {
     body: &'a Body,
     displacement: &'a [f64],
     stress: Vec<[f64; 6]>,
+    /// α Δp per element [Pa], where it differs within a material.
+    drained: Option<Vec<f64>>,
     faces: &'a FaceFields,
     states: Vec<f64>,
     flips: Vec<f64>,
@@ -40,6 +42,13 @@ impl<'a> Fields<'a> {
             sigma.map(|s| state.loaded * s)
         };
         let mut stress = element_stress(&body.mesh, &body.materials, displacement, initial)?;
+        for field in &body.pore_fields {
+            let drained = field.drained(state.time);
+            for (e, p) in field.elements.iter().zip(drained) {
+                let own = &mut stress[*e as usize];
+                (0..3).for_each(|i| own[i] -= state.loaded * p);
+            }
+        }
         for (e, relaxed) in relaxed {
             (0..6).for_each(|k| stress[e][k] += relaxed[k]);
         }
@@ -47,6 +56,7 @@ impl<'a> Fields<'a> {
             body,
             displacement,
             stress,
+            drained: drained(body, state),
             faces,
             states: state.states.iter().map(|s| f64::from(s.code())).collect(),
             flips: state.flips.iter().map(|n| f64::from(*n)).collect(),
@@ -54,13 +64,15 @@ impl<'a> Fields<'a> {
     }
 
     /// Writes the hexahedra: point vectors `displacement` [m], cell fields `stress` (mean of the element, total: initial
-    /// stress and pore pressure included, xx, yy, zz, xy, yz, xz [Pa]) and `material`.
+    /// stress and pore pressure included, xx, yy, zz, xy, yz, xz [Pa]) and `material`; where the pore pressure differs within a material also
+    /// `alphaDeltaP`, Biot's coefficient times its change [Pa].
     ///
     /// # Errors
     /// What the writer says.
     pub fn write_body(&self, out: &mut impl Write) -> io::Result<()> {
-        let stress = field("stress", 6, self.stress.as_flattened());
-        write_body(self.body, self.displacement, vec![stress], out)
+        let mut fields = vec![field("stress", 6, self.stress.as_flattened())];
+        fields.extend(self.drained.as_ref().map(|p| field("alphaDeltaP", 1, p)));
+        write_body(self.body, self.displacement, fields, out)
     }
 
     /// Writes the minus sides of the fracture faces: cell fields `traction`, `displacementJump` (n, t1, t2), `slip`,
@@ -89,4 +101,23 @@ impl<'a> Fields<'a> {
         }
         write_fractures(self.body, fields, out)
     }
+}
+
+/// α Δp per element [Pa], uniform ones included; `None` where all are uniform.
+fn drained(body: &Body, state: &State) -> Option<Vec<f64>> {
+    let all = &body.pore_fields;
+    let uniform = |region: &u16| {
+        let (pressure, history) = body.pore_pressures[usize::from(*region)];
+        state.loaded * pressure * body.histories[history].at(state.time)
+    };
+    let mut drained: Vec<f64> = match all.is_empty() {
+        true => return None,
+        false => body.mesh.regions.iter().map(uniform).collect(),
+    };
+    for field in all {
+        for (e, p) in field.elements.iter().zip(field.drained(state.time)) {
+            drained[*e as usize] = state.loaded * p;
+        }
+    }
+    Some(drained)
 }

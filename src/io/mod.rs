@@ -12,11 +12,12 @@ mod snapshot;
 pub mod vtu;
 mod vtu_fields;
 
+pub use crate::digest::Hash;
 pub use atomic::{unfinished, write_atomically};
 pub use checkpoint::{CheckpointError, Checkpoints, newest_checkpoint, read_checkpoint};
 pub use face_table::face_table;
 pub use fields::Fields;
-pub use fingerprint::{Fingerprint, Hash};
+pub use fingerprint::Fingerprint;
 pub use new_folder::NewFolder;
 pub use pvd::{PvdEntry, read_pvd, write_pvd};
 pub use snapshot::Snapshot;

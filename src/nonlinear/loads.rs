@@ -17,7 +17,8 @@ struct Case {
     jump: Option<Vec<f64>>,
 }
 
-/// `load(time) = Σ_k h_k(time) case_k`: the body is linear in its loads, so A_fc is multiplied once per history.
+/// `load(time) = Σ_k h_k(time) case_k`: the body is linear in its loads, so A_fc is multiplied once per history. What pore pressures do that
+/// differ from element to element is added at each time.
 pub struct Loads<'a> {
     body: &'a Body,
     cases: Vec<Case>,
@@ -84,6 +85,8 @@ impl<'a> Loads<'a> {
         for (g, face) in gap.chunks_exact_mut(3).zip(&body.fractures.faces) {
             g[0] = face.area * body.gaps[usize::from(face.fracture)];
         }
+        // an inverted element is found here
+        body.drained_forces(0.0)?;
         let faces = body.fractures.faces.iter().enumerate();
         let faces = faces.filter(|_| body.initial_stress.is_some());
         let pulled = faces
@@ -143,6 +146,14 @@ impl<'a> Loads<'a> {
             if let Some(moved) = &case.jump {
                 axpy(factor, moved, &mut jump);
             }
+        }
+        let Ok(drained) = self.body.drained_forces(time) else {
+            unreachable!("looked at by `new`");
+        };
+        if let Some(drained) = drained {
+            let free = self.body.constraints.free();
+            let own = free.iter().map(|dof| drained[*dof as usize]);
+            (force.iter_mut().zip(own)).for_each(|(f, own)| *f += share * own);
         }
         Load { force, jump }
     }

@@ -34,10 +34,14 @@ pub(super) struct Times {
 
 impl Times {
     pub(super) fn new(body: &Body) -> Self {
-        let mut corners: Vec<f64> = body.histories.iter().flat_map(|h| h.corners()).collect();
+        let of_pores = body.pore_fields.iter();
+        let corners = body.histories.iter().flat_map(|h| h.corners());
+        let mut corners: Vec<f64> =
+            (corners.chain(of_pores.clone().flat_map(|p| p.corners()))).collect();
         corners.sort_by(f64::total_cmp);
+        let jumps = body.histories.iter().flat_map(|h| h.jumps());
         Self {
-            jumps: body.histories.iter().flat_map(|h| h.jumps()).collect(),
+            jumps: jumps.chain(of_pores.flat_map(|p| p.jumps())).collect(),
             table: body.time,
             corners,
         }

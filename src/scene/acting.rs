@@ -19,27 +19,46 @@ struct Varying<'a> {
 
 /// Refuses tables that vary where time stands still, or after the run is over.
 pub(super) fn require_time(sections: &SceneSections) -> Result<(), Located> {
-    for table in varying(sections) {
-        let Varying {
-            path,
+    varying(sections)
+        .into_iter()
+        .try_for_each(|table| require_time_of(sections, table))
+}
+
+/// The same for fields of pressure of a material, whose first time stands in their file.
+pub(super) fn require_time_for(
+    sections: &SceneSections,
+    material: usize,
+    first: &Measure<Duration>,
+) -> Result<(), Located> {
+    let key = "pore_pressure";
+    let table = Varying {
+        path: vec!["material".into(), material.to_string(), key.into()],
+        key,
+        what: format!("material \"{}\"", sections.material[material].name),
+        first,
+    };
+    require_time_of(sections, table)
+}
+
+fn require_time_of(sections: &SceneSections, table: Varying<'_>) -> Result<(), Located> {
+    let Varying {
+        path,
+        key,
+        what,
+        first,
+    } = table;
+    let problem = match &sections.time {
+        None => Problem::Timeless { key, what },
+        Some(time) if first.si() >= time.end.si() => Problem::Late {
             key,
             what,
-            first,
-        } = table;
-        let problem = match &sections.time {
-            None => Problem::Timeless { key, what },
-            Some(time) if first.si() >= time.end.si() => Problem::Late {
-                key,
-                what,
-                first: first.to_string(),
-                end: time.end.to_string(),
-            },
-            Some(_) => continue,
-        };
-        let path: Vec<&str> = path.iter().map(String::as_str).collect();
-        return Err(at(&path, problem));
-    }
-    Ok(())
+            first: first.to_string(),
+            end: time.end.to_string(),
+        },
+        Some(_) => return Ok(()),
+    };
+    let path: Vec<&str> = path.iter().map(String::as_str).collect();
+    Err(at(&path, problem))
 }
 
 /// All tables of a scene whose values differ.

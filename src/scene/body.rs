@@ -1,6 +1,6 @@
 //! What a scene becomes: everything that assembly needs, in SI units.
 
-use super::{History, Profile, SolverSection, TimeTable, WeightStress};
+use super::{History, PoreField, Profile, SolverSection, TimeTable, WeightStress};
 use crate::contact::Friction;
 use crate::creep::Initial;
 use crate::elasticity::{Constraints, Elastic, loads};
@@ -106,6 +106,8 @@ pub struct Body {
     /// `α Δp` of each material: Biot's coefficient times its change of pore pressure [Pa], and the number of its history (where this counts
     /// in Pa, Biot's coefficient alone).
     pub pore_pressures: Vec<(f64, usize)>,
+    /// Changes of pore pressure that differ from element to element; `pore_pressures` of their materials are 0.
+    pub pore_fields: Vec<PoreField>,
     /// The fluid that flows in the fractures, where the scene has one; `pressures` are then 0.
     pub fluid: Option<Fluid>,
     /// Opening of each fracture before any displacement [m].

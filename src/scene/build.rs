@@ -10,6 +10,7 @@ use super::history::Histories;
 use super::hold::hold;
 use super::located::{Located, at};
 use super::mesh_sections::AxisName;
+use super::pores;
 use super::profile;
 use super::rocks::{elastic, viscosities};
 use super::sections::SceneSections;
@@ -101,7 +102,8 @@ fn assemble(sections: &SceneSections, folder: &Path) -> Result<Body, Located> {
             let path = ["material", &i.to_string(), "pore_pressure"];
             let change = table.history(&material.name).map_err(|e| at(&path, e))?;
             // the history is in Pa
-            pore_pressures.push((biot, histories.number_of(change)));
+            let uniform = change.map(|change| (biot, histories.number_of(change)));
+            pore_pressures.push(uniform.unwrap_or((0.0, Body::ALWAYS)));
             continue;
         }
         let change = material.pressure_change.as_ref().map_or(0.0, Measure::si);
@@ -141,9 +143,11 @@ fn assemble(sections: &SceneSections, folder: &Path) -> Result<Body, Located> {
             && viscosities[i] == viscosities[j]
             && isotropic[i] == isotropic[j]
             && pressed(i) == pressed(j)
+            && pores::alike(&sections.material[i], &sections.material[j])
     };
     Ok(Body {
         first_alike: Rocks::first_alike(materials.len(), alike),
+        pore_fields: pores::fields(sections, &built.mesh, folder)?,
         weight_stress,
         mesh: built.mesh,
         fractures: built.fractures,

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{FlowProblem, GeologyProblem, PartProblem, ProfileProblem, TableProblem};
+use super::{FlowProblem, GeologyProblem, PartProblem, PoreProblem, ProfileProblem, TableProblem};
 use crate::mesh::MeshError;
 
 /// A place in a scene file.
@@ -60,6 +60,9 @@ pub enum Problem {
     /// From a part of a side.
     #[error(transparent)]
     Part(#[from] PartProblem),
+    /// From a field of pressures, or a layer that one diffuses into.
+    #[error(transparent)]
+    Pores(#[from] PoreProblem),
     /// Two ways to say one thing.
     #[error(
         "material \"{name}\" has `pore_pressure` and `{key}`, which both say how its pressure changes; leave one of them out"

@@ -56,6 +56,31 @@ impl History {
         self
     }
 
+    /// (time [s], change) of the slope [1/s] at points of straight lines, or of the factor itself where steps hold: what the factor is, less that
+    /// at first, as a sum of ramps or of steps.
+    pub(super) fn changes(&self) -> Vec<(f64, f64)> {
+        let pairs = self.points.windows(2);
+        if self.steps {
+            return pairs
+                .map(|pair| (pair[1].0, pair[1].1 - pair[0].1))
+                .collect();
+        }
+        let mut changes = Vec::with_capacity(self.points.len());
+        let mut before = 0.0;
+        for pair in pairs {
+            let slope = (pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0);
+            changes.push((pair[0].0, slope - before));
+            before = slope;
+        }
+        changes.extend(self.points.last().map(|(time, _)| (*time, -before)));
+        changes
+    }
+
+    /// True where steps hold between points.
+    pub(super) fn is_stepped(&self) -> bool {
+        self.steps
+    }
+
     /// Times at which the factor bends or jumps in slope [s], increasing.
     pub fn corners(&self) -> impl Iterator<Item = f64> + '_ {
         let slope = |k: usize| match (k.checked_sub(1).map(|k| self.points[k]), self.points.get(k))

@@ -1,6 +1,6 @@
 //! What a body is made of, what holds it and what loads it, with totals to hold against a sketch.
 
-use super::{Body, Pull};
+use super::{Body, PoreField, Pull};
 use crate::mesh::face_geometry;
 use std::fmt;
 
@@ -47,6 +47,9 @@ pub struct Inventory {
     pub pushes: Vec<Push>,
     /// Pressure of the fluid in fractures that have one: name, least and largest pressure [Pa], ∫ p dA [N].
     pub pressures: Vec<(String, [f64; 2], f64)>,
+    /// Changes of pore pressure that differ from element to element: name of the material, what its elements take, and the lowest and
+    /// highest change at the end [Pa].
+    pub pores: Vec<(String, String, [f64; 2])>,
 }
 
 impl Body {
@@ -90,6 +93,7 @@ impl Body {
             moved,
             pushes: self.pushes(),
             pressures: self.fluid(),
+            pores: self.pores(),
         }
     }
 
@@ -132,6 +136,22 @@ impl Body {
             })
             .map(|(name, [least, most, force])| (name.clone(), [least, most], force))
             .collect()
+    }
+}
+
+impl Body {
+    fn pores(&self) -> Vec<(String, String, [f64; 2])> {
+        let end = self.time.map_or(0.0, |time| time.end);
+        let of = |field: &PoreField| {
+            let change = field.at(end);
+            let range = [f64::min, f64::max].map(|of: fn(f64, f64) -> f64| {
+                let all = change.iter().copied();
+                all.reduce(of).unwrap_or(0.0)
+            });
+            let name = self.material_names[field.region].clone();
+            (name, field.to_string(), range)
+        };
+        self.pore_fields.iter().map(of).collect()
     }
 }
 
@@ -179,6 +199,12 @@ impl fmt::Display for Inventory {
                 write!(f, " to {most:.4e}")?;
             }
             writeln!(f, " Pa, {force:.4e} N on either side")?;
+        }
+        for (name, origin, [low, high]) in &self.pores {
+            writeln!(
+                f,
+                "pore        \"{name}\": {origin}; they change by {low:.4e} to {high:.4e} Pa until the end"
+            )?;
         }
         Ok(())
     }

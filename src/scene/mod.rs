@@ -3,6 +3,7 @@
 mod acting;
 mod body;
 mod build;
+mod csv_table;
 mod error;
 mod flow;
 mod flow_problem;
@@ -22,6 +23,7 @@ mod outline;
 mod overrides;
 mod part_of_side;
 mod pore_pressure;
+mod pores;
 mod profile;
 mod rocks;
 mod rounds;
@@ -29,6 +31,7 @@ mod sections;
 mod size;
 mod solver_section;
 mod source;
+mod table_problem;
 mod used;
 mod weight;
 mod wells;
@@ -53,7 +56,8 @@ pub use mesh_sections::{
 };
 pub use one_or_many::OneOrMany;
 pub use part_of_side::PartProblem;
-pub use pore_pressure::{Between, PorePressureSection, TableProblem};
+pub use pore_pressure::{Between, Points, PorePressureSection};
+pub use pores::{DrawdownSection, FarFace, FromFace, PoreField, PoreProblem};
 pub use profile::{LevelSection, Profile, ProfileProblem};
 pub use rounds::Rounds;
 pub use sections::{
@@ -66,6 +70,7 @@ pub use solver_section::{
     Unstable,
 };
 
+pub use table_problem::TableProblem;
 pub use weight::{WeightSection, WeightStress};
 
 use crate::mesh::GmshFile;
@@ -167,8 +172,8 @@ impl Scene {
         &self.sections.title
     }
 
-    /// The scene as TOML with every default left out, and with what `[geology]` has become in its place; reads back as the same sections from any folder: the path of a mesh
-    /// file becomes absolute.
+    /// The scene as TOML with every default left out, and with what `[geology]` has become in its place; reads back as the same sections from any folder: paths of
+    /// meshes and fields of pressure become absolute.
     ///
     /// # Errors
     /// [`SceneError::Write`] if a value has no TOML form.
@@ -179,6 +184,7 @@ impl Scene {
             // without a current folder the path stays as good as it was
             *file = std::path::absolute(&path).unwrap_or(path);
         }
+        pore_pressure::make_absolute(&mut sections, &self.folder);
         Ok(toml::to_string(&sections)?)
     }
 

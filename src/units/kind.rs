@@ -160,6 +160,14 @@ kind!(
     |v| v > 0.0
 );
 kind!(
+    Diffusivity,
+    "a diffusivity",
+    DIFFUSIVITY,
+    "m2/s, m2/day",
+    "positive",
+    |v| v > 0.0
+);
+kind!(
     Storage,
     "the storage of a fracture",
     STORAGE,

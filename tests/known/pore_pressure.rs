@@ -28,26 +28,40 @@ fn column(clay: &str, sand: &str) -> String {
 }
 
 /// Constrained modulus.
-fn modulus(young: f64, poisson: f64) -> f64 {
+pub(crate) fn modulus(young: f64, poisson: f64) -> f64 {
     young * (1.0 - poisson) / ((1.0 + poisson) * (1.0 - 2.0 * poisson))
 }
 
 const CSV: &str = "time [day],clay [bar],sand [bar]\n0,2.5,3\n\n2.5,1.5,2\n6,1,0.5\n20,1,0.5\n";
 
 /// A folder that goes away.
-struct Folder(std::path::PathBuf);
+pub(crate) struct Folder(std::path::PathBuf);
 
 impl Folder {
-    fn new(name: &str, csv: &str) -> Self {
+    pub(crate) fn empty(name: &str) -> Self {
         let folder = std::env::temp_dir().join(format!("fracas-{name}-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
-        std::fs::write(folder.join("blocks.csv"), csv).unwrap();
         Self(folder)
     }
 
-    fn scene(&self, clay: &str, sand: &str) -> Result<Scene, String> {
+    pub(crate) fn write(&self, file: &str, bytes: impl AsRef<[u8]>) {
+        std::fs::write(self.0.join(file), bytes).unwrap();
+    }
+
+    /// A scene in the folder, read and not built.
+    pub(crate) fn read(&self, toml: &str) -> Result<Scene, String> {
         let name = self.0.join("scene.toml").display().to_string();
-        Scene::from_toml(&column(clay, sand), &name).map_err(|e| e.to_string())
+        Scene::from_toml(toml, &name).map_err(|e| e.to_string())
+    }
+
+    fn new(name: &str, csv: &str) -> Self {
+        let folder = Self::empty(name);
+        folder.write("blocks.csv", csv);
+        folder
+    }
+
+    fn scene(&self, clay: &str, sand: &str) -> Result<Scene, String> {
+        self.read(&column(clay, sand))
     }
 }
 
@@ -254,7 +268,10 @@ fn tables_are_refused_with_their_row() {
             "a pore pressure is \"-1 bar\", but it must be zero or positive",
         ),
         ("{ points = [] }", "has no row"),
-        ("{ }", "needs exactly one of `points`, `file`; it has 0"),
+        (
+            "{ }",
+            "needs exactly one of `points`, `file`, `fields`, `grid`, `drawdown`; it has 0",
+        ),
         ("{ file = 'none.csv' }", "cannot read none.csv"),
         (
             "{ points = [['0 s', '1 bar']] }\npressure_change = '1 bar'",

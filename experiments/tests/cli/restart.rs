@@ -66,6 +66,59 @@ fn a_restart_with_multigrid_writes_the_same_files() {
     restarted("restart-amg", &["--set", "solver.inner=amg"]);
 }
 
+/// Pressures that vary in space, from a file and by diffusion, under rock that creeps.
+#[test]
+fn a_restart_of_pressures_in_space_writes_the_same_files() {
+    let grid = "x [m],y [m],z [m],0 h [bar],3 h [bar],12 h [bar]\n1,1,1,50,30,60\n3,1,1,50,50,20\n2,2,3,40,44,41\n";
+    let drawdown = "material.rock.pore_pressure={ drawdown = { diffusivity = '1e-4 m2/s', from = 'both', z = ['0 m', '4 m'], points = [['0 h', '50 bar'], ['12 h', '20 bar']] } }";
+    for (name, pressure) in [
+        (
+            "restart-grid",
+            "material.rock.pore_pressure={ grid = 'p.csv', within = '5 m' }",
+        ),
+        ("restart-drawdown", drawdown),
+    ] {
+        let more = [
+            "--set",
+            pressure,
+            "--set",
+            "material.rock.viscosity=4e14 Pa*s",
+            "--set",
+            "time.steps=4",
+            "--set",
+            "solver.inner=geometric",
+        ];
+        let (folder, scene) = scene(name);
+        write(&folder.join("p.csv"), grid);
+        let whole = folder.join("whole");
+        done(&run(&scene, &whole, &more));
+        let rows = read(whole.join("history.csv")).lines().count() - 1;
+        let domain = names(&whole, "domain", ".vtu").pop().unwrap();
+        let fields = fs::read(whole.join(domain)).unwrap();
+        assert!(String::from_utf8_lossy(&fields).contains("Name=\"alphaDeltaP\""));
+        for k in [1, rows / 2, rows - 1] {
+            let out = folder.join(format!("after-{k}"));
+            done(&run(
+                &scene,
+                &out,
+                &[&["--steps", &k.to_string()], &more[..]].concat(),
+            ));
+            let from = out.display().to_string();
+            done(&fracas(
+                &[&["run", &scene, "--restart", &from], &more[..]].concat(),
+            ));
+            same(&out, &whole, &format!("{name}, restart after {k} steps"));
+        }
+        let from = whole.display().to_string();
+        write(&folder.join("p.csv"), &grid.replace("60", "61"));
+        let ran = fracas(&[&["run", &scene, "--restart", &from], &more[..]].concat());
+        let is_other = ran
+            .stderr
+            .contains("belongs to a scene with the same mesh but other materials");
+        assert_eq!(is_other, name == "restart-grid", "{}", ran.stderr);
+    }
+}
+
 fn restarted(name: &str, more: &[&str]) {
     let (folder, scene) = scene(name);
     let whole = folder.join("whole");
