@@ -23,6 +23,7 @@ mod layers;
 mod plane_strain;
 mod pore_fields;
 mod pore_pressure;
+mod pore_refusals;
 mod strip_load;
 mod tips;
 mod volume_control;
