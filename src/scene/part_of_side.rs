@@ -130,8 +130,9 @@ mod tests {
     fn a_load_on_a_part_has_its_area_and_a_hold_its_nodes() {
         let body = scene("pressure = '2 MPa'\nx = ['1 m', '3 m']\ny = ['1 m', '4 m']\n");
         let push = &body.build().unwrap().inventory().pushes[0];
-        assert_eq!((push.faces, push.area), (6, 6.0));
-        assert!((push.force[2] + 12e6).abs() < 1e-6, "{push:?}");
+        assert_eq!(push.faces, 6);
+        assert!((push.area - 6.0).abs() < 1e-12, "{push:?}");
+        assert!((push.force[2] + 12e6).abs() < 1e-3, "{push:?}");
         let whole = scene("pressure = '2 MPa'\nx = ['-1 m', '7 m']\n");
         assert_eq!(whole.build().unwrap().inventory().pushes[0].faces, 24);
         let held = |keys: &str| scene(keys).build().unwrap().inventory().held[2];
