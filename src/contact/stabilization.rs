@@ -32,7 +32,7 @@ use turned::in_one_plane;
 /// say [`Junctions`], of those at which materials do [`Interfaces`].
 ///
 /// # Shape
-/// (3 · faces) × (3 · faces), symmetric positive semi-definite; kernel: constants on each fracture, or on each of its parts between junctions
+/// (3 · faces) × (3 · faces), symmetric positive semi-definite; kernel: constants on each plane fracture, or on each of its parts between junctions
 /// and interfaces.
 /// # Units
 /// m³/Pa.

@@ -14,7 +14,7 @@ const DROWNED: f64 = 1e8;
 /// A connected part of several faces that store fluid, and that nothing gives a pressure but its storage while they are closed.
 #[derive(Clone, Debug)]
 pub(super) struct Reservoir {
-    /// Its faces, increasing.
+    /// Its faces, that which lets most through first.
     pub(super) faces: Vec<u32>,
     /// `∂F/∂p`, the largest of a face, where all are closed [m³/(Pa s)].
     conductance: f64,
@@ -60,7 +60,13 @@ impl Reservoir {
                 }
             });
         });
-        let of = |part: Vec<u32>| {
+        let of = |mut part: Vec<u32>| {
+            // the pressure of a face that is hardly connected needs its own row
+            let most = (0..part.len()).max_by(|a, b| {
+                let [a, b] = [a, b].map(|place| leaving[part[*place] as usize]);
+                a.total_cmp(&b)
+            });
+            part.swap(0, most.unwrap_or(0));
             let numbers = || part.iter().map(|f| *f as usize);
             let storage = numbers().map(|f| fluid.storage(&faces[f], 0.0)).sum();
             let conductance = numbers().map(|f| leaving[f]).fold(0.0, f64::max);

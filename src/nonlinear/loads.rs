@@ -7,6 +7,7 @@ use crate::mesh::FractureFace;
 use crate::scene::Body;
 use fracas_operators::LinearOperator;
 use fracas_operators::vector::axpy;
+use std::sync::{Mutex, PoisonError};
 
 /// What follows one history, at its factor 1.
 struct Case {
@@ -26,6 +27,8 @@ pub struct Loads<'a> {
     gap: Vec<f64>,
     /// Faces that the initial stress pulls beyond its mean on them, and [what it pulls](loads::pull_beyond_mean) [N].
     pulled: Vec<(usize, [[f64; 3]; 4])>,
+    /// The last time, and the forces of pore pressures that differ from element to element then [N]: a step asks for the same ones again.
+    drained: Mutex<Option<(f64, Vec<f64>)>>,
 }
 
 /// Which of the faces that the initial stress pulls beyond its mean are taken as open: nothing pulls at their sides.
@@ -98,6 +101,7 @@ impl<'a> Loads<'a> {
             cases,
             gap,
             pulled,
+            drained: Mutex::default(),
         })
     }
 
@@ -147,15 +151,26 @@ impl<'a> Loads<'a> {
                 axpy(factor, moved, &mut jump);
             }
         }
-        let Ok(drained) = self.body.drained_forces(time) else {
-            unreachable!("looked at by `new`");
-        };
-        if let Some(drained) = drained {
-            let free = self.body.constraints.free();
-            let own = free.iter().map(|dof| drained[*dof as usize]);
-            (force.iter_mut().zip(own)).for_each(|(f, own)| *f += share * own);
+        if !self.body.pore_fields.is_empty() {
+            self.add_drained(time, share, &mut force);
         }
         Load { force, jump }
+    }
+
+    /// Adds a share of the forces of pore pressures that differ from element to element at a time [s].
+    fn add_drained(&self, time: f64, share: f64, force: &mut [f64]) {
+        let mut known = self.drained.lock().unwrap_or_else(PoisonError::into_inner);
+        if known.as_ref().is_none_or(|(of, _)| *of != time) {
+            let Ok(all) = self.body.drained_forces(time) else {
+                unreachable!("looked at by `new`");
+            };
+            let free = self.body.constraints.free();
+            let all = all.unwrap_or_default();
+            *known = Some((time, free.iter().map(|dof| all[*dof as usize]).collect()));
+        }
+        if let Some((_, drained)) = &*known {
+            axpy(share, drained, force);
+        }
     }
 
     /// The same where one of them is not 0.

@@ -20,6 +20,19 @@ pub enum Remark {
         /// Dynamic friction angle [deg].
         dynamic_deg: f64,
     },
+    /// Levels that no face lies between.
+    #[error(
+        "fracture \"{fracture}\" lies from z = {:.6} m to {:.6} m, and its `profile` from {:.6} m to {:.6} m: every face has the values of the nearest level; is the sign of z the one that is meant?",
+        faces[0], faces[1], levels[0], levels[1]
+    )]
+    Beside {
+        /// Its name.
+        fracture: String,
+        /// z of its lowest and highest face [m].
+        faces: [f64; 2],
+        /// z of the lowest and the highest level [m].
+        levels: [f64; 2],
+    },
     /// Faces too large for the length at which weakening runs away.
     #[error(
         "fracture \"{fracture}\" weakens: slip runs away beyond a half-length of {length:.3} m under the initial stress (Uenishi and Rice 2003), which faces of {size:.3} m do not resolve; results depend on the mesh unless they are below {:.3} m",
@@ -40,16 +53,35 @@ pub fn friction_remarks(body: &Body) -> Vec<Remark> {
     let tractions = initial_traction(body);
     let mut remarks = Vec::new();
     for (fracture, profile) in body.friction.iter().enumerate() {
+        let of_pressure = body
+            .pressures
+            .get(fracture)
+            .map(|(profile, _)| profile.range());
+        let of_friction = profile.as_ref().map(Profile::range);
+        let own = body
+            .fractures
+            .faces
+            .iter()
+            .filter(|f| usize::from(f.fracture) == fracture);
+        let faces = own.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], face| {
+            [low.min(face.center[2]), high.max(face.center[2])]
+        });
+        let name = || (body.fractures.names.get(fracture).cloned()).unwrap_or_default();
+        let beside = |[low, high]: &[f64; 2]| low < high && (*high < faces[0] || faces[1] < *low);
+        if let Some(levels) = [of_friction, of_pressure]
+            .into_iter()
+            .flatten()
+            .find(beside)
+        {
+            remarks.push(Remark::Beside {
+                fracture: name(),
+                faces,
+                levels,
+            });
+        }
         let weakening = |f: Friction| Some((f, f.weakening?));
         let levels = profile.iter().flat_map(Profile::values);
         let levels: Vec<(Friction, Weakening)> = levels.filter_map(weakening).collect();
-        let name = || {
-            body.fractures
-                .names
-                .get(fracture)
-                .cloned()
-                .unwrap_or_default()
-        };
         let strengthens = levels.iter().find(|(f, w)| w.angle > f.angle);
         if let Some((friction, weakening)) = strengthens {
             remarks.push(Remark::Strengthens {
@@ -116,6 +148,36 @@ mod tests {
         let all: Vec<&str> = given.iter().chain(overrides).copied().collect();
         let body = scene.with_overrides(&all).unwrap().build().unwrap();
         friction_remarks(&body)
+    }
+
+    #[test]
+    fn a_profile_beside_its_fracture_is_told() {
+        let toml = |z: [f64; 2]| {
+            let rows = z.map(|z| format!("{{ z = '{z} m', cohesion = '{} MPa' }}", z.abs()));
+            format!(
+                "title = 'b'\n[mesh]\nx = {{ from = '0 m', to = '2 m', cells = 2 }}\ny = {{ from = '0 m', to = '2 m', cells = 2 }}\nz = {{ from = '-4 m', to = '0 m', cells = 4 }}\n\
+                 [[material]]\nname = 'rock'\nyoung = '10 GPa'\npoisson = 0.25\n\
+                 [[fracture]]\nname = 'F'\nplane = 'x'\nat = '1 m'\nprofile = [{}]\n[[boundary]]\nside = 'z-'\nhold = 'fixed'\n",
+                rows.join(", ")
+            )
+        };
+        for (z, told) in [
+            ([1.0, 3.0], true),
+            ([-3.0, -1.0], false),
+            ([-9.0, -3.6], true),
+            ([-9.0, -3.0], false),
+        ] {
+            let body = crate::scene::Scene::from_toml(&toml(z), "b.toml")
+                .unwrap()
+                .build()
+                .unwrap();
+            let found = friction_remarks(&body);
+            assert_eq!(
+                matches!(found[..], [Remark::Beside { .. }]),
+                told,
+                "{z:?} {found:?}"
+            );
+        }
     }
 
     #[test]

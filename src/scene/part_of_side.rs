@@ -48,7 +48,7 @@ pub enum PartProblem {
     },
 }
 
-/// How far a face may reach across an end of a span, over its own extent: coordinates are rounded. Unit: 1.
+/// How far a face may reach across an end of a span, over its longest extent: coordinates are rounded. Unit: 1.
 const ACROSS: f64 = 1e-6;
 
 /// The faces of a boundary condition: those of its side or surface, or those between its spans, which no face reaches across.
@@ -77,7 +77,7 @@ pub(super) fn part(
             let x = face.nodes.map(|node| built.mesh.nodes[node as usize][axis]);
             let low = x.into_iter().fold(f64::INFINITY, f64::min);
             let high = x.into_iter().fold(f64::NEG_INFINITY, f64::max);
-            let slack = ACROSS * (high - low);
+            let slack = ACROSS * extent(&face, built);
             let cuts = |end: &f64| low + slack < *end && *end < high - slack;
             if let Some(end) = [from, to].iter().copied().find(cuts) {
                 let side = boundary.place();
@@ -90,7 +90,7 @@ pub(super) fn part(
                 }));
             }
             let middle = 0.5 * (low + high);
-            if from <= middle && middle <= to {
+            if from - slack <= middle && middle <= to + slack {
                 within.push(face);
             }
         }
@@ -106,6 +106,16 @@ pub(super) fn part(
         faces = within;
     }
     Ok(faces)
+}
+
+/// Longest side of the box around a face [m].
+fn extent(face: &FaceSide, built: &BuiltMesh) -> f64 {
+    let along = |axis: usize| {
+        let x = face.nodes.map(|node| built.mesh.nodes[node as usize][axis]);
+        let low = x.into_iter().fold(f64::INFINITY, f64::min);
+        x.into_iter().fold(f64::NEG_INFINITY, f64::max) - low
+    };
+    (0..3).map(along).fold(0.0, f64::max)
 }
 
 #[cfg(test)]
@@ -139,6 +149,19 @@ mod tests {
         let below = held("traction = { x = '1 MPa' }\n");
         let above = held("hold = 'roller'\nx = ['2 m', '3 m']\ny = ['0 m', '1 m']\n");
         assert_eq!(above, below + 4);
+    }
+
+    #[test]
+    fn a_side_at_the_end_of_a_span_belongs_to_it_as_it_is_rounded() {
+        // half a turn takes y+ to y = 0, but for rounding
+        let turned = "pressure = '2 MPa'\n[[boundary]]\nside = 'y+'\npressure = '1 MPa'\ny = ['0 m', '3 m']\n\
+                      [mesh.map.rotate]\naxis = 'z'\nangle = '180 deg'\n";
+        let found = scene(turned).build().unwrap().inventory();
+        assert!(
+            (found.pushes[1].area - 12.0).abs() < 1e-9,
+            "{:?}",
+            found.pushes
+        );
     }
 
     #[test]

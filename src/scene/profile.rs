@@ -123,6 +123,11 @@ impl<T: Between> Profile<T> {
         }
     }
 
+    /// z of the lowest and of the highest level [m]; equal where the value is the same everywhere.
+    pub fn range(&self) -> [f64; 2] {
+        [self.levels[0].0, self.levels[self.levels.len() - 1].0]
+    }
+
     /// The values at the levels, from the lowest up.
     pub fn values(&self) -> impl Iterator<Item = T> + '_ {
         self.levels.iter().map(|(_, value)| *value)
@@ -159,8 +164,10 @@ impl Column {
         }
     }
 
+    /// Where it may bend: nowhere if it has one value.
     fn levels(&self) -> impl Iterator<Item = f64> + '_ {
-        self.0.iter().flat_map(|p| p.levels.iter().map(|(z, _)| *z))
+        let bent = self.0.iter().filter(|profile| profile.levels.len() > 1);
+        bent.flat_map(|profile| profile.levels.iter().map(|(z, _)| *z))
     }
 
     /// Its value; 0 where it has none.
@@ -262,6 +269,9 @@ pub(super) fn friction(
     let mut levels: Vec<f64> = columns.into_iter().flat_map(Column::levels).collect();
     levels.sort_by(f64::total_cmp);
     levels.dedup();
+    if levels.is_empty() {
+        levels.push(0.0);
+    }
     let of = |z: f64| Friction {
         angle: angle.at(z),
         cohesion: cohesion.at(z),
