@@ -58,26 +58,24 @@ pub fn friction_remarks(body: &Body) -> Vec<Remark> {
             .get(fracture)
             .map(|(profile, _)| profile.range());
         let of_friction = profile.as_ref().map(Profile::range);
-        let own = body
-            .fractures
-            .faces
-            .iter()
-            .filter(|f| usize::from(f.fracture) == fracture);
-        let faces = own.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], face| {
-            [low.min(face.center[2]), high.max(face.center[2])]
-        });
         let name = || (body.fractures.names.get(fracture).cloned()).unwrap_or_default();
-        let beside = |[low, high]: &[f64; 2]| low < high && (*high < faces[0] || faces[1] < *low);
-        if let Some(levels) = [of_friction, of_pressure]
-            .into_iter()
-            .flatten()
-            .find(beside)
-        {
-            remarks.push(Remark::Beside {
-                fracture: name(),
-                faces,
-                levels,
+        let ranges = [of_friction, of_pressure].into_iter().flatten();
+        // faces are looked through where a profile changes alone
+        let ranges: Vec<[f64; 2]> = ranges.filter(|[low, high]| low < high).collect();
+        if !ranges.is_empty() {
+            let own = body.fractures.faces.iter();
+            let own = own.filter(|f| usize::from(f.fracture) == fracture);
+            let faces = own.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], face| {
+                [low.min(face.center[2]), high.max(face.center[2])]
             });
+            let mut ranges = ranges.into_iter();
+            if let Some(levels) = ranges.find(|[low, high]| *high < faces[0] || faces[1] < *low) {
+                remarks.push(Remark::Beside {
+                    fracture: name(),
+                    faces,
+                    levels,
+                });
+            }
         }
         let weakening = |f: Friction| Some((f, f.weakening?));
         let levels = profile.iter().flat_map(Profile::values);
