@@ -31,6 +31,7 @@ pub static EXPERIMENTS: &[&dyn Experiment] = &[
     &gallery::E24,
     &gallery::E25,
     &gallery::E26,
+    &gallery::E28,
 ];
 
 /// What `fracas reproduce --level paper` runs without names: about two minutes on two cores.

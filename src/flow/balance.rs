@@ -5,12 +5,13 @@ use super::pattern::pattern;
 use super::reservoir::Reservoir;
 use super::sealed::connected;
 use super::well::Driven;
-use super::{Control, FlowPoint, FlowStep, Fluid, Given, Place, WellGiven, WellStep};
+use super::{FlowPoint, FlowStep, Fluid, Given, Place, Well, WellGiven};
 use crate::contact::{ContactState, JumpStabilization, between, face_compliance};
 use crate::elasticity::Elastic;
 use crate::mesh::{FractureEdge, FractureFace, FractureMesh, HexMesh};
 use fracas_operators::sparse::{Pattern, SparseMatrix};
 use fracas_operators::vector::norm2;
+use std::sync::OnceLock;
 
 /// Roundings of a sum that are no error. Unit: 1.
 pub(super) const ROUNDINGS: f64 = 32.0;
@@ -51,8 +52,8 @@ pub struct Balance<'a> {
     /// Those that have a pressure by what their faces store alone where all are closed.
     pub(super) reservoirs: Vec<Reservoir>,
     pattern: Pattern,
-    /// That with the rows of reservoirs.
-    whole_pattern: Pattern,
+    /// That with the rows of reservoirs, made for the first step in which one drowns.
+    whole_pattern: OnceLock<Pattern>,
 }
 
 /// Derivatives of the balance.
@@ -87,22 +88,7 @@ impl<'a> Balance<'a> {
         for (number, middle) in network.held_middles() {
             held_middles[number] = middle;
         }
-        let mut given = vec![false; faces.len()];
-        let held_faces = fluid
-            .sources
-            .iter()
-            .filter_map(|s| match (&s.place, s.given) {
-                (Place::Faces(faces), Given::Pressure(_)) => Some(faces.as_slice()),
-                _ => None,
-            });
-        held_faces.flatten().for_each(|f| given[*f as usize] = true);
-        let by_pressure = fluid
-            .wells
-            .iter()
-            .filter(|w| matches!(w.given, WellGiven::Pressure(_)));
-        let by_pressure = by_pressure.flat_map(|w| w.cuts.iter().map(|(f, _)| *f as usize));
-        let edges = network.held_edge_faces().map(|(_, f)| f).chain(by_pressure);
-        edges.for_each(|f| given[f] = true);
+        let given = given_faces(fluid, &network, faces.len());
         let meetings = network.meetings();
         let meetings = meetings.map(|arms| arms.iter().map(|arm| arm.face).collect());
         let parts = connected(faces.len(), meetings);
@@ -116,13 +102,8 @@ impl<'a> Balance<'a> {
             (fluid, faces),
             (&network, held_middles.len()),
         );
-        let of = |parts: &mut dyn Iterator<Item = &[u32]>| {
-            pattern(faces.len(), &network, &fractures.edges, parts)
-        };
-        let sealed = || closable.iter().map(Vec::as_slice);
-        let whole = reservoirs.iter().map(|part| part.faces.as_slice());
-        let pattern = of(&mut sealed());
-        let whole_pattern = of(&mut sealed().chain(whole));
+        let mut sealed = closable.iter().map(Vec::as_slice);
+        let pattern = pattern(faces.len(), &network, &fractures.edges, &mut sealed);
         let n = |face: u32| faces[face as usize].frame[0];
         let weights = stabilization.edge_weights(mesh, fractures, materials);
         let normal = |(edge, y): (&FractureEdge, [[f64; 3]; 3])| {
@@ -132,7 +113,7 @@ impl<'a> Balance<'a> {
         Self {
             weights: fractures.edges.iter().zip(weights).map(normal).collect(),
             pattern,
-            whole_pattern,
+            whole_pattern: OnceLock::new(),
             compliance: faces
                 .iter()
                 .map(|face| face_compliance(mesh, materials, face))
@@ -151,77 +132,6 @@ impl<'a> Balance<'a> {
     /// The fluid.
     pub fn fluid(&self) -> &'a Fluid {
         self.fluid
-    }
-
-    /// The step from `times[0]` to `times[1]` [s]; `factor` is that of a history at a time.
-    pub fn step(
-        &self,
-        times: [f64; 2],
-        pressure: Vec<f64>,
-        aperture: Vec<f64>,
-        factor: impl Fn(usize, f64) -> f64,
-    ) -> FlowStep {
-        let mut step = FlowStep {
-            dt: times[1] - times[0],
-            pressure,
-            aperture,
-            injected: vec![0.0; self.faces.len()],
-            sources: Vec::new(),
-            held: vec![None; self.faces.len()],
-            held_edges: Vec::new(),
-            wells: Vec::new(),
-            joined: Vec::new(),
-        };
-        for well in &self.fluid.wells {
-            let head = self.fluid.head(well.head);
-            step.wells.push(match well.given {
-                WellGiven::Rate(rate, limit) => WellStep {
-                    // as for sources
-                    rate: 0.5
-                        * rate
-                        * (factor(well.history, times[0]) + factor(well.history, times[1])),
-                    pressure: limit.map(|p| p - head),
-                    control: Control::Rate,
-                },
-                WellGiven::Pressure(p) => WellStep {
-                    rate: 0.0,
-                    pressure: Some(p * factor(well.history, times[1]) - head),
-                    control: Control::Pressure,
-                },
-            });
-        }
-        for source in &self.fluid.sources {
-            match (&source.place, source.given) {
-                (Place::Faces(faces), Given::Rate(rate)) => {
-                    // histories are linear between the times that steps land on
-                    let mean =
-                        0.5 * (factor(source.history, times[0]) + factor(source.history, times[1]));
-                    let area = |f: &u32| self.faces[*f as usize].area;
-                    let whole: f64 = faces.iter().map(area).sum();
-                    step.sources.push(step.dt * rate * mean);
-                    for f in faces {
-                        step.injected[*f as usize] += step.dt * rate * mean * area(f) / whole;
-                    }
-                }
-                (Place::Faces(faces), Given::Pressure(p)) => {
-                    let p = p * factor(source.history, times[1]);
-                    for f in faces.iter().map(|f| *f as usize) {
-                        let weight = self.fluid.weight(self.faces[f].center, source.level);
-                        step.held[f] = Some(p + weight);
-                    }
-                }
-                (Place::Edges(edges), Given::Pressure(p)) => {
-                    let p = p * factor(source.history, times[1]);
-                    let first = step.held_edges.len();
-                    let middles = self.held_middles[first..].iter().take(edges.len());
-                    let of = |x: &[f64; 3]| p + self.fluid.weight(*x, source.level);
-                    step.held_edges.extend(middles.map(of));
-                }
-                // no scene has it
-                (Place::Edges(_), Given::Rate(_)) => {}
-            }
-        }
-        step
     }
 
     /// C_f/μ per face and its derivative by g_N [m³/(Pa s), m²/(Pa s)].
@@ -376,6 +286,16 @@ impl<'a> Balance<'a> {
         edges.filter(move |(edge, _)| open(edge.faces[0]) && open(edge.faces[1]))
     }
 
+    /// The pattern with the rows of reservoirs.
+    fn whole_pattern(&self) -> &Pattern {
+        self.whole_pattern.get_or_init(|| {
+            let sealed = self.closable.iter().map(Vec::as_slice);
+            let whole = self.reservoirs.iter().map(|part| part.faces.as_slice());
+            let mut parts = sealed.chain(whole);
+            pattern(self.faces.len(), &self.network, self.edges, &mut parts)
+        })
+    }
+
     /// Derivatives at the same point.
     pub fn tangent(
         &self,
@@ -385,7 +305,7 @@ impl<'a> Balance<'a> {
         step: &FlowStep,
     ) -> FlowTangent {
         let pattern = match self.drowned(states, step).next() {
-            Some(_) => &self.whole_pattern,
+            Some(_) => self.whole_pattern(),
             None => &self.pattern,
         };
         let mut t = vec![0.0; pattern.columns.len()];
@@ -446,4 +366,21 @@ impl<'a> Balance<'a> {
             by_gap: matrix(by_gap),
         }
     }
+}
+
+/// Which faces have a pressure that the scene gives: their own, that of an edge, or that of a well.
+fn given_faces(fluid: &Fluid, network: &Network, n: usize) -> Vec<bool> {
+    let of_source = |(place, given): (&Place, Given)| match (place, given) {
+        (Place::Faces(faces), Given::Pressure(_)) => faces.clone(),
+        _ => Vec::new(),
+    };
+    let sources = fluid.sources.iter().map(|s| (&s.place, s.given));
+    let by_pressure = |w: &&Well| matches!(w.given, WellGiven::Pressure(_));
+    let wells = fluid.wells.iter().filter(by_pressure);
+    let mut given = vec![false; n];
+    (sources.flat_map(of_source).map(|f| f as usize))
+        .chain(network.held_edge_faces().map(|(_, f)| f))
+        .chain(wells.flat_map(|w| w.cuts.iter().map(|(f, _)| *f as usize)))
+        .for_each(|f| given[f] = true);
+    given
 }

@@ -37,7 +37,8 @@ pub(crate) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-fn unit(a: [f64; 3]) -> [f64; 3] {
+/// a/‖a‖.
+pub(crate) fn unit(a: [f64; 3]) -> [f64; 3] {
     let norm = dot(a, a).sqrt();
     a.map(|v| v / norm)
 }

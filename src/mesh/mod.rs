@@ -35,7 +35,7 @@ pub use box_grid::{BoxGrid, BoxRegion, BuiltMesh};
 pub use disc::Disc;
 pub use error::{MAX_NODES, MeshError};
 pub use face_geometry::{FaceGeometry, face_geometry};
-pub(crate) use face_geometry::{cross, dot, for_each_point, minus};
+pub(crate) use face_geometry::{cross, dot, for_each_point, minus, unit};
 pub use fracture_edges::fracture_edges;
 pub use fracture_mesh::{Crossing, FaceSide, FractureEdge, FractureFace, FractureMesh};
 pub use gmsh::{

@@ -26,6 +26,8 @@ pub struct FaultRecord {
     pub chi_max: f64,
     /// Area of open faces [m²].
     pub open_area: f64,
+    /// Largest g_N of open faces [m].
+    pub aperture_max: f64,
     /// Moment of the step, ∫ G ‖Δγ‖: slip that goes back counts, too [N m].
     pub moment_step: f64,
     /// What the rock releases to it in the step, `Σ A_f t·Δg` by the trapezoidal rule [J].
@@ -63,7 +65,10 @@ impl Simulation<'_> {
             *area += face.area;
             match after.states[f] {
                 ContactState::NewSlip | ContactState::Slip => record.slipping_area += face.area,
-                ContactState::Open => record.open_area += face.area,
+                ContactState::Open => {
+                    record.open_area += face.area;
+                    record.aperture_max = record.aperture_max.max(fields.aperture[f]);
+                }
                 ContactState::Stick => {}
             }
             record.slip_mean += face.area * fields.slip[f];

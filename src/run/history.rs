@@ -25,7 +25,7 @@ pub(super) fn energy_heading(creeps: bool) -> String {
 }
 
 /// First line of `fault.csv`: a row per fracture and step.
-pub(super) const FAULT: &str = "step,time_s,fracture,slipping_area_m2,slip_mean_m,slip_max_m,normal_force_N,shear_force_N,moment_Nm,chi_max,open_area_m2,moment_step_Nm,released_J,dissipated_J\n";
+pub(super) const FAULT: &str = "step,time_s,fracture,slipping_area_m2,slip_mean_m,slip_max_m,normal_force_N,shear_force_N,moment_Nm,chi_max,open_area_m2,moment_step_Nm,released_J,dissipated_J,aperture_max_m\n";
 
 /// First line of `flow.csv`: volumes of the step, then rate and pressure of every well.
 pub(super) fn flow_heading<'w>(wells: impl Iterator<Item = &'w str>) -> String {
@@ -132,6 +132,7 @@ pub(super) fn fault_rows(record: &StepRecord, faults: &[FaultRecord]) -> String 
             f.moment_step,
             f.released,
             f.dissipated,
+            f.aperture_max,
         ];
         let numbers: String = numbers.iter().map(|v| format!(",{v:?}")).collect();
         // a comma in a name would be another column

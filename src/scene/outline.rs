@@ -1,6 +1,6 @@
 //! Where points and lines lie on a fracture face.
 
-use crate::mesh::{BuiltMesh, FractureFace, cross, dot, minus};
+use crate::mesh::{BuiltMesh, FractureFace, cross, dot, minus, unit};
 
 /// Share of the radius of a face by which a point may lie beside it. Unit: 1.
 const ON_FACE: f64 = 1e-6;
@@ -115,7 +115,6 @@ impl Outline {
         let first = (across.into_iter()).max_by(|a, b| dot(*a, *a).total_cmp(&dot(*b, *b)));
         let first = first.unwrap_or([0.0; 3]);
         let second = cross(along, first);
-        let unit = |e: [f64; 3]| e.map(|v| v / dot(e, e).sqrt());
         let [[a1, b1, c1, d1], [a2, b2, c2, d2]] = [first, second]
             .map(unit)
             .map(|e| [to, a, b, d].map(|v| dot(e, v)));

@@ -50,6 +50,7 @@ gallery! {
     E24 "e24";
     E25 "e25";
     E26 "e26";
+    E28 "e28";
 }
 
 /// The study of that name.

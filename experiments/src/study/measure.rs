@@ -185,9 +185,11 @@ measures! {
     RunCuts "run_cuts" Run "halvings of load steps" |m| count(m.steps.map(|s| s.cuts));
     RunTime "run_s" Run "run [s]" |m| real(m.steps.map(|s| s.wall_s));
     RunOnset "run_onset" Run "first slip [s]" |m| real(m.faults.and_then(|f| f.onset));
+    RunOpening "run_opening" Run "first opening [s]" |m| real(m.faults.and_then(|f| f.opening));
     RunSlip "run_slip" Run "largest slip [m]" |m| real(m.faults.map(|f| f.slip));
     RunSlipping "run_slipping" Run "largest slipping area [m²]" |m| real(m.faults.map(|f| f.slipping));
     RunOpen "run_open" Run "largest open area [m²]" |m| real(m.faults.map(|f| f.open));
+    RunAperture "run_aperture" Run "largest aperture [m]" |m| real(m.faults.map(|f| f.aperture));
     RunMoment "run_moment" Run "seismic moment [N m]" |m| real(m.faults.map(|f| f.moment));
     RunCriticality "run_chi" Run "largest criticality χ" |m| real(m.faults.map(|f| f.criticality));
     RunDissipated "run_dissipated" Run "dissipated by friction [J]" |m| real(m.faults.map(|f| f.dissipated));

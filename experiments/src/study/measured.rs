@@ -87,12 +87,16 @@ pub(super) struct Steps {
 pub(super) struct Faults {
     /// End of the first step in which a face slips [s]; none where no face does.
     pub(super) onset: Option<f64>,
+    /// End of the first step in which a face is open [s]; none where no face is.
+    pub(super) opening: Option<f64>,
     /// Largest ‖γ‖ of a face at the end of a step [m].
     pub(super) slip: f64,
     /// Largest area of faces in slip at the end of a step [m²].
     pub(super) slipping: f64,
     /// Largest area of open faces at the end of a step [m²].
     pub(super) open: f64,
+    /// Largest aperture at the end of a step [m].
+    pub(super) aperture: f64,
     /// Seismic moment of all steps, slip that goes back counted, too [N m].
     pub(super) moment: f64,
     /// Largest χ of a face at the end of a step. Unit: 1.

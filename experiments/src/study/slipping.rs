@@ -22,8 +22,9 @@ pub(super) fn faults(text: &str) -> anyhow::Result<Option<Faults>> {
         "open_area_m2",
         "moment_step_Nm",
         "dissipated_J",
+        "aperture_max_m",
     ];
-    let mut columns = [0; 8];
+    let mut columns = [0; 9];
     for (column, name) in columns.iter_mut().zip(names) {
         let found = heading.fields.iter().position(|field| field == name);
         *column = found.with_context(|| format!("fault.csv has no column {name}"))?;
@@ -31,7 +32,7 @@ pub(super) fn faults(text: &str) -> anyhow::Result<Option<Faults>> {
     let mut faults = Faults::default();
     let (mut step, mut areas) = (f64::NAN, [0.0; 2]);
     for (k, row) in rows.iter().enumerate() {
-        let mut values = [0.0; 8];
+        let mut values = [0.0; 9];
         for ((value, column), name) in values.iter_mut().zip(columns).zip(names) {
             let field = row.fields.get(column).map_or("", String::as_str);
             let Ok(number) = field.parse() else {
@@ -42,7 +43,17 @@ pub(super) fn faults(text: &str) -> anyhow::Result<Option<Faults>> {
             };
             *value = number;
         }
-        let [of, time, slipping, slip, chi, open, moment, dissipated] = values;
+        let [
+            of,
+            time,
+            slipping,
+            slip,
+            chi,
+            open,
+            moment,
+            dissipated,
+            aperture,
+        ] = values;
         if of != step {
             (step, areas) = (of, [0.0; 2]);
         }
@@ -54,8 +65,13 @@ pub(super) fn faults(text: &str) -> anyhow::Result<Option<Faults>> {
         faults.criticality = faults.criticality.max(chi);
         faults.moment += moment;
         faults.dissipated += dissipated;
-        if moment > 0.0 && faults.onset.is_none() {
-            faults.onset = Some(time);
+        faults.aperture = faults.aperture.max(aperture);
+        // rows are in the order of steps; the moment of faces that stick is rounding
+        if slipping > 0.0 {
+            faults.onset.get_or_insert(time);
+        }
+        if open > 0.0 {
+            faults.opening.get_or_insert(time);
         }
     }
     Ok((!rows.is_empty()).then_some(faults))
@@ -65,16 +81,18 @@ pub(super) fn faults(text: &str) -> anyhow::Result<Option<Faults>> {
 mod tests {
     use super::*;
 
-    const HEADING: &str = "step,time_s,fracture,slipping_area_m2,slip_mean_m,slip_max_m,normal_force_N,shear_force_N,moment_Nm,chi_max,open_area_m2,moment_step_Nm,released_J,dissipated_J\n";
+    const HEADING: &str = "step,time_s,fracture,slipping_area_m2,slip_mean_m,slip_max_m,normal_force_N,shear_force_N,moment_Nm,chi_max,open_area_m2,moment_step_Nm,released_J,dissipated_J,aperture_max_m\n";
 
     #[test]
     fn fractures_of_a_step_add_up_and_steps_do_not() {
-        let rows = "0,0.0,a,0,0,0,-1,0,0,0.5,0,0,0,0\n0,0.0,b,0,0,0,-1,0,0,0.7,0,0,0,0\n\
-                    1,2.5,a,3,0,0.01,-1,0,4,1,1,4,0,10\n1,2.5,b,4,0,0.02,-1,0,5,1,2,5,0,20\n\
-                    2,5.0,a,6,0,0.015,-1,0,3,0.9,0,1,0,2\n";
+        let rows = "0,0.0,a,0,0,0,-1,0,0,0.5,0,1e-9,0,0,0\n0,0.0,b,0,0,0,-1,0,0,0.7,0,0,0,0,0\n\
+                    1,2.5,a,3,0,0.01,-1,0,4,1,0,4,0,10,0\n1,2.5,b,4,0,0.02,-1,0,5,1,0,5,0,20,0\n\
+                    2,5.0,a,6,0,0.015,-1,0,3,0.9,1,1,0,2,0.25\n2,5.0,b,0,0,0.02,-1,0,5,0,2,0,0,0,0.5\n";
         let found = faults(&format!("{HEADING}{rows}")).unwrap().unwrap();
         let expected = Faults {
             onset: Some(2.5),
+            opening: Some(5.0),
+            aperture: 0.5,
             slip: 0.02,
             slipping: 7.0,
             open: 3.0,
@@ -90,7 +108,7 @@ mod tests {
         assert_eq!(faults(HEADING).unwrap(), None);
         let error = faults("step,time_s\n0,0\n").unwrap_err().to_string();
         assert!(error.contains("slipping_area_m2"), "{error}");
-        let torn = format!("{HEADING}0,0.0,a,x,0,0,-1,0,0,0.5,0,0,0,0\n");
+        let torn = format!("{HEADING}0,0.0,a,x,0,0,-1,0,0,0.5,0,0,0,0,0\n");
         let error = faults(&torn).unwrap_err().to_string();
         assert!(
             error.contains("line 2: slipping_area_m2 is \"x\""),

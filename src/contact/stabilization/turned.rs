@@ -1,6 +1,6 @@
 //! Frames of two faces that are not in one plane, turned into one.
 
-use crate::mesh::{FractureFace, cross, dot};
+use crate::mesh::{FractureFace, cross, dot, unit};
 
 /// Sine of the angle between normals below which two faces are in one plane. Unit: 1.
 const LEVEL: f64 = 1e-6;
@@ -17,9 +17,7 @@ pub(super) fn in_one_plane(faces: [&FractureFace; 2]) -> [[[f64; 3]; 3]; 2] {
     if dot(across, across).sqrt() <= LEVEL || 1.0 + dot(n, m) <= OPPOSITE {
         return frames;
     }
-    let sum: [f64; 3] = std::array::from_fn(|i| n[i] + m[i]);
-    let length = dot(sum, sum).sqrt();
-    let middle = sum.map(|s| s / length);
+    let middle = unit(std::array::from_fn(|i| n[i] + m[i]));
     frames.map(|frame| frame.map(|e| turned(e, frame[0], middle)))
 }
 
