@@ -165,9 +165,9 @@ impl Experiment for GroundRuptures {
     }
 
     fn setup(&self) -> &'static str {
-        "`rupture_bedrock`, `rupture_step`, `rupture_ridge`: sections of 1,200 m × 400 m whose sediments lose 0.5 MPa of pore pressure in 20 \
-         steps; a vertical plane without cohesion, friction angle 30°, where ruptures are expected. The three mechanisms are printed; every number \
-         is ours: sediments of 200 MPa, ν = 0.3, bedrock of 10 GPa, effective stress by weight, horizontal 0.43 of vertical. Cells of 10 m beside the plane, \
+        "`rupture_bedrock`, `rupture_step`, `rupture_ridge`: sections of 1,200 m × 400 m whose sediments lose 0.5 MPa of pore pressure below 20 m \
+         of depth in 40 steps; a vertical plane without cohesion, friction angle 30°, where ruptures are expected. The three mechanisms are printed. Sediments of 35 MPa, ν = 0.25 and \
+         21 kN/m³ are public stand-ins; geometry, drawdown, bedrock of 10 GPa and a horizontal stress of 0.5 of the vertical effective one are ours. Cells of 10 m beside the plane, \
          at paper level 5 m."
     }
 

@@ -1,7 +1,6 @@
 //! What is given over a step in time, and what became of the fluid in it.
 
 use super::{Balance, Control, Given, Place, WellGiven, WellStep};
-use crate::mesh::FractureFace;
 
 /// A step: from when, what comes in, what is held.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,8 +72,9 @@ impl Balance<'_> {
             wells: Vec::new(),
             joined: Vec::new(),
         };
-        for well in &self.fluid.wells {
-            let head = self.fluid.head(well.head);
+        let fluid = self.fluid();
+        for well in &fluid.wells {
+            let head = fluid.head(well.head);
             step.wells.push(match well.given {
                 WellGiven::Rate(rate, limit) => WellStep {
                     // as for sources
@@ -91,7 +91,7 @@ impl Balance<'_> {
                 },
             });
         }
-        for source in &self.fluid.sources {
+        for source in &fluid.sources {
             match (&source.place, source.given) {
                 (Place::Faces(faces), Given::Rate(rate)) => {
                     // histories are linear between the times that steps land on
@@ -107,7 +107,7 @@ impl Balance<'_> {
                 (Place::Faces(faces), Given::Pressure(p)) => {
                     let p = p * factor(source.history, times[1]);
                     for f in faces.iter().map(|f| *f as usize) {
-                        let weight = self.fluid.weight(self.faces[f].center, source.level);
+                        let weight = fluid.weight(self.faces[f].center, source.level);
                         step.held[f] = Some(p + weight);
                     }
                 }
@@ -115,7 +115,7 @@ impl Balance<'_> {
                     let p = p * factor(source.history, times[1]);
                     let first = step.held_edges.len();
                     let middles = self.held_middles[first..].iter().take(edges.len());
-                    let of = |x: &[f64; 3]| p + self.fluid.weight(*x, source.level);
+                    let of = |x: &[f64; 3]| p + fluid.weight(*x, source.level);
                     step.held_edges.extend(middles.map(of));
                 }
                 // no scene has it
