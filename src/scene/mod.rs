@@ -59,7 +59,9 @@ pub use mesh_sections::{
 pub use one_or_many::OneOrMany;
 pub use part_of_side::PartProblem;
 pub use pore_pressure::{Between, Points, PorePressureSection};
-pub use pores::{DrawdownSection, FarFace, FromFace, Interpolation, PoreField, PoreProblem};
+pub use pores::{
+    DrawdownSection, FarFace, FromFace, Interpolation, PoreField, PoreProblem, PoreRoom,
+};
 pub use profile::{LevelSection, Profile, ProfileProblem};
 pub use rounds::Rounds;
 pub use sections::{
@@ -214,6 +216,14 @@ impl Scene {
             },
             None => SceneSize::of_grid(&self.sections),
         }
+    }
+
+    /// What pressures that differ from element to element take of memory.
+    ///
+    /// # Cost
+    /// The first line of CSV files is read.
+    pub fn pore_room(&self) -> PoreRoom {
+        PoreRoom::new(&self.sections, &self.folder)
     }
 
     /// Mesh, materials, boundary conditions and loads.

@@ -68,8 +68,9 @@ fn faces(kind: u8) -> Option<&'static [&'static [usize]]> {
 }
 
 /// The mean of some points.
-pub(super) fn mean(points: &[[f64; 3]]) -> [f64; 3] {
-    [0, 1, 2].map(|d: usize| points.iter().map(|x| x[d]).sum::<f64>() / points.len() as f64)
+pub(super) fn mean(points: impl ExactSizeIterator<Item = [f64; 3]> + Clone) -> [f64; 3] {
+    let n = points.len() as f64;
+    [0, 1, 2].map(|d: usize| points.clone().map(|x| x[d]).sum::<f64>() / n)
 }
 
 /// Share of a tetrahedron by which a point may lie outside of it and count as inside: rounding. Unit: 1.
@@ -95,18 +96,22 @@ fn in_tetrahedron(corners: [[f64; 3]; 4], x: [f64; 3]) -> bool {
 
 impl Shapes {
     /// Corners of a cell.
-    pub(super) fn of(&self, cell: usize) -> Vec<[f64; 3]> {
+    fn of(&self, cell: usize) -> impl ExactSizeIterator<Item = [f64; 3]> + Clone + '_ {
         let start = cell.checked_sub(1).map_or(0, |before| self.ends[before]);
         let own = self.corners[start..self.ends[cell]].iter();
-        own.map(|a| self.nodes[*a as usize]).collect()
+        own.map(|a| self.nodes[*a as usize])
+    }
+
+    /// The mean of the corners of every cell.
+    pub(super) fn centers(&self) -> Vec<[f64; 3]> {
+        (0..self.ends.len())
+            .map(|cell| mean(self.of(cell)))
+            .collect()
     }
 
     /// The box around a cell.
     fn bounds(&self, cell: usize) -> Bounds {
-        let start = cell.checked_sub(1).map_or(0, |before| self.ends[before]);
-        let own = self.corners[start..self.ends[cell]].iter();
-        own.map(|a| self.nodes[*a as usize])
-            .fold(NOWHERE, |all, x| union(&all, &[x, x]))
+        self.of(cell).fold(NOWHERE, |all, x| union(&all, &[x, x]))
     }
 
     /// Diameter of the box around a cell [m].
@@ -128,24 +133,21 @@ impl Shapes {
     /// Whether a cell holds a point of its box: one of the tetrahedra between its centre, the centre of a face and an edge does, which are the
     /// same on both sides of a face. Of a type without faces here, the box is the cell.
     fn holds(&self, cell: usize, x: [f64; 3]) -> bool {
-        let corners = self.of(cell);
         let Some(faces) = faces(self.types[cell]) else {
             return true;
         };
-        if faces
-            .iter()
-            .any(|face| face.iter().any(|a| *a >= corners.len()))
-        {
+        let count = self.of(cell).len();
+        if faces.iter().any(|face| face.iter().any(|a| *a >= count)) {
             return true;
         }
-        let center = mean(&corners);
+        let start = self.ends[cell] - count;
+        let at = |a: &usize| self.nodes[self.corners[start + a] as usize];
+        let center = mean(self.of(cell));
         faces.iter().any(|face| {
-            let own: Vec<[f64; 3]> = face.iter().map(|a| corners[*a]).collect();
-            let middle = mean(&own);
-            (0..own.len()).any(|k| {
-                let edge = [own[k], own[(k + 1) % own.len()]];
-                in_tetrahedron([center, middle, edge[0], edge[1]], x)
-            })
+            let middle = mean(face.iter().map(at));
+            let next = face.iter().cycle().skip(1);
+            let mut edges = face.iter().zip(next);
+            edges.any(|(a, b)| in_tetrahedron([center, middle, at(a), at(b)], x))
         })
     }
 }
@@ -276,9 +278,7 @@ mod tests {
             let lean = [r.between(-1.5, 1.5), r.between(-1.5, 1.5)];
             let bend = |x: [f64; 3]| [x[0], x[1], x[2] + lean[0] * x[0] + lean[1] * x[1]];
             let shapes = hexahedra(&lines, bend);
-            let centers: Vec<[f64; 3]> = (0..shapes.ends.len())
-                .map(|c| mean(&shapes.of(c)))
-                .collect();
+            let centers = shapes.centers();
             let left_out = shapes.ends.len() > 3 && r.chance(0.3);
             let is_there = |c: &usize| !left_out || *c != 1;
             let numbers: Vec<usize> = (0..centers.len()).filter(is_there).collect();

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `read` | from a section and its files to what every element takes |
 //! | `moved` | where a file lies that the scene has left behind |
+//! | `room` | what it takes of memory |
 //! | `field` | what a body keeps: elements and their change at any time |
 //! | `drawdown` | a layer into which the change of a neighbour diffuses |
 //! | `cloud` | points and their pressures, one per place |
@@ -22,12 +23,14 @@ mod nearest;
 mod places;
 mod problem;
 mod read;
+mod room;
 mod vtu;
 
 pub use drawdown::{DrawdownSection, FarFace, FromFace};
 pub use field::PoreField;
 pub use places::Interpolation;
 pub use problem::PoreProblem;
+pub use room::PoreRoom;
 
 pub(super) use moved::place;
 pub(super) use read::{alike, digest, fields};

@@ -277,7 +277,7 @@ impl Reader<'_> {
     }
 
     fn center(&self, e: u32) -> [f64; 3] {
-        mean(&self.corners(e))
+        mean(self.corners(e).into_iter())
     }
 
     /// Refuses an element that is too far from the points.
@@ -302,7 +302,7 @@ impl Reader<'_> {
         Err(PoreProblem::Far {
             element: e as usize,
             name: self.name.into(),
-            center: mean(&x),
+            center: mean(x.into_iter()),
             distance,
             bound,
             file: file.into(),

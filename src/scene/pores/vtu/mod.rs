@@ -12,7 +12,7 @@ mod packed;
 mod xml;
 
 use super::PoreProblem;
-use super::cells::{Shapes, mean};
+use super::cells::Shapes;
 use super::cloud::{Cloud, Origin};
 use super::places::median;
 use array::{Appended, Array, Layout};
@@ -199,8 +199,7 @@ impl File<'_> {
             diameters.extend((0..own.ends.len()).map(|cell| own.diameter(cell)));
             let places = match origin {
                 Origin::Cell => {
-                    let centers = (0..own.ends.len()).map(|cell| mean(&own.of(cell)));
-                    let centers: Vec<[f64; 3]> = centers.collect();
+                    let centers = own.centers();
                     shapes.append(own);
                     centers
                 }
