@@ -96,6 +96,9 @@ impl Body {
         for history in 0..self.histories.len() {
             axpy(1.0, &self.forces_of(history)?, &mut force);
         }
+        if let Some(pressures) = self.pressures_of_sides_at_once() {
+            self.add_pressures(&pressures, &mut force);
+        }
         Ok(force)
     }
 
@@ -120,11 +123,11 @@ impl Body {
                 }
             }
         }
-        let change = |region: usize| match self.pore_pressures[region] {
-            (pressure, of) if of == history => pressure,
+        let change = |region: usize| match &self.pore_changes[region] {
+            own if own.history == history => own.drained(),
             _ => 0.0,
         };
-        if (0..self.pore_pressures.len()).any(|region| change(region) != 0.0) {
+        if (0..self.pore_changes.len()).any(|region| change(region) != 0.0) {
             // σ = C ε − α Δp I
             let drained = loads::initial_stress(&self.mesh, |region, _| {
                 let p = change(region);
@@ -135,26 +138,37 @@ impl Body {
         for load in self.tractions.iter().filter(|l| l.history == history) {
             axpy(1.0, &load.forces(&self.mesh.nodes), &mut force);
         }
-        if let Some(pressure) = self.pressures_of(history) {
-            // −Q1 p = B (p, 0, 0)
-            let coupling =
-                Coupling::<f64>::in_full_numbering(&self.fractures, self.mesh.nodes.len());
-            let mut work = vec![0.0; coupling.work_len()];
-            coupling.apply_add(1.0, &pressure, &mut force, &mut work);
+        if let Some(pressures) = self.pressures_of(history) {
+            self.add_pressures(&pressures, &mut force);
         }
         Ok(force)
     }
 
-    /// Forces of the pore pressures that differ from element to element, at a time [s], in full numbering [N]; `None` where there are none.
-    /// They are no part of [`forces`](Self::forces): at time 0 nothing has changed.
+    /// Adds the forces of a pressure per face [Pa], in full numbering [N].
+    fn add_pressures(&self, pressures: &[f64], force: &mut [f64]) {
+        // −Q1 p = B (p, 0, 0)
+        let normal: Vec<f64> = pressures.iter().flat_map(|p| [*p, 0.0, 0.0]).collect();
+        let coupling = Coupling::<f64>::in_full_numbering(&self.fractures, self.mesh.nodes.len());
+        let mut work = vec![0.0; coupling.work_len()];
+        coupling.apply_add(1.0, &normal, force, &mut work);
+    }
+
+    /// Forces that are no sum of histories times cases, at a time [s], in full numbering [N]: of pore pressures that differ from element to
+    /// element, and of pressures in fractures that follow the rock. `None` where there are none.
+    ///
+    /// Those of fields are no part of [`forces`](Self::forces): at time 0 nothing has changed.
     ///
     /// # Errors
     /// [`ElasticityError`] for an inverted element.
     pub fn drained_forces(&self, time: f64) -> Result<Option<Vec<f64>>, ElasticityError> {
         let mut force = None;
+        let none = || vec![0.0; self.constraints.full_len()];
         for field in &self.pore_fields {
-            let force = force.get_or_insert_with(|| vec![0.0; self.constraints.full_len()]);
+            let force = force.get_or_insert_with(none);
             pore_forces(&self.mesh, &field.elements, &field.drained(time), force)?;
+        }
+        if let Some(pressures) = self.pressures_of_sides(time) {
+            self.add_pressures(&pressures, force.get_or_insert_with(none));
         }
         Ok(force)
     }
@@ -164,8 +178,8 @@ impl Body {
         loads::pull_beyond_mean(&self.mesh, face, |x, n| self.initial_pull_at(face, x, n))
     }
 
-    /// (p, 0, 0) of every face whose fracture has a pressure of that history, the initial one of a fluid included [Pa]; `None` where
-    /// there is none.
+    /// p of every face whose fracture has a pressure of that history, the initial one of a fluid included [Pa]; `None` where there is
+    /// none.
     fn pressures_of(&self, history: usize) -> Option<Vec<f64>> {
         let value = |f: &FractureFace| match self.pressures.get(usize::from(f.fracture)) {
             Some((_, of)) if *of == history => self.pressure_of(f),
@@ -173,8 +187,8 @@ impl Body {
         };
         let fluid = self.fluid.as_ref().filter(|_| history == Self::ALWAYS);
         let initial = |f: &FractureFace| fluid.map_or(0.0, |fluid| fluid.initial_pressure(f));
-        let normal = |f: &FractureFace| [value(f) + initial(f), 0.0, 0.0];
-        let all: Vec<f64> = self.fractures.faces.iter().flat_map(normal).collect();
+        let both = |f: &FractureFace| value(f) + initial(f);
+        let all: Vec<f64> = self.fractures.faces.iter().map(both).collect();
         all.iter().any(|p| *p != 0.0).then_some(all)
     }
 

@@ -35,19 +35,18 @@ impl<'a> Fields<'a> {
     ) -> Result<Self, ElasticityError> {
         // σ = σ0 − α Δp I + C ε; what is applied of the loads of time 0 is applied of σ0 as well
         let initial = |region: usize, x: [f64; 3]| {
-            let (pressure, history) = body.pore_pressures[region];
-            let drained = pressure * body.histories[history].at(state.time);
+            let pores = &body.pore_changes[region];
+            let drained = pores.drained() * body.histories[pores.history].at(state.time);
             let mut sigma = body.initial_stress_at(region, x);
             (0..3).for_each(|i| sigma[i] -= drained);
             sigma.map(|s| state.loaded * s)
         };
         let mut stress = element_stress(&body.mesh, &body.materials, displacement, initial)?;
-        for field in &body.pore_fields {
-            let drained = field.drained(state.time);
-            for (e, p) in field.elements.iter().zip(drained) {
-                let own = &mut stress[*e as usize];
-                (0..3).for_each(|i| own[i] -= state.loaded * p);
-            }
+        let drained = drained(body, state);
+        for e in body.pore_fields.iter().flat_map(|field| &field.elements) {
+            let (own, e) = (&mut stress[*e as usize], *e as usize);
+            let p = drained.as_ref().map_or(0.0, |all| all[e]);
+            (0..3).for_each(|i| own[i] -= p);
         }
         for (e, relaxed) in relaxed {
             (0..6).for_each(|k| stress[e][k] += relaxed[k]);
@@ -56,7 +55,7 @@ impl<'a> Fields<'a> {
             body,
             displacement,
             stress,
-            drained: drained(body, state),
+            drained,
             faces,
             states: state.states.iter().map(|s| f64::from(s.code())).collect(),
             flips: state.flips.iter().map(|n| f64::from(*n)).collect(),
@@ -107,8 +106,8 @@ impl<'a> Fields<'a> {
 fn drained(body: &Body, state: &State) -> Option<Vec<f64>> {
     let all = &body.pore_fields;
     let uniform = |region: &u16| {
-        let (pressure, history) = body.pore_pressures[usize::from(*region)];
-        state.loaded * pressure * body.histories[history].at(state.time)
+        let pores = &body.pore_changes[usize::from(*region)];
+        state.loaded * pores.drained() * body.histories[pores.history].at(state.time)
     };
     let mut drained: Vec<f64> = match all.is_empty() {
         true => return None,

@@ -128,6 +128,9 @@ const ENCLOSED: f64 = 60_000.0;
 /// text and binary.
 const PER_NODE_OF_FILE: f64 = 400.0;
 
+/// What reading a field of pressures takes at its peak, per byte of its file.
+const PER_BYTE_OF_FIELD: f64 = 4.0;
+
 impl Work {
     /// At its peak [bytes].
     pub fn bytes(&self, size: SceneSize, bricks: bool) -> f64 {
@@ -193,6 +196,9 @@ fn room(name: &str, scene: &Scene, work: Work, size: SceneSize) -> Result<(), To
     let mesh = &scene.sections().mesh;
     let mut needed = work.bytes(size, mesh.file.is_none() && mesh.map.is_none());
     let mut remedy = work.remedy;
+    // as many elements as nodes, at most
+    let pores = scene.pore_room();
+    needed += pores.per_element * size.nodes as f64 + PER_BYTE_OF_FIELD * pores.largest_file;
     if mesh.file.is_some() {
         needed = needed.max(PER_NODE_OF_FILE * size.nodes as f64);
         remedy = "use a coarser mesh";

@@ -3,6 +3,7 @@
 use super::{ContactProblem, Simulation, State};
 use crate::contact::ContactState;
 use crate::mesh::FractureFace;
+use fracas_operators::vector::axpy;
 
 /// Shear that counts as none, relative to the largest traction. Unit: 1.
 const NOISE: f64 = 1e-9;
@@ -155,7 +156,11 @@ impl Simulation<'_> {
             );
             state.loaded * p * body.histories[history].at(state.time)
         };
-        self.problem().faces().iter().map(pressure).collect()
+        let mut all: Vec<f64> = self.problem().faces().iter().map(pressure).collect();
+        if let Some(of_sides) = body.pressures_of_sides(state.time) {
+            axpy(state.loaded, &of_sides, &mut all);
+        }
+        all
     }
 
     /// Displacements of all nodes in a state, `3·node + component` [m].

@@ -4,10 +4,9 @@ use super::Load;
 use crate::contact::{ContactState, prescribed_jump};
 use crate::elasticity::{Constraints, ElasticityError, lift, loads};
 use crate::mesh::FractureFace;
-use crate::scene::Body;
+use crate::scene::{Body, Latest};
 use fracas_operators::LinearOperator;
 use fracas_operators::vector::axpy;
-use std::sync::{Mutex, PoisonError};
 
 /// What follows one history, at its factor 1.
 struct Case {
@@ -19,7 +18,7 @@ struct Case {
 }
 
 /// `load(time) = Σ_k h_k(time) case_k`: the body is linear in its loads, so A_fc is multiplied once per history. What pore pressures do that
-/// differ from element to element is added at each time.
+/// differ from element to element, and pressures of fractures that follow them, is added at each time.
 pub struct Loads<'a> {
     body: &'a Body,
     cases: Vec<Case>,
@@ -27,8 +26,8 @@ pub struct Loads<'a> {
     gap: Vec<f64>,
     /// Faces that the initial stress pulls beyond its mean on them, and [what it pulls](loads::pull_beyond_mean) [N].
     pulled: Vec<(usize, [[f64; 3]; 4])>,
-    /// The last time, and the forces of pore pressures that differ from element to element then [N]: a step asks for the same ones again.
-    drained: Mutex<Option<(f64, Vec<f64>)>>,
+    /// Forces at the last time of what is no case [N]: a step asks for the same ones again.
+    drained: Latest,
 }
 
 /// Which of the faces that the initial stress pulls beyond its mean are taken as open: nothing pulls at their sides.
@@ -63,33 +62,16 @@ impl<'a> Loads<'a> {
     /// # Errors
     /// [`ElasticityError`] for an inverted element.
     pub fn new(body: &'a Body, full: &dyn LinearOperator<f64>) -> Result<Self, ElasticityError> {
-        let mut cases = Vec::new();
-        for history in 0..body.histories.len() {
-            let force = body.forces_of(history)?;
-            let constraints = prescribed(body, |h| f64::from(u8::from(h == history)));
-            let mut free: Vec<f64> = constraints
-                .free()
-                .iter()
-                .map(|dof| force[*dof as usize])
-                .collect();
-            let moved = constraints.is_displaced();
-            if moved {
-                lift(full, &constraints, &mut free);
-            }
-            if moved || free.iter().any(|f| *f != 0.0) {
-                cases.push(Case {
-                    history,
-                    force: free,
-                    jump: moved.then(|| prescribed_jump(&body.fractures, &constraints)),
-                });
-            }
-        }
         let mut gap = vec![0.0; 3 * body.fractures.faces.len()];
         for (g, face) in gap.chunks_exact_mut(3).zip(&body.fractures.faces) {
             g[0] = face.area * body.gaps[usize::from(face.fracture)];
         }
-        // an inverted element is found here
-        body.drained_forces(0.0)?;
+        let drained = Latest::default();
+        if Self::has_drained(body) {
+            // an inverted element is found here
+            let at_first = drained_forces(body, 0.0)?;
+            drained.at(0.0, || at_first);
+        }
         let faces = body.fractures.faces.iter().enumerate();
         let faces = faces.filter(|_| body.initial_stress.is_some());
         let pulled = faces
@@ -98,11 +80,25 @@ impl<'a> Loads<'a> {
             .collect();
         Ok(Self {
             body,
-            cases,
+            cases: cases(body, full)?,
             gap,
             pulled,
-            drained: Mutex::default(),
+            drained,
         })
+    }
+
+    /// The same where the stiffness over all displacements is another one.
+    ///
+    /// # Errors
+    /// [`ElasticityError`] for an inverted element.
+    pub(super) fn follow(&mut self, full: &dyn LinearOperator<f64>) -> Result<(), ElasticityError> {
+        self.cases = cases(self.body, full)?;
+        Ok(())
+    }
+
+    /// Whether there is anything that is no case.
+    fn has_drained(body: &Body) -> bool {
+        !body.pore_fields.is_empty() || body.pressures_from.iter().any(Option::is_some)
     }
 
     /// Those that are open in these states.
@@ -151,26 +147,14 @@ impl<'a> Loads<'a> {
                 axpy(factor, moved, &mut jump);
             }
         }
-        if !self.body.pore_fields.is_empty() {
-            self.add_drained(time, share, &mut force);
+        if Self::has_drained(self.body) {
+            let drained = self.drained.at(time, || {
+                let all = drained_forces(self.body, time);
+                all.unwrap_or_else(|_| unreachable!("looked at by `new`"))
+            });
+            axpy(share, &drained, &mut force);
         }
         Load { force, jump }
-    }
-
-    /// Adds a share of the forces of pore pressures that differ from element to element at a time [s].
-    fn add_drained(&self, time: f64, share: f64, force: &mut [f64]) {
-        let mut known = self.drained.lock().unwrap_or_else(PoisonError::into_inner);
-        if known.as_ref().is_none_or(|(of, _)| *of != time) {
-            let Ok(all) = self.body.drained_forces(time) else {
-                unreachable!("looked at by `new`");
-            };
-            let free = self.body.constraints.free();
-            let all = all.unwrap_or_default();
-            *known = Some((time, free.iter().map(|dof| all[*dof as usize]).collect()));
-        }
-        if let Some((_, drained)) = &*known {
-            axpy(share, drained, force);
-        }
     }
 
     /// The same where one of them is not 0.
@@ -185,6 +169,39 @@ impl<'a> Loads<'a> {
     pub fn prescribed_at(&self, time: f64, share: f64) -> Constraints {
         prescribed(self.body, |h| share * self.body.histories[h].at(time))
     }
+}
+
+/// What follows the histories of a body; `full` is its stiffness over all displacements.
+fn cases(body: &Body, full: &dyn LinearOperator<f64>) -> Result<Vec<Case>, ElasticityError> {
+    let mut cases = Vec::new();
+    for history in 0..body.histories.len() {
+        let force = body.forces_of(history)?;
+        let constraints = prescribed(body, |h| f64::from(u8::from(h == history)));
+        let mut free: Vec<f64> = constraints
+            .free()
+            .iter()
+            .map(|dof| force[*dof as usize])
+            .collect();
+        let moved = constraints.is_displaced();
+        if moved {
+            lift(full, &constraints, &mut free);
+        }
+        if moved || free.iter().any(|f| *f != 0.0) {
+            cases.push(Case {
+                history,
+                force: free,
+                jump: moved.then(|| prescribed_jump(&body.fractures, &constraints)),
+            });
+        }
+    }
+    Ok(cases)
+}
+
+/// Forces at a time [s] of what is no case, on the free displacements [N].
+fn drained_forces(body: &Body, time: f64) -> Result<Vec<f64>, ElasticityError> {
+    let all = body.drained_forces(time)?.unwrap_or_default();
+    let free = body.constraints.free();
+    Ok(free.iter().map(|dof| all[*dof as usize]).collect())
 }
 
 /// The constraints with every prescribed displacement times the factor of its history.

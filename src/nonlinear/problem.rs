@@ -203,7 +203,7 @@ impl<'a> ContactProblem<'a> {
         let unit = self.saddle.unit();
         self.saddle = MatrixFreeSaddle::in_traction_unit(&self.stick_system(), unit)?;
         if self.body.constraints.is_displaced() {
-            self.loads = Loads::new(self.body, self.saddle.stiffness().full())?;
+            self.loads.follow(self.saddle.stiffness().full())?;
         }
         Ok(())
     }

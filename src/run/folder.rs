@@ -170,7 +170,8 @@ fn assembles(scene: &Scene) -> bool {
         .assembles(is_grid, displacements)
 }
 
-/// What of a scene decides where a state can go: all but its names, its last time, its steps and its solver.
+/// What of a scene decides where a state can go: all but its names, its last time, its steps and its solver. Files are known by what they
+/// hold, wherever they lie: meshes by their fingerprint, fields of pressure by their digest.
 fn physics(scene: &Scene) -> Result<String, RunError> {
     let mut table: toml::Table = scene.to_toml()?.parse()?;
     for key in ["title", "description", "solver"] {
@@ -179,6 +180,24 @@ fn physics(scene: &Scene) -> Result<String, RunError> {
     if let Some(toml::Value::Table(time)) = table.get_mut("time") {
         time.remove("end");
         time.remove("steps");
+    }
+    let strip = |file: &mut toml::Value| {
+        let name = file.as_str().map(Path::new).and_then(Path::file_name);
+        let name = name.map(|name| name.to_string_lossy().into_owned());
+        *file = name.unwrap_or_default().into();
+    };
+    let file = table.get_mut("mesh").and_then(|mesh| mesh.get_mut("file"));
+    file.into_iter().for_each(strip);
+    let materials = table.get_mut("material").and_then(|m| m.as_array_mut());
+    let pores = materials.into_iter().flatten();
+    for pores in pores.filter_map(|m| m.get_mut("pore_pressure")?.as_table_mut()) {
+        if pores.contains_key("digest") {
+            pores.remove("grid");
+            let fields = pores.get_mut("fields").and_then(|f| f.as_array_mut());
+            let rows = fields.into_iter().flatten();
+            rows.filter_map(|row| row.as_array_mut())
+                .for_each(|row| row.truncate(1));
+        }
     }
     // a section that says nothing more is as good as none
     table.retain(|_, value| value.as_table().is_none_or(|t| !t.is_empty()));

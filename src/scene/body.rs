@@ -1,6 +1,6 @@
 //! What a scene becomes: everything that assembly needs, in SI units.
 
-use super::{History, PoreField, Profile, SolverSection, TimeTable, WeightStress};
+use super::{History, PoreField, PressureFrom, Profile, SolverSection, TimeTable, WeightStress};
 use crate::contact::Friction;
 use crate::creep::Initial;
 use crate::elasticity::{Constraints, Elastic, loads};
@@ -55,6 +55,24 @@ impl InitialStress {
     }
 }
 
+/// A change of pore pressure that is the same all over a material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PoreChange {
+    /// Δp at the factor 1 of its history [Pa]; 1 Pa where the history itself counts in Pa.
+    pub change: f64,
+    /// Biot's coefficient α [1].
+    pub biot: f64,
+    /// Number of its history in [`Body::histories`].
+    pub history: usize,
+}
+
+impl PoreChange {
+    /// `α Δp`, by which total stress falls [Pa].
+    pub fn drained(&self) -> f64 {
+        self.biot * self.change
+    }
+}
+
 /// A fractured body with materials, constraints and loads.
 ///
 /// ```
@@ -103,10 +121,11 @@ pub struct Body {
     pub initial_stress: Option<InitialStress>,
     /// Pressure of the fluid in each fracture along z [Pa] and the number of its history.
     pub pressures: Vec<(Profile<f64>, usize)>,
-    /// `α Δp` of each material: Biot's coefficient times its change of pore pressure [Pa], and the number of its history (where this counts
-    /// in Pa, Biot's coefficient alone).
-    pub pore_pressures: Vec<(f64, usize)>,
-    /// Changes of pore pressure that differ from element to element; `pore_pressures` of their materials are 0.
+    /// What in each fracture follows the pore pressure of the rock on its two sides, beside `pressures`.
+    pub pressures_from: Vec<Option<PressureFrom>>,
+    /// Changes of pore pressure that are the same all over a material.
+    pub pore_changes: Vec<PoreChange>,
+    /// Changes of pore pressure that differ from element to element; `pore_changes` of their materials are 0.
     pub pore_fields: Vec<PoreField>,
     /// The fluid that flows in the fractures, where the scene has one; `pressures` are then 0.
     pub fluid: Option<Fluid>,
@@ -162,7 +181,7 @@ impl Body {
         profile.map(|profile| profile.at(face.center[2]))
     }
 
-    /// Pressure of the fluid in a face, that at the factor 1 of its history [Pa].
+    /// Pressure of the fluid in a face, that at the factor 1 of its history, without what follows the rock on its sides [Pa].
     pub fn pressure_of(&self, face: &FractureFace) -> f64 {
         let profile = self.pressures.get(usize::from(face.fracture));
         profile.map_or(0.0, |(profile, _)| profile.at(face.center[2]))

@@ -14,10 +14,12 @@ use super::pores;
 use super::profile;
 use super::rocks::{elastic, viscosities};
 use super::sections::SceneSections;
+use super::sides::require_change;
 use super::source::Source;
 use super::used::require_used;
 use super::{
-    Body, InitialStress, Method, Problem, SceneError, SolverSection, TimeTable, WeightStress,
+    Body, InitialStress, Method, PoreChange, Problem, SceneError, SolverSection, TimeTable,
+    WeightStress,
 };
 use crate::contact::Rocks;
 use crate::elasticity::{Constraints, Elastic};
@@ -93,22 +95,7 @@ fn assemble(sections: &SceneSections, folder: &Path) -> Result<Body, Located> {
         let history = histories.number(fracture.pressure_history.as_ref(), &path, of_time)?;
         pressures.push((profile::pressure(*i, fracture)?, history));
     }
-    let mut pore_pressures = Vec::with_capacity(sections.material.len());
-    for (i, material) in sections.material.iter().enumerate() {
-        let path = ["material", &i.to_string(), "pressure_history"];
-        let history = histories.number(material.pressure_history.as_ref(), &path, of_time)?;
-        let biot = material.biot.as_ref().map_or(1.0, Measure::si);
-        if let Some(table) = &material.pore_pressure {
-            let path = ["material", &i.to_string(), "pore_pressure"];
-            let change = table.history(&material.name).map_err(|e| at(&path, e))?;
-            // the history is in Pa
-            let uniform = change.map(|change| (biot, histories.number_of(change)));
-            pore_pressures.push(uniform.unwrap_or((0.0, Body::ALWAYS)));
-            continue;
-        }
-        let change = material.pressure_change.as_ref().map_or(0.0, Measure::si);
-        pore_pressures.push((biot * change, history));
-    }
+    let pore_changes = pore_changes(sections, &mut histories, of_time)?;
     let friction = section_of
         .iter()
         .map(|i| profile::friction(*i, &sections.fracture[*i]))
@@ -137,7 +124,10 @@ fn assemble(sections: &SceneSections, folder: &Path) -> Result<Body, Located> {
     let isotropic: Vec<bool> = (sections.material.iter())
         .map(|m| m.isotropic_stress)
         .collect();
-    let pressed = |i: usize| Some(pore_pressures[i]).filter(|(change, _)| *change != 0.0);
+    let pressed = |i: usize| {
+        let pores = &pore_changes[i];
+        Some((pores.drained(), pores.history)).filter(|(drained, _)| *drained != 0.0)
+    };
     let alike = |i: usize, j: usize| {
         materials[i] == materials[j]
             && viscosities[i] == viscosities[j]
@@ -145,7 +135,7 @@ fn assemble(sections: &SceneSections, folder: &Path) -> Result<Body, Located> {
             && pressed(i) == pressed(j)
             && pores::alike(&sections.material[i], &sections.material[j])
     };
-    Ok(Body {
+    let body = Body {
         first_alike: Rocks::first_alike(materials.len(), alike),
         pore_fields: pores::fields(sections, &built.mesh, folder)?,
         weight_stress,
@@ -165,7 +155,10 @@ fn assemble(sections: &SceneSections, folder: &Path) -> Result<Body, Located> {
         prescribed_histories,
         tractions,
         pressures,
-        pore_pressures,
+        pressures_from: (section_of.iter())
+            .map(|i| sections.fracture[*i].pressure_from)
+            .collect(),
+        pore_changes,
         fluid,
         gaps: section_of
             .iter()
@@ -179,7 +172,39 @@ fn assemble(sections: &SceneSections, folder: &Path) -> Result<Body, Located> {
             gradient: s.gradient.as_ref().map_or([0.0; 6], |g| g.si()),
             reference: s.reference.as_ref().map_or(0.0, Measure::si),
         }),
-    })
+    };
+    require_change(&body, &sections.fracture, &section_of)?;
+    Ok(body)
+}
+
+/// Changes of pore pressure of materials, as far as they are the same all over each.
+fn pore_changes(
+    sections: &SceneSections,
+    histories: &mut Histories,
+    of_time: usize,
+) -> Result<Vec<PoreChange>, Located> {
+    let mut all = Vec::with_capacity(sections.material.len());
+    for (i, material) in sections.material.iter().enumerate() {
+        let number = i.to_string();
+        let path = ["material", &number, "pressure_history"];
+        let history = histories.number(material.pressure_history.as_ref(), &path, of_time)?;
+        let mut own = PoreChange {
+            change: material.pressure_change.as_ref().map_or(0.0, Measure::si),
+            biot: material.biot.as_ref().map_or(1.0, Measure::si),
+            history,
+        };
+        if let Some(table) = &material.pore_pressure {
+            let path = ["material", &number, "pore_pressure"];
+            let change = table.history(&material.name).map_err(|e| at(&path, e))?;
+            // the history is in Pa
+            (own.change, own.history) = match change {
+                Some(change) => (1.0, histories.number_of(change)),
+                None => (0.0, Body::ALWAYS),
+            };
+        }
+        all.push(own);
+    }
+    Ok(all)
 }
 
 /// The mesh of a grid, and the section of every fracture in it.

@@ -73,6 +73,24 @@ pub enum Problem {
         /// The other key.
         key: &'static str,
     },
+    /// A pressure that follows the rock, and another one.
+    #[error(
+        "fracture \"{name}\" has `pressure_from`, which says what its pressure follows, beside {other}; leave one of them out"
+    )]
+    TwoFluids {
+        /// Its name.
+        name: String,
+        /// The other one.
+        other: &'static str,
+    },
+    /// A pressure that follows rock in which none changes.
+    #[error(
+        "fracture \"{name}\" has `pressure_from`, and on neither side of it a pore pressure changes; give a material beside it a `pore_pressure` or `pressure_change`, or leave it out"
+    )]
+    NoChangeBeside {
+        /// Its name.
+        name: String,
+    },
     /// Weight that has no direction, or layers that are not level.
     #[error(
         "the initial stress of weight needs [gravity] along z alone, and elements whose tops and bottoms are level (no map that tilts or distorts them)"

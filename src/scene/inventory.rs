@@ -1,6 +1,7 @@
 //! What a body is made of, what holds it and what loads it, with totals to hold against a sketch.
 
-use super::{Body, PoreField, Pull};
+use super::sides::ranges;
+use super::{Body, PoreField, PressureFrom, Pull};
 use crate::mesh::face_geometry;
 use std::fmt;
 
@@ -47,6 +48,8 @@ pub struct Inventory {
     pub pushes: Vec<Push>,
     /// Pressure of the fluid in fractures that have one: name, least and largest pressure [Pa], ∫ p dA [N].
     pub pressures: Vec<(String, [f64; 2], f64)>,
+    /// Fractures whose pressure follows the rock on their two sides: name, what it takes, least and largest pressure at the end [Pa].
+    pub following: Vec<(String, PressureFrom, [f64; 2])>,
     /// Changes of pore pressure that differ from element to element: name of the material, what its elements take, and the lowest and
     /// highest change at the end [Pa].
     pub pores: Vec<(String, String, [f64; 2])>,
@@ -93,6 +96,7 @@ impl Body {
             moved,
             pushes: self.pushes(),
             pressures: self.fluid(),
+            following: self.following(),
             pores: self.pores(),
         }
     }
@@ -121,20 +125,30 @@ impl Body {
     }
 
     fn fluid(&self) -> Vec<(String, [f64; 2], f64)> {
-        let none = [f64::INFINITY, f64::NEG_INFINITY, 0.0];
-        let mut all = vec![none; self.fractures.names.len()];
-        for face in &self.fractures.faces {
-            let [least, most, force] = &mut all[usize::from(face.fracture)];
-            let pressure = self.pressure_of(face);
-            (*least, *most) = (least.min(pressure), most.max(pressure));
-            *force += pressure * face.area;
+        let faces = self.fractures.faces.iter();
+        let pressures: Vec<f64> = faces.map(|face| self.pressure_of(face)).collect();
+        let mut forces = vec![0.0; self.fractures.names.len()];
+        for (face, p) in self.fractures.faces.iter().zip(&pressures) {
+            forces[usize::from(face.fracture)] += p * face.area;
         }
-        let named = self.fractures.names.iter().zip(all);
-        named
-            .filter(|(_, [least, most, _])| {
-                [least, most].iter().any(|p| **p != 0.0 && p.is_finite())
-            })
-            .map(|(name, [least, most, force])| (name.clone(), [least, most], force))
+        let ranges = ranges(&self.fractures, &pressures).into_iter().zip(forces);
+        let named = self.fractures.names.iter().zip(ranges);
+        let of = |(name, (range, force)): (&String, (Option<[f64; 2]>, f64))| {
+            let range = range.filter(|range| *range != [0.0; 2])?;
+            Some((name.clone(), range, force))
+        };
+        named.filter_map(of).collect()
+    }
+
+    fn following(&self) -> Vec<(String, PressureFrom, [f64; 2])> {
+        let end = self.time.map_or(0.0, |time| time.end);
+        let Some(pressures) = self.pressures_of_sides(end) else {
+            return Vec::new();
+        };
+        let ranges = ranges(&self.fractures, &pressures);
+        let all = self.fractures.names.iter().zip(&self.pressures_from);
+        all.zip(ranges)
+            .filter_map(|((name, rule), range)| Some((name.clone(), (*rule)?, range?)))
             .collect()
     }
 }
@@ -199,6 +213,12 @@ impl fmt::Display for Inventory {
                 write!(f, " to {most:.4e}")?;
             }
             writeln!(f, " Pa, {force:.4e} N on either side")?;
+        }
+        for (name, rule, [low, high]) in &self.following {
+            writeln!(
+                f,
+                "pressure    \"{name}\": {rule} of what changes on its two sides, {low:.4e} to {high:.4e} Pa at the end"
+            )?;
         }
         for (name, origin, [low, high]) in &self.pores {
             writeln!(

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::group_names::GroupNames;
 use super::one_or_many::OneOrMany;
 use super::profile::LevelSection;
+use super::sides::PressureFrom;
 use crate::mesh::SizeField;
 use crate::units::{
     Angle, Conductivity, Distance, Duration, FrictionAngle, Length, Measure, MeshUnit, Ratio,
@@ -306,6 +307,9 @@ pub struct FractureSection {
     /// Pressure of the fluid inside, the same on every face (positive pushes the sides apart).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Measure<Stress>>,
+    /// In place of `pressure`: it is what the pore pressure of the rock on the two sides of each face has changed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pressure_from: Option<PressureFrom>,
     /// What changes with depth: levels, each with a height `z` and the value of some of `friction_angle`, `cohesion`,
     /// `dynamic_friction_angle`, `weakening_distance` and `pressure`, in place of that of the whole fracture.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -16,6 +16,7 @@ mod group_names;
 mod history;
 mod hold;
 mod inventory;
+mod latest;
 mod located;
 mod mesh_sections;
 mod one_or_many;
@@ -28,6 +29,7 @@ mod profile;
 mod rocks;
 mod rounds;
 mod sections;
+mod sides;
 mod size;
 mod solver_section;
 mod source;
@@ -39,7 +41,7 @@ mod wells;
 use std::path::{Path, PathBuf};
 
 pub use crate::contact::{Friction, Weakening};
-pub use body::{Body, InitialStress, Pull, SurfaceTraction};
+pub use body::{Body, InitialStress, PoreChange, Pull, SurfaceTraction};
 pub use error::{Place, Problem, SceneError};
 pub use flow_problem::FlowProblem;
 pub use flow_sections::{FluidSection, SourceSection, WellSection};
@@ -57,13 +59,16 @@ pub use mesh_sections::{
 pub use one_or_many::OneOrMany;
 pub use part_of_side::PartProblem;
 pub use pore_pressure::{Between, Points, PorePressureSection};
-pub use pores::{DrawdownSection, FarFace, FromFace, PoreField, PoreProblem};
+pub use pores::{
+    DrawdownSection, FarFace, FromFace, Interpolation, PoreField, PoreProblem, PoreRoom,
+};
 pub use profile::{LevelSection, Profile, ProfileProblem};
 pub use rounds::Rounds;
 pub use sections::{
     BoundarySection, BoxSection, ComponentsSection, HoldSection, InitialStressSection,
     MaterialSection, SceneSections, SideName, TensorSection,
 };
+pub use sides::PressureFrom;
 pub use size::SceneSize;
 pub use solver_section::{
     AugmentedLagrangian, FACTORIZED, Method, Penalty, RunInner, SolverSection, TimeSection,
@@ -72,6 +77,8 @@ pub use solver_section::{
 
 pub use table_problem::TableProblem;
 pub use weight::{WeightSection, WeightStress};
+
+pub(crate) use latest::Latest;
 
 use crate::mesh::GmshFile;
 use serde::de::DeserializeOwned;
@@ -209,6 +216,14 @@ impl Scene {
             },
             None => SceneSize::of_grid(&self.sections),
         }
+    }
+
+    /// What pressures that differ from element to element take of memory.
+    ///
+    /// # Cost
+    /// The first line of CSV files is read.
+    pub fn pore_room(&self) -> PoreRoom {
+        PoreRoom::new(&self.sections, &self.folder)
     }
 
     /// Mesh, materials, boundary conditions and loads.

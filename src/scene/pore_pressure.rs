@@ -2,7 +2,7 @@
 
 use super::csv_table::{CsvTable, measured};
 use super::located::{Located, at};
-use super::pores::{self, DrawdownSection};
+use super::pores::{self, DrawdownSection, Interpolation};
 use super::sections::{MaterialSection, SceneSections};
 use super::{History, Problem, TableProblem};
 use crate::units::{Distance, Duration, Measure, PorePressure};
@@ -35,7 +35,11 @@ pub struct PorePressureSection {
     /// A CSV file with the heading `x [m],y [m],z [m],0 year [bar],10 year [bar],…` and a row per point.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub grid: Option<PathBuf>,
-    /// Largest distance of the centre of an element from the points of `fields` or `grid`; 1.5 times the larger of the diameter of the
+    /// What an element takes of `fields` or `grid`; if not given, that of the cell that holds its centre where the array is of cells, and between
+    /// points the linear value of a full lattice, else the nearest point.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub interpolation: Option<Interpolation>,
+    /// Largest distance of the centre of an element from the cells or points of `fields` or `grid`; 1.5 times the larger of the diameter of the
     /// element and the spacing of the points if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub within: Option<Measure<Distance>>,
@@ -145,8 +149,9 @@ pub(super) fn make_absolute(sections: &mut SceneSections, folder: &Path) {
     let spatial = sections.material.iter_mut();
     for section in spatial.filter_map(|m| m.pore_pressure.as_mut()) {
         let fields = section.fields.iter_mut().flatten().map(|(_, file)| file);
+        let has_digest = section.digest.is_some();
         for file in fields.chain(&mut section.grid) {
-            let path = folder.join(&*file);
+            let path = pores::place(file, folder, has_digest);
             *file = std::path::absolute(&path).unwrap_or(path);
         }
     }
@@ -173,6 +178,12 @@ fn require_used(section: &PorePressureSection, name: &str, here: &[&str]) -> Res
             section.unit.is_some(),
             "fields",
             section.fields.is_some(),
+        ),
+        (
+            "interpolation",
+            section.interpolation.is_some(),
+            "fields` or `grid",
+            in_files,
         ),
         (
             "within",

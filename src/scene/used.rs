@@ -4,6 +4,7 @@ use super::Problem;
 use super::acting::require_time;
 use super::located::{Located, at};
 use super::sections::{MaterialSection, SceneSections};
+use super::sides::require_alone;
 
 /// Refuses keys that change nothing where they stand.
 pub(super) fn require_used(sections: &SceneSections) -> Result<(), Located> {
@@ -73,6 +74,7 @@ pub(super) fn require_used(sections: &SceneSections) -> Result<(), Located> {
             return Err(idle(path, "pressure_history", what, "pressure"));
         }
     }
+    require_alone(sections)?;
     require_flow(sections)?;
     for (i, b) in sections.boundary.iter().enumerate() {
         if b.hold.is_some() && b.history.is_some() {

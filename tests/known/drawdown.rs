@@ -50,7 +50,7 @@ fn changes(body: &Body, time: f64) -> Vec<([f64; 2], f64)> {
         ]
     };
     let all = field.elements.iter().map(ends);
-    all.zip(field.at(time)).collect()
+    all.zip(field.at(time).iter().copied()).collect()
 }
 
 const TABLE: &str = "points = [['0 year', '30 bar'], ['6 year', '12 bar'], ['15 year', '12 bar'], ['20 year', '25 bar']]";

@@ -1,6 +1,7 @@
 //! Points and their pressures.
 
 use super::PoreProblem;
+use super::cells::Shapes;
 
 /// What a point of a file is, for messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,6 +28,8 @@ pub(super) struct Cloud {
     pub(super) pressures: Vec<Vec<f64>>,
     /// Median diameter of the cells around them [m], where there are cells.
     pub(super) cells: Option<f64>,
+    /// The cells themselves, by their numbers, where the points are their centres.
+    pub(super) shapes: Option<Shapes>,
 }
 
 impl Cloud {

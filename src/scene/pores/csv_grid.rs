@@ -53,6 +53,7 @@ pub(super) fn read(
         points: Vec::with_capacity(rows),
         pressures: vec![Vec::with_capacity(rows); times.len()],
         cells: None,
+        shapes: None,
     };
     for row in &table.rows {
         table.require_no_surplus(row)?;

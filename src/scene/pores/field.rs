@@ -1,7 +1,9 @@
 //! What a body keeps of a pore pressure that differs from element to element.
 
 use super::drawdown::Drawdown;
+use crate::scene::Latest;
 use std::fmt;
+use std::sync::Arc;
 
 /// A change of pore pressure since time 0 in each element of a material.
 #[derive(Clone, Debug)]
@@ -15,6 +17,8 @@ pub struct PoreField {
     pub(super) change: Change,
     /// What elements take, for a person.
     pub(super) origin: String,
+    /// The change at the last time: loads, files and fractures beside it ask for the same one.
+    pub(super) latest: Latest,
 }
 
 /// How it changes.
@@ -86,19 +90,18 @@ impl PoreField {
     /// Δp per element at a time [s], in Pa.
     ///
     /// # Cost
-    /// O(elements); by diffusion, a few terms per interval of z that elements fill and time of the table.
-    pub fn at(&self, time: f64) -> Vec<f64> {
-        match &self.change {
+    /// O(elements); by diffusion, a few terms per interval of z that elements fill and time of the table. None where it is asked for the same
+    /// time again.
+    pub fn at(&self, time: f64) -> Arc<[f64]> {
+        self.latest.at(time, || match &self.change {
             Change::Fields(fields) => fields.at(time),
             Change::Drawdown(drawdown) => drawdown.at(time),
-        }
+        })
     }
 
     /// `α Δp` per element at a time [s], by which total stress falls [Pa].
     pub fn drained(&self, time: f64) -> Vec<f64> {
-        let mut change = self.at(time);
-        change.iter_mut().for_each(|p| *p *= self.biot);
-        change
+        self.at(time).iter().map(|p| p * self.biot).collect()
     }
 
     /// Times at which it bends [s], increasing.

@@ -19,9 +19,9 @@ pub enum PoreProblem {
         /// What is wrong.
         reason: String,
     },
-    /// Compressed data.
+    /// Data that another program than zlib has compressed.
     #[error(
-        "{file} is compressed ({compressor}); save it without compression: in ParaView and VTK `CompressorType` None, in meshio `compression=None`"
+        "{file} is compressed ({compressor}), and only zlib is read; save it with zlib or as it is: in ParaView and VTK `CompressorType` ZLib or None, in meshio `compression=\"zlib\"`"
     )]
     Compressed {
         /// The file.
@@ -86,6 +86,18 @@ pub enum PoreProblem {
     NoPoint {
         /// The file.
         file: String,
+    },
+    /// Linear values between points that are no lattice.
+    #[error(
+        "{file}: `interpolation = \"linear\"` needs a full lattice, and {what} ({points}) are none; leave the key out for the cell that holds an element, or the nearest point"
+    )]
+    NoLattice {
+        /// The file.
+        file: String,
+        /// Centres of cells, or points.
+        what: &'static str,
+        /// How many there are.
+        points: usize,
     },
     /// An element without data.
     #[error(

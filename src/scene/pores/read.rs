@@ -1,7 +1,9 @@
 //! From a section and its files to what every element takes.
 
+use super::cells::mean;
 use super::cloud::{Cloud, Origin};
 use super::field::{Change, Fields};
+use super::moved::place;
 use super::places::{Places, Taken};
 use super::{PoreField, PoreProblem, csv_grid, vtu};
 use crate::digest::Hash;
@@ -11,7 +13,7 @@ use crate::scene::csv_table::measured;
 use crate::scene::located::{Located, at};
 use crate::scene::pore_pressure::{Between, PorePressureSection, increasing};
 use crate::scene::sections::{MaterialSection, SceneSections};
-use crate::scene::{Problem, TableProblem};
+use crate::scene::{Latest, Problem, TableProblem};
 use crate::units::{Duration, Measure, PorePressure};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -30,9 +32,13 @@ fn files(section: &PorePressureSection) -> (Vec<&PathBuf>, &'static str) {
     }
 }
 
-/// The bytes of a file, which the digest takes in.
-fn open(file: &Path, folder: &Path, digest: &mut Hash) -> Result<Vec<u8>, PoreProblem> {
-    let read = std::fs::read(folder.join(file));
+/// The bytes of a file of a section, which the digest takes in.
+fn open(
+    file: &Path,
+    (section, folder): (&PorePressureSection, &Path),
+    digest: &mut Hash,
+) -> Result<Vec<u8>, PoreProblem> {
+    let read = std::fs::read(place(file, folder, section.digest.is_some()));
     let bytes = read.map_err(|error| PoreProblem::Unreadable {
         file: file.display().to_string(),
         reason: error.to_string(),
@@ -55,7 +61,7 @@ pub(in crate::scene) fn digest(
     let mut hash = Hash::default();
     for file in files {
         let path = [here[0], here[1], here[2], key];
-        open(file, folder, &mut hash).map_err(|problem| at(&path, problem))?;
+        open(file, (section, folder), &mut hash).map_err(|problem| at(&path, problem))?;
     }
     agrees(section.digest.as_ref(), hash, name).map_err(|problem| at(here, problem))?;
     section.digest = Some(hash.to_string());
@@ -134,6 +140,7 @@ pub(in crate::scene) fn fields(
             elements,
             change,
             origin,
+            latest: Latest::default(),
         });
     }
     Ok(all)
@@ -151,8 +158,9 @@ struct Reader<'a> {
 /// What elements take of points that one file after another may have.
 #[derive(Default)]
 struct Mapping {
-    points: Vec<[f64; 3]>,
-    taken: Vec<Taken>,
+    places: Option<Places>,
+    /// Point of every element, where each takes that of one.
+    own: Vec<u32>,
     origin: String,
 }
 
@@ -162,6 +170,7 @@ impl Reader<'_> {
         let mut hash = Hash::default();
         let mut mapping = Mapping::default();
         let mut values = Vec::new();
+        let here = (self.section, self.folder);
         let times = match (&self.section.fields, &self.section.grid) {
             (Some(fields), _) => {
                 let place = || format!("`fields` of material \"{}\"", self.name);
@@ -170,18 +179,18 @@ impl Reader<'_> {
                 })?;
                 let unit = self.unit()?;
                 for (_, file) in fields {
-                    let bytes = open(file, self.folder, &mut hash)?;
+                    let bytes = open(file, here, &mut hash)?;
                     let array = self.section.array.as_deref().unwrap_or(ARRAY);
                     let cloud = vtu::read(&bytes, &file.display().to_string(), array)?;
                     let cloud = in_pascals(cloud, array, unit)?.distinct()?;
-                    values.extend(self.taken(&cloud, &mut mapping)?);
+                    values.extend(self.taken(cloud, &mut mapping)?);
                 }
                 fields.iter().map(|(time, _)| time.clone()).collect()
             }
             (None, Some(file)) => {
-                let bytes = open(file, self.folder, &mut hash)?;
+                let bytes = open(file, here, &mut hash)?;
                 let (times, cloud) = csv_grid::read(&bytes, &file.display().to_string())?;
-                values = self.taken(&cloud.distinct()?, &mut mapping)?;
+                values = self.taken(cloud.distinct()?, &mut mapping)?;
                 times
             }
             (None, None) => Vec::new(),
@@ -215,52 +224,88 @@ impl Reader<'_> {
     }
 
     /// Per time the pressure of every element.
-    fn taken(&self, cloud: &Cloud, mapping: &mut Mapping) -> Result<Vec<Vec<f64>>, PoreProblem> {
-        if mapping.points != cloud.points {
-            let places = Places::new(cloud);
-            let of = |e: &u32| self.of_element(*e, &places, cloud);
-            let all: Vec<Result<Taken, PoreProblem>> = (self.elements.par_iter())
-                .with_min_len(ELEMENTS_PER_TASK)
-                .map(of)
-                .collect();
-            mapping.taken = all.into_iter().collect::<Result<_, _>>()?;
-            let farthest = mapping.taken.iter().fold(0.0, |m: f64, (_, d)| m.max(*d));
-            mapping.origin = format!("{}, none farther than {farthest:.6} m", places.text());
-            mapping.points.clone_from(&cloud.points);
-        }
-        let of_field = |pressures: &Vec<f64>| -> Vec<f64> {
-            let value = |(weights, _): &Taken| -> f64 {
-                let each = weights.iter().filter(|(_, weight)| *weight != 0.0);
-                each.map(|(p, weight)| weight * pressures[*p as usize])
-                    .sum()
-            };
-            mapping.taken.iter().map(value).collect()
+    fn taken(&self, mut cloud: Cloud, mapping: &mut Mapping) -> Result<Vec<Vec<f64>>, PoreProblem> {
+        let known = mapping.places.take().filter(|places| places.are_of(&cloud));
+        let places = match known {
+            Some(places) => places,
+            None => self.places(&mut cloud, mapping)?,
         };
-        Ok(cloud.pressures.iter().map(of_field).collect())
+        let of_field = |pressures: &Vec<f64>| -> Vec<f64> {
+            if !mapping.own.is_empty() {
+                let own = mapping.own.iter();
+                return own.map(|p| pressures[*p as usize]).collect();
+            }
+            let value = |e: &u32| places.between(self.center(*e), pressures).unwrap_or(0.0);
+            let elements = self.elements.par_iter().with_min_len(ELEMENTS_PER_TASK);
+            elements.map(value).collect()
+        };
+        let values = cloud.pressures.iter().map(of_field).collect();
+        mapping.places = Some(places);
+        Ok(values)
     }
 
-    /// The points that an element takes, unless it is too far from them.
-    fn of_element(&self, e: u32, places: &Places<'_>, cloud: &Cloud) -> Result<Taken, PoreProblem> {
-        let x = self.mesh.elements[e as usize].map(|a| self.mesh.nodes[a as usize]);
-        let center = [0, 1, 2].map(|i| x.iter().map(|x| x[i]).sum::<f64>() / 8.0);
+    /// Where the points of a cloud lie, unless an element is too far from them.
+    fn places(&self, cloud: &mut Cloud, mapping: &mut Mapping) -> Result<Places, PoreProblem> {
+        let places = Places::new(cloud, self.section.interpolation)?;
+        let all: Vec<Taken> = (self.elements.par_iter())
+            .with_min_len(ELEMENTS_PER_TASK)
+            .map(|e| places.at(self.center(*e)))
+            .collect();
+        let within = self.section.within.as_ref().map(Measure::si);
+        mapping.own.clear();
+        let mut farthest = 0.0f64;
+        for (e, taken) in self.elements.iter().zip(all) {
+            let distance = match taken {
+                Taken::One(p, distance) => {
+                    mapping.own.push(p);
+                    distance
+                }
+                Taken::Between(distance) => distance,
+            };
+            farthest = farthest.max(distance);
+            let least = within.unwrap_or_else(|| places.bound(0.0));
+            if distance > least {
+                self.require_near(*e, distance, &places, &cloud.file)?;
+            }
+        }
+        mapping.origin = format!("{}, none farther than {farthest:.6} m", places.text());
+        Ok(places)
+    }
+
+    fn corners(&self, e: u32) -> [[f64; 3]; 8] {
+        self.mesh.elements[e as usize].map(|a| self.mesh.nodes[a as usize])
+    }
+
+    fn center(&self, e: u32) -> [f64; 3] {
+        mean(self.corners(e).into_iter())
+    }
+
+    /// Refuses an element that is too far from the points.
+    fn require_near(
+        &self,
+        e: u32,
+        distance: f64,
+        places: &Places,
+        file: &str,
+    ) -> Result<(), PoreProblem> {
+        let x = self.corners(e);
         let square = |a: &[f64; 3], b: &[f64; 3]| -> f64 {
             (0..3).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum()
         };
         let all = x.iter().flat_map(|a| x.iter().map(move |b| square(a, b)));
         let diameter = all.fold(0.0, f64::max).sqrt();
-        let taken = places.at(center);
         let own = self.section.within.as_ref().map(Measure::si);
         let bound = own.unwrap_or_else(|| places.bound(diameter));
-        if taken.1 <= bound {
-            return Ok(taken);
+        if distance <= bound {
+            return Ok(());
         }
         Err(PoreProblem::Far {
             element: e as usize,
             name: self.name.into(),
-            center,
-            distance: taken.1,
+            center: mean(x.into_iter()),
+            distance,
             bound,
-            file: cloud.file.clone(),
+            file: file.into(),
         })
     }
 }

@@ -1,7 +1,9 @@
 //! Numbers of an array, as text, base 64 or raw bytes.
 
 use super::base64::decode;
+use super::packed::unpacked;
 use super::xml::Tag;
+use std::borrow::Cow;
 
 /// How numbers stand in a file.
 #[derive(Clone, Copy, Debug)]
@@ -9,6 +11,8 @@ pub(super) struct Layout {
     pub(super) is_big_endian: bool,
     /// Bytes of the number before an array, which is its length.
     pub(super) header: usize,
+    /// What is no text is compressed.
+    pub(super) is_packed: bool,
 }
 
 /// The section behind the last tag.
@@ -36,29 +40,27 @@ impl Array<'_> {
         self.tag.get("Name").unwrap_or_default()
     }
 
-    /// All its numbers. Whole ones beyond 2⁵³ lose digits: there are no such counts.
+    /// All its numbers, of which `count` are needed. Whole ones beyond 2⁵³ lose digits: there are no such counts.
     pub(super) fn numbers(
         &self,
         layout: Layout,
         appended: Option<Appended<'_>>,
+        count: usize,
     ) -> Result<Vec<f64>, String> {
         let name = self.name();
         let kind = self.tag.get("type").unwrap_or_default();
         let (size, read) = number(kind)
             .ok_or_else(|| format!("array `{name}` has the type {kind}, which is no number"))?;
         let short = || format!("the numbers of array `{name}` end before its length");
-        let bytes = match self.tag.get("format").unwrap_or("ascii") {
+        let (from, is_raw) = match self.tag.get("format").unwrap_or("ascii") {
             "ascii" => return self.words(),
-            "binary" => encoded(self.text, layout).ok_or_else(short)?,
+            "binary" => (self.text, false),
             "appended" => {
                 let section = appended.ok_or("it has no AppendedData")?;
                 let offset = self.tag.number("offset")?;
                 let offset = offset.ok_or_else(|| format!("array `{name}` has no offset"))?;
                 let from = section.bytes.get(offset..).ok_or_else(short)?;
-                match section.is_raw {
-                    true => raw(from, layout).ok_or_else(short)?.to_vec(),
-                    false => encoded(from, layout).ok_or_else(short)?,
-                }
+                (from, section.is_raw)
             }
             other => {
                 return Err(format!(
@@ -66,6 +68,16 @@ impl Array<'_> {
                 ));
             }
         };
+        let first = |length: usize| match is_raw {
+            true => from.get(..length).map(Cow::Borrowed),
+            false => decode(from, length).map(Cow::Owned),
+        };
+        let bytes = match layout.is_packed {
+            true => unpacked(first, layout, count.saturating_mul(size))
+                .map_err(|defect| format!("array `{name}` {defect}"))?,
+            false => plain(first, layout),
+        };
+        let bytes = bytes.ok_or_else(short)?;
         if bytes.len() % size != 0 {
             return Err(format!(
                 "array `{name}` has {} bytes, which are no {kind}",
@@ -96,22 +108,16 @@ impl Array<'_> {
     }
 }
 
-/// Bytes behind their length.
-fn raw(bytes: &[u8], layout: Layout) -> Option<&[u8]> {
-    let length = length(bytes.get(..layout.header)?, layout)?;
-    bytes.get(layout.header..layout.header.checked_add(length)?)
-}
-
-/// The same in base 64.
-fn encoded(text: &[u8], layout: Layout) -> Option<Vec<u8>> {
-    let length = length(&decode(text, layout.header)?, layout)?;
-    let mut bytes = decode(text, layout.header.checked_add(length)?)?;
+/// Bytes behind their length; `first(n)` is the first n bytes where they stand.
+fn plain<'b>(first: impl Fn(usize) -> Option<Cow<'b, [u8]>>, layout: Layout) -> Option<Vec<u8>> {
+    let length = length(&first(layout.header)?, layout)?;
+    let mut bytes = first(layout.header.checked_add(length)?)?.into_owned();
     bytes.drain(..layout.header);
     Some(bytes)
 }
 
 /// The length that a header says.
-fn length(header: &[u8], layout: Layout) -> Option<usize> {
+pub(super) fn length(header: &[u8], layout: Layout) -> Option<usize> {
     let mut word = [0; 8];
     word[..header.len()].copy_from_slice(header);
     if layout.is_big_endian {

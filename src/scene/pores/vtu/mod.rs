@@ -1,15 +1,18 @@
 //! Unstructured grids of VTK: centres of cells, or points, with the numbers of one array.
 //!
-//! Read are arrays as text, as base 64 between tags or in the section behind them, and raw, uncompressed, in either order of bytes.
+//! Read are arrays as text, as base 64 between tags or in the section behind them, and raw, as they are or compressed by zlib, in either order
+//! of bytes.
 //!
 //! # Source
 //! The VTK User's Guide, Kitware, 11th ed. 2010, § 19.3: XML file formats.
 
 mod array;
 mod base64;
+mod packed;
 mod xml;
 
 use super::PoreProblem;
+use super::cells::Shapes;
 use super::cloud::{Cloud, Origin};
 use super::places::median;
 use array::{Appended, Array, Layout};
@@ -32,6 +35,9 @@ struct File<'b> {
     appended: Option<Appended<'b>>,
     compressor: Option<String>,
 }
+
+/// The compressor that is read.
+const ZLIB: &str = "vtkZLibDataCompressor";
 
 /// Places and numbers of the array: those of cells at their centres, those of points where they lie. Units are those of the file.
 ///
@@ -62,6 +68,7 @@ fn scan<'b>(bytes: &'b [u8], name: &'b str) -> Result<File<'b>, String> {
         layout: Layout {
             is_big_endian: false,
             header: 4,
+            is_packed: false,
         },
         appended: None,
         compressor: None,
@@ -84,6 +91,7 @@ fn scan<'b>(bytes: &'b [u8], name: &'b str) -> Result<File<'b>, String> {
                     Some(other) => return Err(format!("its header_type is {other}")),
                 };
                 file.compressor = tag.get("compressor").map(String::from);
+                file.layout.is_packed = file.compressor.is_some();
             }
             _ if !is_vtk => return Err(format!("it begins with <{}>, not <VTKFile>", tag.name)),
             "Piece" => {
@@ -171,9 +179,9 @@ impl File<'_> {
         }
     }
 
-    /// The compressor, where it has worked on what is needed; text is never compressed.
+    /// The compressor, where it is not zlib and has worked on what is needed; text is never compressed.
     fn compressed(&self, origin: Origin, array: &str) -> Option<String> {
-        let compressor = self.compressor.as_ref()?;
+        let compressor = self.compressor.as_ref().filter(|name| *name != ZLIB)?;
         let needed = |(section, own): &(String, Array<'_>)| {
             !section.ends_with("Data") || (section == data(origin) && own.name() == array)
         };
@@ -185,13 +193,18 @@ impl File<'_> {
 
     fn cloud(&self, origin: Origin, array: &str) -> Result<Cloud, String> {
         let (mut points, mut numbers, mut diameters) = (Vec::new(), Vec::new(), Vec::new());
+        let mut shapes = Shapes::default();
         for piece in &self.pieces {
-            let (nodes, centers, sizes) = self.geometry(piece)?;
+            let own = self.geometry(piece)?;
+            diameters.extend((0..own.ends.len()).map(|cell| own.diameter(cell)));
             let places = match origin {
-                Origin::Cell => centers,
-                Origin::Point | Origin::Record => nodes,
+                Origin::Cell => {
+                    let centers = own.centers();
+                    shapes.append(own);
+                    centers
+                }
+                Origin::Point | Origin::Record => own.nodes,
             };
-            diameters.extend(sizes);
             let own = match places.is_empty() {
                 true => Vec::new(),
                 false => self.array(piece, data(origin), array, 1, places.len())?,
@@ -206,51 +219,50 @@ impl File<'_> {
             points,
             pressures: vec![numbers],
             cells: (!diameters.is_empty()).then(|| median(diameters)),
+            shapes: (origin == Origin::Cell).then_some(shapes),
         })
     }
 
-    /// Points of a piece, centres of its cells (the mean of their corners) and their diameters (of the boxes around them).
-    fn geometry(&self, piece: &Piece<'_>) -> Result<Geometry, String> {
+    /// Points and cells of a piece.
+    fn geometry(&self, piece: &Piece<'_>) -> Result<Shapes, String> {
+        let mut shapes = Shapes::default();
         if piece.points == 0 {
-            return Ok(Default::default());
+            return Ok(shapes);
         }
         let own = piece.arrays.iter().find(|(section, _)| section == "Points");
         let name = own.ok_or("a Piece has no Points")?.1.name();
         let nodes = self.array(piece, "Points", name, 3, piece.points)?;
-        let nodes: Vec<[f64; 3]> = nodes.as_chunks().0.to_vec();
-        let (mut centers, mut sizes) = (Vec::new(), Vec::new());
+        shapes.nodes = nodes.as_chunks().0.to_vec();
         if piece.cells == 0 {
-            return Ok((nodes, centers, sizes));
+            return Ok(shapes);
         }
         let ends = self.array(piece, "Cells", "offsets", 1, piece.cells)?;
+        let count = ends.last().map_or(0, |end| *end as usize);
         let corners = self.find(piece, "Cells", "connectivity")?;
-        let corners = corners.numbers(self.layout, self.appended)?;
+        let corners = corners.numbers(self.layout, self.appended, count)?;
+        let nodes = shapes.nodes.len();
         let mut start = 0;
-        for (cell, end) in ends.iter().enumerate() {
-            let own = corners.get(start..*end as usize);
-            let own = own.filter(|own| !own.is_empty());
+        for (cell, end) in ends.iter().map(|end| *end as usize).enumerate() {
+            let own = corners.get(start..end).filter(|own| !own.is_empty());
             let own = own.ok_or_else(|| format!("cell {cell} has no corners in `connectivity`"))?;
-            start = *end as usize;
-            let (mut sum, mut ends) = ([0.0; 3], [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]]);
-            for a in own {
-                let x = nodes.get(*a as usize).filter(|_| *a >= 0.0);
-                let x = x.ok_or_else(|| {
-                    format!(
-                        "cell {cell} has the corner {a}, and there are {} points",
-                        nodes.len()
-                    )
-                })?;
-                for d in 0..3 {
-                    sum[d] += x[d];
-                    ends[0][d] = ends[0][d].min(x[d]);
-                    ends[1][d] = ends[1][d].max(x[d]);
-                }
+            start = end;
+            if let Some(a) = own.iter().find(|a| !(**a >= 0.0 && **a < nodes as f64)) {
+                return Err(format!(
+                    "cell {cell} has the corner {a}, and there are {nodes} points"
+                ));
             }
-            centers.push(sum.map(|s| s / own.len() as f64));
-            let square = (0..3).map(|d| (ends[1][d] - ends[0][d]).powi(2));
-            sizes.push(square.sum::<f64>().sqrt());
+            shapes.corners.extend(own.iter().map(|a| *a as u32));
+            shapes.ends.push(end);
         }
-        Ok((nodes, centers, sizes))
+        // of some writers' files they are missing: boxes are cells then
+        shapes.types = match self.find(piece, "Cells", "types") {
+            Ok(_) => {
+                let types = self.array(piece, "Cells", "types", 1, piece.cells)?;
+                types.into_iter().map(|kind| kind as u8).collect()
+            }
+            Err(_) => vec![0; piece.cells],
+        };
+        Ok(shapes)
     }
 
     fn find<'p>(
@@ -280,7 +292,7 @@ impl File<'_> {
                 "array `{name}` has {own} components, not {components}"
             ));
         }
-        let numbers = array.numbers(self.layout, self.appended)?;
+        let numbers = array.numbers(self.layout, self.appended, components * entities)?;
         if numbers.len() != components * entities {
             return Err(format!(
                 "array `{name}` has {} numbers, and {} are needed",
@@ -291,9 +303,6 @@ impl File<'_> {
         Ok(numbers)
     }
 }
-
-/// Points, centres of cells, diameters of cells.
-type Geometry = (Vec<[f64; 3]>, Vec<[f64; 3]>, Vec<f64>);
 
 /// The section of the arrays of cells or points.
 fn data(origin: Origin) -> &'static str {

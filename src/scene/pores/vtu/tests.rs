@@ -1,5 +1,6 @@
 use super::*;
 use fracas_operators::random::Random;
+use miniz_oxide::deflate::compress_to_vec_zlib;
 
 const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
@@ -17,14 +18,16 @@ fn letters(bytes: &[u8]) -> String {
 
 /// How a program writes.
 #[derive(Clone, Copy, Debug)]
-struct Style {
+pub(super) struct Style {
     /// `ascii`, `binary`, `base64` or `raw`.
-    format: &'static str,
+    pub(super) format: &'static str,
     is_big_endian: bool,
     is_long: bool,
     is_single: bool,
     /// The length of an array is encoded apart from it.
     is_apart: bool,
+    /// Bytes of a block that zlib compresses.
+    pub(super) block: Option<usize>,
 }
 
 struct Writer {
@@ -49,11 +52,15 @@ impl Writer {
             _ => self.word(&(*v as i64).to_le_bytes()),
         };
         let data: Vec<u8> = numbers.iter().flat_map(of).collect();
-        let length = data.len() as u64;
-        let header = match self.style.is_long {
-            true => self.word(&length.to_le_bytes()),
-            false => self.word(&(length as u32).to_le_bytes()),
+        let (words, data) = match self.style.block {
+            None => (vec![data.len()], data),
+            Some(size) => packed(&data, size),
         };
+        let word = |n: &usize| match self.style.is_long {
+            true => self.word(&(*n as u64).to_le_bytes()),
+            false => self.word(&(*n as u32).to_le_bytes()),
+        };
+        let header: Vec<u8> = words.iter().flat_map(word).collect();
         let encoded = match self.style.is_apart {
             true => letters(&header) + &letters(&data),
             false => letters(&[header.clone(), data.clone()].concat()),
@@ -84,15 +91,25 @@ impl Writer {
     }
 }
 
+/// The header of blocks of such a size, and the blocks.
+fn packed(data: &[u8], size: usize) -> (Vec<usize>, Vec<u8>) {
+    let blocks = data.chunks(size).map(|own| compress_to_vec_zlib(own, 6));
+    let blocks: Vec<Vec<u8>> = blocks.collect();
+    // 0 says that the last one is whole
+    let mut words = vec![blocks.len(), size, data.len() % size];
+    words.extend(blocks.iter().map(Vec::len));
+    (words, blocks.concat())
+}
+
 /// Tetrahedra and hexahedra in pieces, with numbers of cells and of points.
-struct Example {
+pub(super) struct Example {
     points: Vec<[f64; 3]>,
     cells: Vec<Vec<usize>>,
     of_points: Vec<f64>,
     of_cells: Vec<f64>,
 }
 
-fn example(r: &mut Random) -> Example {
+pub(super) fn example(r: &mut Random) -> Example {
     // halves, which 32 bits hold
     let mut half = |low: f64, high: f64| (2.0 * r.between(low, high)).round() / 2.0;
     let n = 9;
@@ -110,7 +127,7 @@ fn example(r: &mut Random) -> Example {
     }
 }
 
-fn written(example: &[Example], style: Style) -> Vec<u8> {
+pub(super) fn written(example: &[Example], style: Style) -> Vec<u8> {
     let mut writer = Writer {
         style,
         appended: Vec::new(),
@@ -122,7 +139,7 @@ fn written(example: &[Example], style: Style) -> Vec<u8> {
     };
     let whole = if style.is_single { "Int32" } else { "Int64" };
     let mut text = format!(
-        "<?xml version=\"1.0\"?>\n<!-- a -- > b -->\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"{}\"{}>\n<UnstructuredGrid>\n\
+        "<?xml version=\"1.0\"?>\n<!-- a -- > b -->\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"{}\"{}{}>\n<UnstructuredGrid>\n\
          <FieldData><DataArray type=\"Float64\" Name=\"TimeValue\" format=\"ascii\">1</DataArray></FieldData>\n",
         if style.is_big_endian {
             "BigEndian"
@@ -133,6 +150,10 @@ fn written(example: &[Example], style: Style) -> Vec<u8> {
             " header_type=\"UInt64\""
         } else {
             ""
+        },
+        match style.block {
+            Some(_) => " compressor=\"vtkZLibDataCompressor\"",
+            None => "",
         }
     );
     for piece in example {
@@ -163,7 +184,7 @@ fn written(example: &[Example], style: Style) -> Vec<u8> {
     bytes
 }
 
-fn styles() -> Vec<Style> {
+pub(super) fn styles() -> Vec<Style> {
     let mut all = Vec::new();
     for format in ["ascii", "binary", "base64", "raw"] {
         for bits in 0..16 {
@@ -173,8 +194,14 @@ fn styles() -> Vec<Style> {
                 is_long: bits & 2 > 0,
                 is_single: bits & 4 > 0,
                 is_apart: bits & 8 > 0,
+                block: None,
             });
         }
+    }
+    for n in 16..all.len() {
+        // one block, and several with a whole one at the end or a part
+        let block = Some([64, 24, 1000][n % 3]);
+        all.push(Style { block, ..all[n] });
     }
     all
 }
@@ -230,6 +257,7 @@ fn what_cannot_be_read_is_said() {
         is_long: false,
         is_single: false,
         is_apart: false,
+        block: None,
     };
     let text = String::from_utf8(written(&[example(&mut Random::new(3))], style)).unwrap();
     for (from, to, array, expected) in [
@@ -314,15 +342,12 @@ fn what_cannot_be_read_is_said() {
         },
     );
     let zipped = String::from_utf8(zipped).unwrap();
-    let zipped = zipped.replace(
-        " version=",
-        " compressor=\"vtkZLibDataCompressor\" version=",
-    );
+    let zipped = zipped.replace(" version=", " compressor=\"vtkLZ4DataCompressor\" version=");
     let said = read(zipped.as_bytes(), "a.vtu", "pressure")
         .unwrap_err()
         .to_string();
     assert!(
-        said.contains("a.vtu is compressed (vtkZLibDataCompressor); save it without"),
+        said.contains("a.vtu is compressed (vtkLZ4DataCompressor), and only zlib is read; save it"),
         "{said}"
     );
 }

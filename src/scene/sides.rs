@@ -1,0 +1,152 @@
+//! Pressures of fractures that follow the rock on their two sides.
+
+use super::Body;
+use super::located::{Located, at};
+use super::sections::SceneSections;
+use super::{FractureSection, Problem};
+use crate::mesh::{FractureFace, FractureMesh};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::sync::Arc;
+
+/// What the pressure in a face is made of: the changes of pore pressure in the elements on its two sides. Rock without one does not change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum PressureFrom {
+    /// Their mean.
+    Mean,
+    /// The larger one: the smaller drawdown, or the larger rise.
+    Larger,
+}
+
+impl PressureFrom {
+    /// Of what changes on both sides [Pa].
+    fn of(self, [minus, plus]: [f64; 2]) -> f64 {
+        match self {
+            Self::Mean => 0.5 * (minus + plus),
+            Self::Larger => minus.max(plus),
+        }
+    }
+}
+
+impl fmt::Display for PressureFrom {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Mean => "the mean",
+            Self::Larger => "the larger one",
+        })
+    }
+}
+
+/// Refuses a pressure of its own, or one of a fluid that flows, beside one that follows the rock.
+pub(super) fn require_alone(sections: &SceneSections) -> Result<(), Located> {
+    let following = (sections.fracture.iter().enumerate())
+        .filter(|(_, fracture)| fracture.pressure_from.is_some());
+    for (i, fracture) in following {
+        let other = match (fracture.has_pressure(), &sections.fluid) {
+            (true, _) => "`pressure`",
+            (false, Some(_)) => "the pressure of [fluid]",
+            (false, None) => continue,
+        };
+        let name = fracture.name.clone();
+        let path = ["fracture", &i.to_string(), "pressure_from"];
+        return Err(at(&path, Problem::TwoFluids { name, other }));
+    }
+    Ok(())
+}
+
+/// Refuses a fracture beside which no pore pressure changes.
+pub(super) fn require_change(
+    body: &Body,
+    sections: &[FractureSection],
+    section_of: &[usize],
+) -> Result<(), Located> {
+    for (i, fracture) in sections.iter().enumerate() {
+        let own = |face: &&FractureFace| section_of[usize::from(face.fracture)] == i;
+        let changes = |face: &FractureFace| {
+            let sides = [face.minus.element, face.plus.element];
+            sides.iter().any(|e| body.has_change(*e))
+        };
+        let mut faces = body.fractures.faces.iter().filter(own);
+        if fracture.pressure_from.is_some() && !faces.any(changes) {
+            let name = fracture.name.clone();
+            let path = ["fracture", &i.to_string(), "pressure_from"];
+            return Err(at(&path, Problem::NoChangeBeside { name }));
+        }
+    }
+    Ok(())
+}
+
+impl Body {
+    /// Whether the pore pressure of an element may change.
+    fn has_change(&self, element: u32) -> bool {
+        let region = usize::from(self.mesh.regions[element as usize]);
+        let in_space = self.pore_fields.iter().any(|field| field.region == region);
+        in_space || self.pore_changes[region].change != 0.0
+    }
+
+    /// Pressures of the faces whose fractures follow the rock on their two sides [Pa], 0 of others, at a time [s]; `None` where no fracture
+    /// does.
+    pub fn pressures_of_sides(&self, time: f64) -> Option<Vec<f64>> {
+        let fields = || {
+            self.pore_fields
+                .iter()
+                .map(|field| field.at(time))
+                .collect()
+        };
+        self.of_sides(fields, |region| {
+            let pores = &self.pore_changes[region];
+            pores.change * self.histories[pores.history].at(time)
+        })
+    }
+
+    /// The same with every uniform change at the factor 1 of its history, and no others.
+    pub(crate) fn pressures_of_sides_at_once(&self) -> Option<Vec<f64>> {
+        let fields = || {
+            let fields = self.pore_fields.iter();
+            fields
+                .map(|field| vec![0.0; field.elements.len()].into())
+                .collect()
+        };
+        self.of_sides(fields, |region| self.pore_changes[region].change)
+    }
+
+    fn of_sides(
+        &self,
+        fields: impl FnOnce() -> Vec<Arc<[f64]>>,
+        uniform: impl Fn(usize) -> f64,
+    ) -> Option<Vec<f64>> {
+        let rule = |face: &FractureFace| self.pressures_from[usize::from(face.fracture)];
+        self.pressures_from.iter().flatten().next()?;
+        let fields = fields();
+        let change = |element: u32| -> f64 {
+            let region = usize::from(self.mesh.regions[element as usize]);
+            let own = self
+                .pore_fields
+                .iter()
+                .position(|field| field.region == region);
+            let Some(n) = own else {
+                return uniform(region);
+            };
+            let place = self.pore_fields[n].elements.binary_search(&element);
+            place.map_or(0.0, |place| fields[n][place])
+        };
+        let of = |face: &FractureFace| {
+            let sides = [face.minus.element, face.plus.element];
+            rule(face).map_or(0.0, |rule| rule.of(sides.map(change)))
+        };
+        Some(self.fractures.faces.iter().map(of).collect())
+    }
+}
+
+/// The least and the largest of such numbers on the faces of each fracture; `None` where it has no face.
+pub(super) fn ranges(fractures: &FractureMesh, numbers: &[f64]) -> Vec<Option<[f64; 2]>> {
+    let mut all: Vec<Option<[f64; 2]>> = vec![None; fractures.names.len()];
+    for (face, p) in fractures.faces.iter().zip(numbers) {
+        let own = &mut all[usize::from(face.fracture)];
+        let [low, high] = own.unwrap_or([*p; 2]);
+        *own = Some([low.min(*p), high.max(*p)]);
+    }
+    all
+}
