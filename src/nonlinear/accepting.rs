@@ -113,6 +113,7 @@ impl Simulation<'_> {
                 released,
                 torn,
                 flips,
+                onsets: before.onsets.clone(),
             },
             record,
             flow,

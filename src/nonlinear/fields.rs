@@ -2,7 +2,7 @@
 
 use super::{ContactProblem, Simulation, State};
 use crate::contact::ContactState;
-use crate::mesh::FractureFace;
+use crate::scene::Body;
 
 /// Shear that counts as none, relative to the largest traction. Unit: 1.
 const NOISE: f64 = 1e-9;
@@ -123,6 +123,13 @@ pub(super) fn slip_after(
         .collect()
 }
 
+/// Pressure that the scene gives in a face [Pa].
+pub(super) fn given_pressure(body: &Body, f: usize, time: f64, loaded: f64) -> f64 {
+    let face = &body.fractures.faces[f];
+    let history = body.pressures[usize::from(face.fracture)].1;
+    loaded * body.pressure_of(face) * body.histories[history].at(time)
+}
+
 impl Simulation<'_> {
     /// What the fracture faces show in a state.
     pub fn face_fields(&self, state: &State) -> FaceFields {
@@ -148,14 +155,9 @@ impl Simulation<'_> {
             return state.p.clone();
         }
         let body = self.problem().body();
-        let pressure = |f: &FractureFace| {
-            let (p, history) = (
-                body.pressure_of(f),
-                body.pressures[usize::from(f.fracture)].1,
-            );
-            state.loaded * p * body.histories[history].at(state.time)
-        };
-        self.problem().faces().iter().map(pressure).collect()
+        (0..self.problem().faces().len())
+            .map(|f| given_pressure(body, f, state.time, state.loaded))
+            .collect()
     }
 
     /// Displacements of all nodes in a state, `3·node + component` [m].

@@ -1,6 +1,6 @@
 //! Everything that a step starts from.
 
-use super::{CreepState, Simulation};
+use super::{CreepState, Onsets, Simulation};
 use crate::contact::ContactState;
 use fracas_operators::Fields;
 use fracas_solvers::saddle::Block;
@@ -57,6 +57,8 @@ pub struct State {
     pub torn: Vec<bool>,
     /// How often a face has ended a step in another state than the step before.
     pub flips: Vec<u32>,
+    /// When slip began, where the scene looks for it.
+    pub onsets: Option<Box<Onsets>>,
 }
 
 impl Simulation<'_> {
@@ -87,6 +89,7 @@ impl Simulation<'_> {
             released: vec![false; faces.len()],
             torn: vec![false; faces.len()],
             flips: vec![0; faces.len()],
+            onsets: None,
         }
     }
 }

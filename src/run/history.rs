@@ -117,6 +117,11 @@ pub(super) fn energy_row(record: &StepRecord, e: &EnergyRecord, creeps: bool) ->
     )
 }
 
+/// A name as a cell: a comma in it would be another column.
+pub(super) fn quoted(name: &str) -> String {
+    name.replace([',', '"', '\n'], "_")
+}
+
 /// Rows of `fault.csv`.
 pub(super) fn fault_rows(record: &StepRecord, faults: &[FaultRecord]) -> String {
     let row = |f: &FaultRecord| {
@@ -134,8 +139,7 @@ pub(super) fn fault_rows(record: &StepRecord, faults: &[FaultRecord]) -> String 
             f.dissipated,
         ];
         let numbers: String = numbers.iter().map(|v| format!(",{v:?}")).collect();
-        // a comma in a name would be another column
-        let name = f.name.replace([',', '"', '\n'], "_");
+        let name = quoted(&f.name);
         format!("{},{:?},{name}{numbers}\n", record.step, record.time)
     };
     faults.iter().map(row).collect()

@@ -19,6 +19,7 @@ mod inventory;
 mod located;
 mod mesh_sections;
 mod one_or_many;
+mod onset;
 mod outline;
 mod overrides;
 mod part_of_side;
@@ -55,6 +56,7 @@ pub use mesh_sections::{
     MapSection, MeshSection, RotateSection, ShearSection,
 };
 pub use one_or_many::OneOrMany;
+pub use onset::{Onset, OnsetProblem, OnsetSection};
 pub use part_of_side::PartProblem;
 pub use pore_pressure::{Between, Points, PorePressureSection};
 pub use pores::{DrawdownSection, FarFace, FromFace, PoreField, PoreProblem};

@@ -6,6 +6,7 @@ mod arrested;
 mod consistency;
 mod jacobian;
 mod known;
+mod onset;
 mod patch;
 mod profiles;
 mod robust;
