@@ -128,6 +128,12 @@ const CREEP: Field = Field {
     name: "viscous strains",
 };
 
+/// Path of the slip, where friction follows it.
+const PATH: Field = Field {
+    letter: "s",
+    name: "paths of slip",
+};
+
 /// What is known of the onset of slip, where it is looked for.
 const ONSETS: Field = Field {
     letter: "on",
@@ -135,7 +141,7 @@ const ONSETS: Field = Field {
 };
 
 /// Fields behind u and t, in this order, where a state has them.
-const MORE: [Field; 3] = [P, CREEP, ONSETS];
+const MORE: [Field; 4] = [P, CREEP, PATH, ONSETS];
 
 /// Added to the code of a state where [`State::released`] holds.
 const RELEASED: u8 = 4;
@@ -162,6 +168,7 @@ fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
         p,
         states,
         slip,
+        path,
         creep,
         released,
         torn,
@@ -172,7 +179,9 @@ fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
     let crept = creep.as_ref().map(|own| (CREEP, own.strain.as_flattened()));
     let begun = onsets.as_ref().map(|own| own.numbers());
     let begun = begun.as_ref().map(|numbers| (ONSETS, &numbers[..]));
-    let more = pressures.into_iter().chain(crept).chain(begun);
+    let paths = (!path.is_empty()).then_some((PATH, &path[..]));
+    let more = (pressures.into_iter()).chain(crept).chain(paths);
+    let more = more.chain(begun);
     let fields: Vec<(Field, &[f64])> = [(U, &u[..]), (T, t)].into_iter().chain(more).collect();
     let mut bytes = MAGIC.to_vec();
     let Fingerprint { mesh, scene } = fingerprint;
@@ -339,7 +348,8 @@ fn content_of(mut rest: Rest<'_>) -> Option<Result<State, String>> {
         true => values.next()?,
         false => Some(Vec::new()),
     };
-    let (p, strain, begun) = (more(P)?, more(CREEP)?, more(ONSETS)?);
+    let (p, strain) = (more(P)?, more(CREEP)?);
+    let (path, begun) = (more(PATH)?, more(ONSETS)?);
     let onsets = match has(&ONSETS) {
         true => Some(Box::new(Onsets::from_numbers(&begun)?)),
         false => None,
@@ -385,6 +395,7 @@ fn content_of(mut rest: Rest<'_>) -> Option<Result<State, String>> {
         p,
         states,
         slip,
+        path,
         creep: creep.map(Box::new),
         released: marked(RELEASED),
         torn: marked(TORN),

@@ -16,6 +16,8 @@ pub struct FaceFields {
     pub jump: Vec<f64>,
     /// ‖γ‖: what the face did in slip and while open [m].
     pub slip: Vec<f64>,
+    /// ∫ ‖dγ‖ [m]; empty where no friction follows it.
+    pub path: Vec<f64>,
     /// The part of the jump that is neither slip nor opening, three per face: g_N of closed faces and g_T − γ [m].
     ///
     /// It is what H (or a spring) lets through where the continuum lets nothing: an estimate of the discretization error.
@@ -35,33 +37,34 @@ pub struct FaceFields {
 }
 
 impl FaceFields {
-    /// The fields at states, faces without their cohesion, tractions t, slip γ, jumps and fluid pressures per face.
+    /// The fields at states, faces without their cohesion, tractions t, slip γ and its path, jumps and fluid pressures per face.
     pub(super) fn new(
         problem: &ContactProblem<'_>,
         (states, torn): (&[ContactState], &[bool]),
-        [t, slip]: [&[f64]; 2],
+        [t, slip, path]: [&[f64]; 3],
         jump: Vec<f64>,
         pressure: Vec<f64>,
     ) -> Self {
         let largest = t.iter().fold(0.0, |m: f64, t| m.max(t.abs()));
         let mut fields = Self {
             traction: t.to_vec(),
+            path: path.to_vec(),
             pressure,
             ..Self::default()
         };
         for (f, state) in states.iter().enumerate() {
             let i = 3 * f;
             let gamma = [slip[2 * f], slip[2 * f + 1]];
-            let slip = gamma[0].hypot(gamma[1]);
+            let so_far = problem.slipped(f, [slip, path]).slip();
             let shear = t[i + 1].hypot(t[i + 2]);
             // an open face carries no shear and has no limit
             let limit = match state {
                 ContactState::Open => 0.0,
-                _ if torn[f] => problem.friction(f).torn().limit(t[i], slip).max(0.0),
-                _ => problem.friction(f).limit(t[i], slip).max(0.0),
+                _ if torn[f] => problem.friction(f).torn().limit(t[i], so_far).max(0.0),
+                _ => problem.friction(f).limit(t[i], so_far).max(0.0),
             };
             let open = *state == ContactState::Open;
-            fields.slip.push(slip);
+            fields.slip.push(gamma[0].hypot(gamma[1]));
             fields.stabilization_jump.extend([
                 if open { 0.0 } else { jump[i] },
                 jump[i + 1] - gamma[0],
@@ -123,6 +126,14 @@ pub(super) fn slip_after(
         .collect()
 }
 
+/// ∫ ‖dγ‖ at the end of a step that has changed γ; empty where it is not followed.
+pub(super) fn path_after(path: &[f64], [before, after]: [&[f64]; 2]) -> Vec<f64> {
+    let moved = |f: usize, k: usize| after[2 * f + k] - before[2 * f + k];
+    let path = path.iter().enumerate();
+    path.map(|(f, path)| path + moved(f, 0).hypot(moved(f, 1)))
+        .collect()
+}
+
 /// Pressure that the scene gives in a face [Pa].
 pub(super) fn given_pressure(body: &Body, f: usize, time: f64, loaded: f64) -> f64 {
     let face = &body.fractures.faces[f];
@@ -142,7 +153,7 @@ impl Simulation<'_> {
             ..FaceFields::new(
                 self.problem(),
                 (&state.states, &state.torn),
-                [&state.t, &state.slip],
+                [&state.t, &state.slip, &state.path],
                 jumps,
                 self.pressures(state),
             )

@@ -333,6 +333,7 @@ impl<'a> Simulation<'a> {
         let mut start = Start {
             jump: problem.jumps(&state.u, &before),
             slip: state.slip.clone(),
+            path: state.path.clone(),
             t: reference,
             torn: Vec::new(),
             limits_at: Vec::new(),

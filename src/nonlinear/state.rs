@@ -48,6 +48,8 @@ pub struct State {
     ///
     /// In stick γ stays as it is, whatever H lets through; the rest of the jump, g_T − γ, is no slip.
     pub slip: Vec<f64>,
+    /// Path of the slip per face, the sum of ‖Δg_T‖ over these steps [m]; empty where no friction follows it.
+    pub path: Vec<f64>,
     /// What rock that creeps remembers, where any does.
     pub creep: Option<Box<CreepState>>,
     /// Faces at whose sides the initial stress pulls nothing beyond its mean on them: those that are open, but for such that would close
@@ -85,6 +87,10 @@ impl Simulation<'_> {
             p: self.problem.initial_pressures(0.0),
             states: faces.iter().map(open).collect(),
             slip: vec![0.0; 2 * faces.len()],
+            path: match self.problem.follows_paths() {
+                true => vec![0.0; faces.len()],
+                false => Vec::new(),
+            },
             creep: self.problem.uncrept(),
             released: vec![false; faces.len()],
             torn: vec![false; faces.len()],

@@ -7,7 +7,7 @@ use super::RunError;
 use super::collection::Collection;
 use super::error::At;
 use super::events;
-use super::history::{self, FAULT, HISTORY, History, SOLVER};
+use super::history::{self, HISTORY, History, SOLVER};
 use super::lines::{Cut, Lines, first_column, json_step};
 use super::lock;
 use super::onsets::{self, ONSET};
@@ -75,6 +75,8 @@ pub(super) struct Tree {
     energy: Lines,
     /// `energy.csv` has columns of creep.
     creeps: bool,
+    /// `fault.csv` has columns of the path of slip.
+    paths: bool,
     /// `fault.csv`, where there are fractures.
     fault: Option<Lines>,
     /// `flow.csv`, where the scene has a fluid.
@@ -222,7 +224,10 @@ impl Tree {
         more: More<'_>,
     ) -> Result<Self, RunError> {
         let creeps = state.creep.is_some();
-        let fault = (!state.states.is_empty()).then(|| Lines::create(out.join(FAULT_FILE), FAULT));
+        let paths = !state.path.is_empty();
+        let heading = history::fault_heading(paths);
+        let fault =
+            (!state.states.is_empty()).then(|| Lines::create(out.join(FAULT_FILE), &heading));
         let flow = (more.flow).map(|heading| Lines::create(out.join(FLOW_FILE), heading));
         let onset = (more.onset).then(|| Lines::create(out.join(ONSET_FILE), ONSET));
         let folder = out.join(CHECKPOINT);
@@ -232,6 +237,7 @@ impl Tree {
             solver: Lines::create(out.join(SOLVER_FILE), SOLVER)?,
             energy: Lines::create(out.join(ENERGY_FILE), &history::energy_heading(creeps))?,
             creeps,
+            paths,
             fault: fault.transpose()?,
             flow: flow.transpose()?,
             onset: onset.transpose()?,
@@ -261,7 +267,7 @@ impl Tree {
             LOG_FILE,
         ]
         .map(|name| out.join(name));
-        let creeps = state.creep.is_some();
+        let (creeps, paths) = (state.creep.is_some(), !state.path.is_empty());
         // nothing is changed before everything is known to fit
         let rows = Cut::read(&history, HISTORY, step, first_column)?;
         belongs(&history, &rows, state)?;
@@ -275,7 +281,12 @@ impl Tree {
         )?;
         let slipped = match state.states.is_empty() {
             true => None,
-            false => Some(Cut::read(&fault, FAULT, step, first_column)?),
+            false => Some(Cut::read(
+                &fault,
+                &history::fault_heading(paths),
+                step,
+                first_column,
+            )?),
         };
         let flowed = (more.flow).map(|heading| Cut::read(&flow, heading, step, first_column));
         let flowed = flowed.transpose()?;
@@ -296,6 +307,7 @@ impl Tree {
             solver: Lines::cut(solver, &solved)?,
             energy: Lines::cut(energy, &works)?,
             creeps,
+            paths,
             fault: slipped.map(|cut| Lines::cut(fault, &cut)).transpose()?,
             flow: flowed.map(|cut| Lines::cut(flow, &cut)).transpose()?,
             onset: match (more.onset, begun) {
@@ -337,7 +349,7 @@ impl Tree {
         let works = history::energy_row(record, energy, self.creeps);
         self.energy.append(&works)?;
         if let Some(lines) = &mut self.fault {
-            lines.append(&history::fault_rows(record, faults))?;
+            lines.append(&history::fault_rows(record, faults, self.paths))?;
         }
         if let (Some(lines), Some(flow)) = (&mut self.flow, &accepted.flow) {
             lines.append(&history::flow_row(record, flow, &accepted.wells))?;

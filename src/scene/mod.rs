@@ -39,7 +39,7 @@ mod wells;
 
 use std::path::{Path, PathBuf};
 
-pub use crate::contact::{Friction, Weakening};
+pub use crate::contact::{Friction, Weakening, WeakeningBy};
 pub use body::{Body, InitialStress, Pull, SurfaceTraction};
 pub use error::{Place, Problem, SceneError};
 pub use flow_problem::FlowProblem;

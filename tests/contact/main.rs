@@ -4,6 +4,7 @@
 mod accuracy;
 mod arrested;
 mod consistency;
+mod healing;
 mod jacobian;
 mod known;
 mod onset;

@@ -52,7 +52,7 @@ pub enum CheckpointError {
         path: PathBuf,
     },
     /// Of other unknowns.
-    #[error("the checkpoint {} holds the fields {found}, this program reads u and t, with p, e_v and on where there are any", path.display())]
+    #[error("the checkpoint {} holds the fields {found}, this program reads u and t, with p, e_v, s and on where there are any", path.display())]
     OtherFields {
         /// File.
         path: PathBuf,

@@ -24,6 +24,7 @@ fn state(step: usize) -> State {
         p: Vec::new(),
         states: vec![ContactState::Open, ContactState::NewSlip],
         slip: vec![-0.0, 1e-310, 1.0 / 3.0, 7.0],
+        path: vec![1e-310; 2 * (step % 5 / 3)],
         creep: step.is_multiple_of(2).then(|| {
             Box::new(CreepState {
                 step: 0.1,
@@ -121,6 +122,7 @@ fn every_choice_of_fields_comes_back() {
         written.p = vec![4.0; 2 * (step % 3)];
         let read = decode(&encode(&written, OWN), Path::new("file"), OWN).unwrap();
         assert_eq!((read.p, read.onsets), (written.p, written.onsets));
+        assert_eq!(read.path, written.path);
         assert_eq!(read.creep, written.creep);
     }
 }
@@ -225,7 +227,7 @@ fn a_checkpoint_with_other_fields_or_of_another_layout_is_refused_in_a_sentence(
     let pressures = u64::from_le_bytes(*b"p\0\0\0\0\0\0\0");
     assert_eq!(
         with(HEADER + 3, pressures),
-        "the checkpoint file holds the fields u, p, this program reads u and t, with p, e_v and on where there are any"
+        "the checkpoint file holds the fields u, p, this program reads u and t, with p, e_v, s and on where there are any"
     );
     assert_eq!(
         with(1, 3),
