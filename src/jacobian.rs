@@ -1,6 +1,8 @@
 //! The saddle point linearized at fixed contact states: `[A B1; B2 −H] (δu, δt) = −r`.
 
-use crate::contact::{ContactState, FaceLaw, FacePoint, FaceRows, Friction, face_compliance};
+use crate::contact::{
+    ContactState, FaceLaw, FacePoint, FaceRows, Friction, SlipSoFar, face_compliance,
+};
 use crate::elasticity::ElasticityError;
 use crate::mesh::FractureFace;
 use crate::system::StickSystem;
@@ -168,7 +170,11 @@ impl<'a> ContactSystem<'a> {
             let point = FacePoint {
                 traction,
                 jump,
-                start: [start[1], start[2]],
+                // it got there straight
+                start: SlipSoFar::straight(
+                    friction.weakening.map(|w| w.by).unwrap_or_default(),
+                    [start[1], start[2]],
+                ),
             };
             Ok(law.rows(*state, &point))
         };

@@ -11,9 +11,10 @@ use std::str::FromStr;
 
 pub use dimension::Dimension;
 pub use kind::{
-    Acceleration, Angle, BiotCoefficient, Compressibility, Conductivity, Density, Diffusivity,
-    Distance, Duration, FrictionAngle, Kind, Length, Measure, MeshUnit, Poisson, PorePressure,
-    Rate, Ratio, RockViscosity, Stiffness, Storage, Strength, Stress, StressGradient, Viscosity,
+    Acceleration, Angle, Area, BiotCoefficient, Compressibility, Conductivity, Density,
+    Diffusivity, Distance, Duration, FrictionAngle, Kind, Length, Measure, MeshUnit, Poisson,
+    PorePressure, Rate, Ratio, RockViscosity, Stiffness, Storage, Strength, Stress, StressGradient,
+    Viscosity,
 };
 
 /// A number with a unit: value = number · factor(unit).

@@ -329,6 +329,9 @@ impl Step {
         ] {
             step.set_item(name, given(py, values))?;
         }
+        if !faces.path.is_empty() {
+            step.set_item("cumulated_slip", given(py, faces.path))?;
+        }
         if flows {
             step.set_item("conductivity", given(py, faces.conductivity))?;
             step.set_item("flux", table(py, faces.flux, 3)?)?;

@@ -1,5 +1,7 @@
 //! Coulomb friction, constant or weakening with slip.
 
+use super::WeakeningBy;
+
 /// Linear weakening of the friction angle with slip: `φ(s) = φ_s − s (φ_s − φ_d)/d_c` up to `s = d_c`, then φ_d.
 ///
 /// # Source
@@ -10,9 +12,12 @@ pub struct Weakening {
     pub angle: f64,
     /// Slip d_c over which the angle falls [m].
     pub distance: f64,
+    /// What of the slip it follows.
+    pub by: WeakeningBy,
 }
 
-/// Coulomb friction of a fracture: `τ_L = max(c − t_N tan φ(s), 0)`, t_N ≤ 0 in compression, s = ‖γ‖ the slip so far.
+/// Coulomb friction of a fracture: `τ_L = max(c − t_N tan φ(s), 0)`, t_N ≤ 0 in compression, s the slip so far: ‖γ‖, or its
+/// path ([`WeakeningBy`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction {
     /// Friction angle φ, with weakening the static one φ_s [rad].
@@ -108,6 +113,7 @@ mod tests {
         weakening: Some(Weakening {
             angle: 0.4,
             distance: 5e-3,
+            by: WeakeningBy::Slip,
         }),
     };
 

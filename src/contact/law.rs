@@ -1,6 +1,6 @@
 //! Residual and tangent of one face in a given state.
 
-use super::{ContactState, Friction};
+use super::{ContactState, Friction, SlipSoFar};
 use fracas_operators::small::{Matrix3, diagonal};
 
 /// Where a face stands: traction and jump in its frame (n, t1, t2).
@@ -10,8 +10,8 @@ pub struct FacePoint {
     pub traction: [f64; 3],
     /// (g_N, Δg_1, Δg_2): the normal jump in all, the tangential one over the step [m].
     pub jump: [f64; 3],
-    /// (γ_1, γ_2), the slip at the start of the step [m]; only weakening friction asks for it.
-    pub start: [f64; 2],
+    /// The slip at the start of the step; only weakening friction asks for it.
+    pub start: SlipSoFar,
 }
 
 /// The rows of a face per unit of area: r [m] and its derivatives.
@@ -28,13 +28,13 @@ pub struct FaceRows {
 /// The contact rows of a face:
 /// ```text
 /// stick     r_N = g_N     r_T = Δg_T
-/// slip      r_N = g_N     r_T = ω (τ_L m − t_T)       τ_L = max(c − t_N tan φ(‖γ‖), 0),  γ = γ at the start + Δg_T
+/// slip      r_N = g_N     r_T = ω (τ_L m − t_T)       τ_L = max(c − t_N tan φ(s), 0),  s = ‖γ at the start + Δg_T‖ or that of [`SlipSoFar`]
 /// open      r   = −ω t
 /// m = Δg_T/‖Δg_T‖ in slip; t_T/‖t_T‖, frozen, in new-slip and where ‖Δg_T‖ ≤ tiny; r_T = −ω t_T where t_T = 0 as well
 /// ```
 /// Traction rows are negated, so that in `B2 u − H t = g` the block `H = −A_f ∂r/∂t` has `+ω A_f` on their diagonal and B2
 /// a positive semi-definite multiple `ω τ_L (I − m mᵀ)/‖Δg_T‖` of the tangential rows of B1ᵀ; weakening adds
-/// `ω ∂τ_L/∂s m γᵀ/‖γ‖`, which is negative along the slip. The compliance ω gives them the unit of the jumps.
+/// `ω ∂τ_L/∂s m (∂s/∂Δg_T)ᵀ`, which is negative along the slip. The compliance ω gives them the unit of the jumps.
 ///
 /// # Source
 /// M. Ferronato, SNA'25 lecture (Karush–Kuhn–Tucker conditions, maximum plastic dissipation); derivatives as in the authors' open codes. Signs
@@ -76,19 +76,12 @@ impl FaceLaw {
             },
             ContactState::NewSlip | ContactState::Slip => {
                 let (m, turning) = self.direction(state, point);
-                let total = [0.0, start[0] + jump[1], start[1] + jump[2]];
-                let slip = tangential_norm(total);
-                let limit = self.friction.limit(t[0], slip);
-                // ∂τ_L/∂Δg_T = ∂τ_L/∂s γ/‖γ‖
-                let rate = self.friction.by_slip(t[0], slip);
-                let by_normal = self.friction.by_normal(t[0], slip);
-                let along = |j: usize| {
-                    if slip > 0.0 {
-                        rate * total[j] / slip
-                    } else {
-                        0.0
-                    }
-                };
+                let slipped = start.after([jump[1], jump[2]]);
+                let limit = self.friction.limit(t[0], slipped.slip);
+                // ∂τ_L/∂Δg_T = ∂τ_L/∂s ∂s/∂Δg_T
+                let rate = self.friction.by_slip(t[0], slipped.slip);
+                let by_normal = self.friction.by_normal(t[0], slipped.slip);
+                let along = slipped.along(rate);
                 let mut rows = FaceRows {
                     residual: jump,
                     by_jump: diagonal([1.0, 0.0, 0.0]),
@@ -100,7 +93,7 @@ impl FaceLaw {
                     for j in 1..3 {
                         let projector = f64::from(u8::from(i == j)) - m[i] * m[j];
                         rows.by_jump[i][j] =
-                            omega * (limit * turning * projector + m[i] * along(j));
+                            omega * (limit * turning * projector + m[i] * along[j - 1]);
                     }
                 }
                 rows

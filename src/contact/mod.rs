@@ -6,6 +6,7 @@ mod friction;
 mod law;
 mod projection;
 mod slip;
+mod so_far;
 mod stabilization;
 mod state;
 mod transition;
@@ -13,6 +14,7 @@ mod transition;
 pub use coupling::{Coupling, prescribed_jump};
 pub use friction::{Friction, Weakening};
 pub use law::{FaceLaw, FacePoint, FaceRows};
+pub use so_far::{SlipSoFar, Slipped, WeakeningBy};
 pub(crate) use stabilization::between;
 pub use stabilization::{
     Interfaces, JumpStabilization, Junctions, Lengths, Rocks, Side, face_compliance, side_stiffness,

@@ -52,8 +52,8 @@ impl FaceLaw {
         } = *point;
         let omega = self.compliance;
         let w = [1, 2].map(|k: usize| t[k] + jump[k] / omega);
-        let total = [0, 1].map(|k: usize| start[k] + jump[1 + k]);
-        let slip = self.friction.slip_traction(t[0], w, total, lagged);
+        let slipped = start.after([jump[1], jump[2]]);
+        let slip = self.friction.slip_traction(t[0], w, &slipped, lagged);
         let share = match slip.turning > most {
             true => most / slip.turning,
             false => 1.0,
@@ -85,7 +85,7 @@ impl FaceLaw {
             trial: trial(1).hypot(trial(2)),
             limit: self
                 .friction
-                .limit(t[0], (start[0] + jump[1]).hypot(start[1] + jump[2])),
+                .limit(t[0], start.after([jump[1], jump[2]]).slip),
         }
     }
 }
@@ -93,7 +93,7 @@ impl FaceLaw {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::{Friction, Weakening};
+    use crate::contact::{Friction, SlipSoFar, Weakening, WeakeningBy};
 
     const LAW: FaceLaw = FaceLaw {
         friction: Friction {
@@ -102,6 +102,7 @@ mod tests {
             weakening: Some(Weakening {
                 angle: 0.3,
                 distance: 4e-3,
+                by: WeakeningBy::Slip,
             }),
         },
         compliance: 3e-10,
@@ -116,31 +117,34 @@ mod tests {
             ([-1e6, 0.0, 5e5], [0.0, 1e-4, 0.0]),
             ([3e6, 1e5, 2e5], [0.0, 1e-4, 3e-4]),
         ] {
-            let point = FacePoint {
-                traction,
-                jump,
-                start: [3e-4, 2e-4],
-            };
-            let rows = LAW.projected_rows(ContactState::Slip, &point, false);
-            for k in 0..3 {
-                for (which, h) in [(0, 1e-8), (1, 10.0)] {
-                    let moved = |s: f64| {
-                        let mut p = point;
-                        match which {
-                            0 => p.jump[k] += s,
-                            _ => p.traction[k] += s,
+            let starts = [SlipSoFar::Vector([3e-4, 2e-4]), SlipSoFar::Path(1e-3)];
+            for start in starts {
+                let point = FacePoint {
+                    traction,
+                    jump,
+                    start,
+                };
+                let rows = LAW.projected_rows(ContactState::Slip, &point, false);
+                for k in 0..3 {
+                    for (which, h) in [(0, 1e-8), (1, 10.0)] {
+                        let moved = |s: f64| {
+                            let mut p = point;
+                            match which {
+                                0 => p.jump[k] += s,
+                                _ => p.traction[k] += s,
+                            }
+                            LAW.projected_rows(ContactState::Slip, &p, false).residual
+                        };
+                        let (plus, minus) = (moved(h), moved(-h));
+                        let (exact, scale) = match which {
+                            0 => (rows.by_jump, 1.0),
+                            _ => (rows.by_traction, LAW.compliance),
+                        };
+                        for i in 0..3 {
+                            let difference = (plus[i] - minus[i]) / (2.0 * h);
+                            let error = (difference - exact[i][k]).abs() / scale;
+                            assert!(error < 1e-4, "{point:?} {which} {i} {k}: {error:e}");
                         }
-                        LAW.projected_rows(ContactState::Slip, &p, false).residual
-                    };
-                    let (plus, minus) = (moved(h), moved(-h));
-                    let (exact, scale) = match which {
-                        0 => (rows.by_jump, 1.0),
-                        _ => (rows.by_traction, LAW.compliance),
-                    };
-                    for i in 0..3 {
-                        let difference = (plus[i] - minus[i]) / (2.0 * h);
-                        let error = (difference - exact[i][k]).abs() / scale;
-                        assert!(error < 1e-4, "{point:?} {which} {i} {k}: {error:e}");
                     }
                 }
             }
@@ -162,7 +166,7 @@ mod tests {
             let point = FacePoint {
                 traction: [-2e6 + 2e6 * number(0), 1e6 * number(1), 1e6 * number(2)],
                 jump: [0.0, 1e-4 * number(3), 1e-4 * number(4)],
-                start: [0.0; 2],
+                start: SlipSoFar::Vector([0.0; 2]),
             };
             let exact = law.projected_rows(ContactState::Slip, &point, false);
             let damped = law.damped_rows(ContactState::Slip, &point, false);
@@ -204,7 +208,7 @@ mod tests {
         let point = FacePoint {
             traction: [-5e6, 0.6 * limit, -0.8 * limit],
             jump: [0.0, 3e-3, -4e-3],
-            start: [0.0; 2],
+            start: SlipSoFar::Vector([0.0; 2]),
         };
         for rows in [
             law.rows(ContactState::Slip, &point),
@@ -224,7 +228,7 @@ mod tests {
         let point = FacePoint {
             traction: [-4e6, limit, 0.0],
             jump: [0.0; 3],
-            start: [0.0; 2],
+            start: SlipSoFar::Vector([0.0; 2]),
         };
         let rows = LAW.projected_rows(ContactState::Slip, &point, false);
         assert!((rows.by_jump[2][2] - 1.0).abs() < 1e-12);
@@ -239,7 +243,7 @@ mod tests {
             LAW.measure(&FacePoint {
                 traction: [-4e6, limit, 0.0],
                 jump: [0.0, slip, 0.0],
-                start: [0.0; 2],
+                start: SlipSoFar::Vector([0.0; 2]),
             })
         };
         assert!(at(-1e-5).trial < limit && at(1e-5).trial > limit);

@@ -1,14 +1,18 @@
 //! States on disk, to the last bit: what a run goes on from.
 
+mod error;
+
 use super::write_atomically;
 use super::{Fingerprint, Hash};
 use crate::contact::ContactState;
-use crate::nonlinear::{CreepState, Prepared, State};
+use crate::nonlinear::{CreepState, Onsets, Prepared, State};
 use fracas_operators::{Field, Fields};
 use fracas_solvers::saddle::{P, T, U};
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+
+pub use error::CheckpointError;
 
 /// First bytes of every checkpoint.
 const MAGIC: [u8; 8] = *b"fracasCK";
@@ -25,75 +29,6 @@ const NOT_PREPARED: u8 = u8::MAX;
 
 /// Checkpoints that stay in a folder.
 const KEPT: usize = 2;
-
-/// A checkpoint that cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum CheckpointError {
-    /// The file system says no.
-    #[error("cannot read the checkpoint {}: {source}", path.display())]
-    Read {
-        /// File or folder.
-        path: PathBuf,
-        /// Reason.
-        source: io::Error,
-    },
-    /// A folder without any.
-    #[error("{} holds no checkpoint", path.display())]
-    None {
-        /// Folder.
-        path: PathBuf,
-    },
-    /// Another kind of file.
-    #[error("{} is no checkpoint of fracas", path.display())]
-    Foreign {
-        /// File.
-        path: PathBuf,
-    },
-    /// Written by another version.
-    #[error("the checkpoint {} has layout {found}, this program reads layout {VERSION}", path.display())]
-    Version {
-        /// File.
-        path: PathBuf,
-        /// Its layout.
-        found: u64,
-    },
-    /// Shorter or longer than it says.
-    #[error("the checkpoint {} is damaged: it has {found} of {expected} bytes; take the one before it", path.display())]
-    Length {
-        /// File.
-        path: PathBuf,
-        /// Bytes in the file.
-        found: u64,
-        /// Bytes that its header announces.
-        expected: u64,
-    },
-    /// Changed since it was written.
-    #[error("the checkpoint {} is damaged: its checksum does not fit; take the one before it", path.display())]
-    Checksum {
-        /// File.
-        path: PathBuf,
-    },
-    /// Of other unknowns.
-    #[error("the checkpoint {} holds the fields {found}, this program reads u and t, with p and e_v where there are any", path.display())]
-    OtherFields {
-        /// File.
-        path: PathBuf,
-        /// Their letters.
-        found: String,
-    },
-    /// Of another mesh or numbering.
-    #[error("the checkpoint {} belongs to another mesh (or other fractures or held sides) than this scene", path.display())]
-    OtherMesh {
-        /// File.
-        path: PathBuf,
-    },
-    /// Of the same mesh under other physics.
-    #[error("the checkpoint {} belongs to a scene with the same mesh but other materials, friction or loads", path.display())]
-    OtherScene {
-        /// File.
-        path: PathBuf,
-    },
-}
 
 /// A folder of checkpoints of one run, of which the last two stay.
 #[derive(Clone, Debug)]
@@ -193,6 +128,21 @@ const CREEP: Field = Field {
     name: "viscous strains",
 };
 
+/// Path of the slip, where friction follows it.
+const PATH: Field = Field {
+    letter: "s",
+    name: "paths of slip",
+};
+
+/// What is known of the onset of slip, where it is looked for.
+const ONSETS: Field = Field {
+    letter: "on",
+    name: "onsets of slip",
+};
+
+/// Fields behind u and t, in this order, where a state has them.
+const MORE: [Field; 4] = [P, CREEP, PATH, ONSETS];
+
 /// Added to the code of a state where [`State::released`] holds.
 const RELEASED: u8 = 4;
 
@@ -218,14 +168,20 @@ fn encode(state: &State, fingerprint: Fingerprint) -> Vec<u8> {
         p,
         states,
         slip,
+        path,
         creep,
         released,
         torn,
         flips,
+        onsets,
     } = state;
     let pressures = (!p.is_empty()).then_some((P, &p[..]));
     let crept = creep.as_ref().map(|own| (CREEP, own.strain.as_flattened()));
-    let more = pressures.into_iter().chain(crept);
+    let begun = onsets.as_ref().map(|own| own.numbers());
+    let begun = begun.as_ref().map(|numbers| (ONSETS, &numbers[..]));
+    let paths = (!path.is_empty()).then_some((PATH, &path[..]));
+    let more = (pressures.into_iter()).chain(crept).chain(paths);
+    let more = more.chain(begun);
     let fields: Vec<(Field, &[f64])> = [(U, &u[..]), (T, t)].into_iter().chain(more).collect();
     let mut bytes = MAGIC.to_vec();
     let Fingerprint { mesh, scene } = fingerprint;
@@ -362,7 +318,7 @@ fn decode(bytes: &[u8], path: &Path, fingerprint: Fingerprint) -> Result<State, 
     }
 }
 
-/// The state behind step and scalars, or the letters of fields that are not u, t, perhaps p and viscous strains; nothing where the file is too short.
+/// The state behind step and scalars, or the letters of fields that are not u, t and some of [`MORE`]; nothing where the file is too short.
 fn content_of(mut rest: Rest<'_>) -> Option<Result<State, String>> {
     let step = rest.word()? as usize;
     let [time, loaded, next, force, traction, krylov] = [(); 6].map(|()| rest.real());
@@ -372,14 +328,10 @@ fn content_of(mut rest: Rest<'_>) -> Option<Result<State, String>> {
         .collect();
     let table = table?;
     let letters: Vec<u64> = table.iter().map(|[letter, ..]| *letter).collect();
-    let known: [&[Field]; 4] = [&[U, T], &[U, T, P], &[U, T, CREEP], &[U, T, P, CREEP]];
-    let is_known = |fields: &&[Field]| {
-        fields
-            .iter()
-            .map(|f| letter(*f))
-            .eq(letters.iter().copied())
-    };
-    if !known.iter().any(is_known) {
+    let has = |field: &Field| letters.contains(&letter(*field));
+    let more = MORE.into_iter().filter(has);
+    let known = [U, T].into_iter().chain(more).map(letter);
+    if !known.eq(letters.iter().copied()) {
         let letter = |word: &u64| String::from_utf8_lossy(&word.to_le_bytes()).into_owned();
         let letters: Vec<String> = letters.iter().map(letter).collect();
         return Some(Err(letters.join(", ").replace('\0', "")));
@@ -397,7 +349,12 @@ fn content_of(mut rest: Rest<'_>) -> Option<Result<State, String>> {
         false => Some(Vec::new()),
     };
     let (p, strain) = (more(P)?, more(CREEP)?);
-    let crept = table.last().filter(|[last, ..]| *last == letter(CREEP));
+    let (path, begun) = (more(PATH)?, more(ONSETS)?);
+    let onsets = match has(&ONSETS) {
+        true => Some(Box::new(Onsets::from_numbers(&begun)?)),
+        false => None,
+    };
+    let crept = table.iter().find(|[own, ..]| *own == letter(CREEP));
     let creep = crept.map(|[.., step]| CreepState {
         step: f64::from_bits(*step),
         strain: strain.as_chunks().0.to_vec(),
@@ -413,7 +370,7 @@ fn content_of(mut rest: Rest<'_>) -> Option<Result<State, String>> {
     let flips = rest.take(faces.checked_mul(4)?)?.as_chunks().0.iter();
     let flips = flips.map(|n| u32::from_le_bytes(*n)).collect();
     let codes = rest.take(faces)?;
-    let has = |bit: u8| codes.iter().map(|code| code & bit != 0).collect();
+    let marked = |bit: u8| codes.iter().map(|code| code & bit != 0).collect();
     let state = |code: &u8| ContactState::from_code(code & !(RELEASED | TORN));
     let states = codes.iter().map(state).collect::<Option<_>>()?;
     let unprepared = rest.0.iter().all(|code| *code == NOT_PREPARED);
@@ -438,10 +395,12 @@ fn content_of(mut rest: Rest<'_>) -> Option<Result<State, String>> {
         p,
         states,
         slip,
+        path,
         creep: creep.map(Box::new),
-        released: has(RELEASED),
-        torn: has(TORN),
+        released: marked(RELEASED),
+        torn: marked(TORN),
         flips,
+        onsets,
     }))
 }
 

@@ -76,7 +76,7 @@ impl<'a> Fields<'a> {
 
     /// Writes the minus sides of the fracture faces: cell fields `traction`, `displacementJump` (n, t1, t2), `slip`,
     /// `stabilizationJump` (n, t1, t2), `aperture`, `fractureState`, `criticality`, `tauLimit`, `pressure`, `stateFlips`, `normal`, `t1`, `t2`, `fracture`;
-    /// with a fluid also `flux` (x, y, z, per width [m²/s]) and `conductivity` [m³].
+    /// where friction follows the path of slip also `cumulatedSlip`; with a fluid also `flux` (x, y, z, per width [m²/s]) and `conductivity` [m³].
     ///
     /// # Errors
     /// What the writer says.
@@ -94,6 +94,9 @@ impl<'a> Fields<'a> {
             field("pressure", 1, &f.pressure),
             field("stateFlips", 1, &self.flips),
         ];
+        if !f.path.is_empty() {
+            fields.push(field("cumulatedSlip", 1, &f.path));
+        }
         if !f.flux.is_empty() {
             fields.push(field("flux", 3, &f.flux));
             fields.push(field("conductivity", 1, &f.conductivity));

@@ -13,6 +13,7 @@ mod error;
 mod face_geometry;
 mod fracture_edges;
 mod fracture_mesh;
+mod fracture_patches;
 mod gmsh;
 mod hex_mesh;
 mod incidence;

@@ -32,7 +32,7 @@ pub(super) fn key(element: &[u32; 8], face: usize) -> [u32; 4] {
 }
 
 /// Root of `i` in a union-find forest, halving paths.
-fn root(parent: &mut [usize], mut i: usize) -> usize {
+pub(super) fn root(parent: &mut [usize], mut i: usize) -> usize {
     while parent[i] != i {
         parent[i] = parent[parent[i]];
         i = parent[i];

@@ -1,7 +1,7 @@
 //! What a settled step leaves: the state after it, and its row of the history.
 
 use super::active_set::{Log, Settled};
-use super::fields::slip_after;
+use super::fields::{path_after, slip_after};
 use super::record::count;
 use super::times::Target;
 use super::{Accepted, FaceFields, Load, Simulation, State, StepRecord};
@@ -43,8 +43,10 @@ impl Simulation<'_> {
             [&from, &effective, &x.t],
             (&states, problem.compliance()),
         );
+        let path = path_after(&before.path, [&before.slip, &slip]);
         torn.resize(states.len(), false);
-        let fields = FaceFields::new(problem, (&states, &torn), [&x.t, &slip], jump, Vec::new());
+        let of_faces = [&x.t[..], &slip, &path];
+        let fields = FaceFields::new(problem, (&states, &torn), of_faces, jump, Vec::new());
         let accepted = log.linear.iter().map(|l| l.attempt).max();
         let last = log.linear.iter().filter(|l| Some(l.attempt) == accepted);
         let setups = log.linear.iter().filter(|l| l.setup).count();
@@ -109,10 +111,12 @@ impl Simulation<'_> {
                 p: x.p,
                 states,
                 slip,
+                path,
                 creep,
                 released,
                 torn,
                 flips,
+                onsets: before.onsets.clone(),
             },
             record,
             flow,

@@ -44,9 +44,9 @@ pub(super) fn arrest(
     if solver.unstable != Unstable::Arrest || torn || !reason.may_be_cut() {
         return Err(reason);
     }
-    let of = |v: &[f64], f: usize| v[2 * f].hypot(v[2 * f + 1]);
     let faces = 0..states.len();
-    let mut limits_at: Vec<f64> = faces.clone().map(|f| of(&attempt.start.slip, f)).collect();
+    let so_far = |f: usize| problem.so_far(f, attempt.start);
+    let mut limits_at: Vec<f64> = faces.clone().map(|f| so_far(f).slip()).collect();
     let (mut last, mut share): (Vec<f64>, f64) = (Vec::new(), 1.0);
     for pass in 0..PASSES {
         let start = Start {
@@ -70,9 +70,9 @@ pub(super) fn arrest(
             }
             let moved = |k: usize| {
                 let i = 3 * f + 1 + k;
-                attempt.start.slip[2 * f + k] + settled.effective[i] - attempt.start.jump[i]
+                settled.effective[i] - attempt.start.jump[i]
             };
-            let slip = moved(0).hypot(moved(1));
+            let slip = so_far(f).after([moved(0), moved(1)]).slip;
             let friction = problem.friction_in(f, attempt.start);
             let limit = |slip| friction.limit(settled.x.t[3 * f], slip);
             left = left.max((limit(slip) - limit(limits_at[f])).abs());

@@ -34,6 +34,10 @@ pub struct FaultRecord {
     pub released: f64,
     /// What friction dissipates of that, `Σ A_f t_T·Δγ` [J].
     pub dissipated: f64,
+    /// Mean of the path of its slip, ∫ ‖dγ‖, over its area [m]; 0 where no friction follows it.
+    pub path_mean: f64,
+    /// Longest path of the slip of a face [m].
+    pub path_max: f64,
 }
 
 impl Simulation<'_> {
@@ -73,6 +77,9 @@ impl Simulation<'_> {
             }
             record.slip_mean += face.area * fields.slip[f];
             record.slip_max = record.slip_max.max(fields.slip[f]);
+            let path = fields.path.get(f).copied().unwrap_or(0.0);
+            record.path_mean += face.area * path;
+            record.path_max = record.path_max.max(path);
             record.chi_max = record.chi_max.max(fields.criticality[f]);
             record.moment += face.area * shear(face) * fields.slip[f];
             record.moment_step += face.area * shear(face) * moved[0].hypot(moved[1]);
@@ -89,7 +96,9 @@ impl Simulation<'_> {
         }
         for (record, (force, area)) in records.iter_mut().zip(sums) {
             record.shear_force = force[0].hypot(force[1]).hypot(force[2]);
-            record.slip_mean /= if area > 0.0 { area } else { 1.0 };
+            let area = if area > 0.0 { area } else { 1.0 };
+            record.slip_mean /= area;
+            record.path_mean /= area;
         }
         records
     }

@@ -3,6 +3,7 @@
 use super::{ContactProblem, Simulation, State};
 use crate::contact::ContactState;
 use crate::mesh::FractureFace;
+use crate::scene::Body;
 use fracas_operators::vector::axpy;
 
 /// Shear that counts as none, relative to the largest traction. Unit: 1.
@@ -17,6 +18,8 @@ pub struct FaceFields {
     pub jump: Vec<f64>,
     /// ‖γ‖: what the face did in slip and while open [m].
     pub slip: Vec<f64>,
+    /// ∫ ‖dγ‖ [m]; empty where no friction follows it.
+    pub path: Vec<f64>,
     /// The part of the jump that is neither slip nor opening, three per face: g_N of closed faces and g_T − γ [m].
     ///
     /// It is what H (or a spring) lets through where the continuum lets nothing: an estimate of the discretization error.
@@ -36,33 +39,34 @@ pub struct FaceFields {
 }
 
 impl FaceFields {
-    /// The fields at states, faces without their cohesion, tractions t, slip γ, jumps and fluid pressures per face.
+    /// The fields at states, faces without their cohesion, tractions t, slip γ and its path, jumps and fluid pressures per face.
     pub(super) fn new(
         problem: &ContactProblem<'_>,
         (states, torn): (&[ContactState], &[bool]),
-        [t, slip]: [&[f64]; 2],
+        [t, slip, path]: [&[f64]; 3],
         jump: Vec<f64>,
         pressure: Vec<f64>,
     ) -> Self {
         let largest = t.iter().fold(0.0, |m: f64, t| m.max(t.abs()));
         let mut fields = Self {
             traction: t.to_vec(),
+            path: path.to_vec(),
             pressure,
             ..Self::default()
         };
         for (f, state) in states.iter().enumerate() {
             let i = 3 * f;
             let gamma = [slip[2 * f], slip[2 * f + 1]];
-            let slip = gamma[0].hypot(gamma[1]);
+            let so_far = problem.slipped(f, [slip, path]).slip();
             let shear = t[i + 1].hypot(t[i + 2]);
             // an open face carries no shear and has no limit
             let limit = match state {
                 ContactState::Open => 0.0,
-                _ if torn[f] => problem.friction(f).torn().limit(t[i], slip).max(0.0),
-                _ => problem.friction(f).limit(t[i], slip).max(0.0),
+                _ if torn[f] => problem.friction(f).torn().limit(t[i], so_far).max(0.0),
+                _ => problem.friction(f).limit(t[i], so_far).max(0.0),
             };
             let open = *state == ContactState::Open;
-            fields.slip.push(slip);
+            fields.slip.push(gamma[0].hypot(gamma[1]));
             fields.stabilization_jump.extend([
                 if open { 0.0 } else { jump[i] },
                 jump[i + 1] - gamma[0],
@@ -124,6 +128,27 @@ pub(super) fn slip_after(
         .collect()
 }
 
+/// ∫ ‖dγ‖ at the end of a step that has changed γ; empty where it is not followed.
+pub(super) fn path_after(path: &[f64], [before, after]: [&[f64]; 2]) -> Vec<f64> {
+    let moved = |f: usize, k: usize| after[2 * f + k] - before[2 * f + k];
+    let path = path.iter().enumerate();
+    path.map(|(f, path)| path + moved(f, 0).hypot(moved(f, 1)))
+        .collect()
+}
+
+/// Pressure that the scene gives in every face at a time [s], where `loaded` of the loads of time 0 is there [Pa].
+pub(super) fn given_pressures(body: &Body, time: f64, loaded: f64) -> Vec<f64> {
+    let given = |face: &FractureFace| {
+        let history = body.pressures[usize::from(face.fracture)].1;
+        loaded * body.pressure_of(face) * body.histories[history].at(time)
+    };
+    let mut all: Vec<f64> = body.fractures.faces.iter().map(given).collect();
+    if let Some(of_sides) = body.pressures_of_sides(time) {
+        axpy(loaded, &of_sides, &mut all);
+    }
+    all
+}
+
 impl Simulation<'_> {
     /// What the fracture faces show in a state.
     pub fn face_fields(&self, state: &State) -> FaceFields {
@@ -136,7 +161,7 @@ impl Simulation<'_> {
             ..FaceFields::new(
                 self.problem(),
                 (&state.states, &state.torn),
-                [&state.t, &state.slip],
+                [&state.t, &state.slip, &state.path],
                 jumps,
                 self.pressures(state),
             )
@@ -149,18 +174,7 @@ impl Simulation<'_> {
             return state.p.clone();
         }
         let body = self.problem().body();
-        let pressure = |f: &FractureFace| {
-            let (p, history) = (
-                body.pressure_of(f),
-                body.pressures[usize::from(f.fracture)].1,
-            );
-            state.loaded * p * body.histories[history].at(state.time)
-        };
-        let mut all: Vec<f64> = self.problem().faces().iter().map(pressure).collect();
-        if let Some(of_sides) = body.pressures_of_sides(state.time) {
-            axpy(state.loaded, &of_sides, &mut all);
-        }
-        all
+        given_pressures(body, state.time, state.loaded)
     }
 
     /// Displacements of all nodes in a state, `3·node + component` [m].

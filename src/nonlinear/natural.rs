@@ -272,6 +272,7 @@ mod tests {
         Start {
             jump: vec![0.0; 3 * faces],
             slip: vec![0.0; 2 * faces],
+            path: Vec::new(),
             t: vec![0.0; 3 * faces],
             torn: Vec::new(),
             limits_at: Vec::new(),

@@ -152,6 +152,7 @@ mod tests {
         let start = Start {
             jump: vec![0.0; n_t],
             slip: vec![0.0; n_t / 3 * 2],
+            path: Vec::new(),
             t: vec![0.0; n_t],
             torn: Vec::new(),
             limits_at: Vec::new(),

@@ -4,7 +4,8 @@ use super::Loads;
 use super::creeping::Creeping;
 use super::jacobian::{ContactJacobian, FaceTangent};
 use crate::contact::{
-    ContactState, FaceLaw, FaceMeasure, FacePoint, FaceRows, Friction, face_compliance,
+    ContactState, FaceLaw, FaceMeasure, FacePoint, FaceRows, Friction, SlipSoFar, WeakeningBy,
+    face_compliance,
 };
 use crate::elasticity::{Constraints, ElasticityError, strain_norm};
 use crate::flow::{Balance, FlowPoint};
@@ -32,6 +33,8 @@ pub struct Start {
     pub jump: Vec<f64>,
     /// Slip (γ_1, γ_2) per face, what weakening follows [m].
     pub slip: Vec<f64>,
+    /// Path of the slip per face, `∫ ‖dγ‖` [m]; empty where no friction follows it.
+    pub path: Vec<f64>,
     /// Tractions that H does not act on [Pa]: t_T at the start of the step, and t_N of the initial stress and of what the pressure of the
     /// fluid has changed.
     pub t: Vec<f64>,
@@ -85,6 +88,13 @@ impl Evaluation {
     }
 }
 
+/// True for friction that follows the path of slip.
+fn by_path(friction: Friction) -> bool {
+    friction
+        .weakening
+        .is_some_and(|w| w.by == WeakeningBy::Path)
+}
+
 /// A fractured body whose faces stick, slip or are open; A cell by cell, B face by face.
 ///
 /// Rows of face f: `A_f r` of [`FaceLaw::projected_rows`] on the mean jump `(Bᵀu + prescribed part + gap − H t*)/A_f` with
@@ -98,6 +108,8 @@ pub struct ContactProblem<'a> {
     loads: Loads<'a>,
     compliance: Vec<f64>,
     weakens: bool,
+    /// True for each fracture whose friction follows the path of its slip.
+    by_path: Vec<bool>,
     flow: Option<Box<Balance<'a>>>,
     /// Rock that creeps, where any does.
     pub(super) creep: Option<Box<Creeping<'a>>>,
@@ -132,12 +144,12 @@ impl<'a> ContactProblem<'a> {
                 .iter()
                 .map(|f| face_compliance(&body.mesh, &body.materials, f))
                 .collect(),
-            weakens: body
-                .friction
-                .iter()
-                .flatten()
+            weakens: (body.friction.iter().flatten())
                 .flat_map(Profile::values)
                 .any(|f| f.weakening.is_some()),
+            by_path: (body.friction.iter())
+                .map(|profile| profile.iter().flat_map(Profile::values).any(by_path))
+                .collect(),
             body,
             saddle,
             magnitude,
@@ -240,6 +252,24 @@ impl<'a> ContactProblem<'a> {
             true => friction.torn(),
             false => friction,
         }
+    }
+
+    /// The slip that the friction of a face has followed up to the start of a step.
+    pub(super) fn so_far(&self, f: usize, start: &Start) -> SlipSoFar {
+        self.slipped(f, [&start.slip, &start.path])
+    }
+
+    /// The same from γ and its path of all faces.
+    pub(super) fn slipped(&self, f: usize, [slip, path]: [&[f64]; 2]) -> SlipSoFar {
+        match self.by_path[usize::from(self.faces()[f].fracture)] {
+            true => SlipSoFar::Path(path[f]),
+            false => SlipSoFar::Vector([slip[2 * f], slip[2 * f + 1]]),
+        }
+    }
+
+    /// True where the friction of a fracture follows the path of its slip.
+    pub fn follows_paths(&self) -> bool {
+        self.by_path.contains(&true)
     }
 
     /// H for these states, tractions in the balanced unit; `None` where it has no entries.
@@ -393,7 +423,7 @@ impl<'a> ContactProblem<'a> {
         let point = FacePoint {
             traction: three(t),
             jump,
-            start: [start.slip[2 * f], start.slip[2 * f + 1]],
+            start: self.so_far(f, start),
         };
         (law, point)
     }

@@ -1,6 +1,6 @@
 //! What a step reports.
 
-use super::{Instability, State};
+use super::{Instability, SlipOnset, State};
 use crate::contact::ContactState;
 use crate::flow::{FlowRecord, WellRecord};
 use fracas_operators::Fields;
@@ -147,6 +147,13 @@ pub enum Event {
         reason: String,
         /// New increment: time [s] or share of the loads of time 0.
         next: f64,
+    },
+    /// It is known when slip begins on a fracture.
+    Onset {
+        /// The name of the fracture.
+        fracture: String,
+        /// When and where.
+        onset: Box<SlipOnset>,
     },
     /// A preconditioner is in f64 although f32 was asked for.
     Precision {

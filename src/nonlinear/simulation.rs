@@ -5,10 +5,11 @@ use super::creeping::step_from;
 use super::linear::Linear;
 use super::loads::{Opened, initial_traction};
 use super::newton::{Attempt, Iterate};
+use super::onset::Search;
 use super::raising::Raising;
 use super::springs::SpringMethod;
 use super::stability::{COMPARED, is_shown, stable};
-use super::times::{Target, Times, length};
+use super::times::{Limits, Target, Times, length};
 use super::workspace::{Resources, Workspace};
 use super::{
     Accepted, ContactProblem, Event, Failure, FreeMemory, Load, NewtonSystem, SimulationError,
@@ -20,6 +21,12 @@ use fracas_operators::vector::axpy;
 use fracas_solvers::Observer;
 use fracas_solvers::saddle::{InnerChoice, Racp};
 use fracas_solvers::steering::Steering;
+
+/// What begins in the step at hand, where the scene looks for it.
+fn begun(simulation: &Simulation<'_>, search: &Option<Search>) -> Vec<Event> {
+    let events = search.as_ref().map(|search| search.events(simulation));
+    events.unwrap_or_default()
+}
 
 /// A body in contact, stepped through time.
 pub struct Simulation<'a> {
@@ -117,7 +124,8 @@ impl<'a> Simulation<'a> {
     }
 
     /// The next step: the equilibrium at time 0 first, then time by time. A failed attempt is repeated from all-stick, then
-    /// the step is halved; so is one in which slip may have run away, until that shows or there is a step without. What the initial stress
+    /// the step is halved; so is one in which slip may have run away, until that shows or there is a step without, and one in which slip
+    /// begins whose time is looked for. What the initial stress
     /// pulls at the sides of faces beyond its mean ends where they open: the step goes on from what it found until both agree.
     ///
     /// # Errors
@@ -128,15 +136,16 @@ impl<'a> Simulation<'a> {
         observer: &mut dyn Observer,
     ) -> Result<Accepted, Box<StepFailure>> {
         let solver = self.problem.body().solver;
-        let shortest = self.times.shortest(state, solver.max_cuts);
-        let is_shortest = |target| 0.5 * length(state, target) < shortest;
-        // as far as runaway slip is compared
-        let compared = shortest * 0.5f64.powi(COMPARED as i32);
-        let of_states = [shortest, compared][usize::from(self.problem.weakens())];
-        let least = |reason: &Failure| [shortest, of_states][usize::from(reason.is_of_states())];
+        let weakens = self.problem.weakens();
+        let mut limits = Limits::new(self.times.shortest(state, solver.max_cuts));
         let cuts_are_many = solver.max_cuts >= COMPARED;
         let (mut log, mut attempts, mut cuts) = (Log::default(), 0, 0);
         let mut increment = state.next;
+        let mut search = Search::new(self, state);
+        if let Some(search) = search.as_ref().filter(|search| search.narrows()) {
+            increment = search.increment(state, increment);
+            limits = limits.below(increment);
+        }
         // increments of attempts in which slip ran away, and its largest slip
         let mut runaways: Vec<[f64; 2]> = Vec::new();
         let mut runs_away = None;
@@ -157,11 +166,28 @@ impl<'a> Simulation<'a> {
             let outcome = self.attempt_twice(state, target, &mut attempts, &mut log, observer);
             match outcome {
                 Ok((mut settled, load)) => {
+                    let at = length(state, target);
+                    let own = (state, target);
+                    let looks = search.as_mut();
+                    let halved = looks.and_then(|s| s.halved(self, own, &settled, increment));
+                    if let (Some(half), Some(search)) = (halved, &search) {
+                        increment = half;
+                        limits = limits.below(half);
+                        cuts += 1;
+                        log.events.push(Event::Cut {
+                            reason: search.reason(self),
+                            next: half,
+                        });
+                        if let Some(patch) = settled.unstable.take() {
+                            runaways.push([at, patch.slip]);
+                            runs_away = Some(patch);
+                        }
+                        continue;
+                    }
                     if let Some(patch) = settled.unstable.take() {
-                        let at = length(state, target);
                         runaways.push([at, patch.slip]);
-                        let compare = runaways.len() <= COMPARED && 0.5 * at >= compared;
-                        if 0.5 * at >= shortest || compare {
+                        let compare = runaways.len() <= COMPARED && 0.5 * at >= limits.compared;
+                        if 0.5 * at >= limits.shortest || compare {
                             increment = 0.5 * at;
                             cuts += 1;
                             log.events.push(Event::Cut {
@@ -174,6 +200,7 @@ impl<'a> Simulation<'a> {
                         if is_shown(&runaways) {
                             match solver.unstable {
                                 Unstable::Stop => {
+                                    log.events.extend(begun(self, &search));
                                     let reason = Failure::Unstable(patch);
                                     return Err(StepFailure::new(state, target, cuts, reason, log));
                                 }
@@ -187,12 +214,16 @@ impl<'a> Simulation<'a> {
                         }
                     }
                     let next = self.times.next(state, target, increment, cuts);
-                    return Ok(self.accept(state, target, settled, &load, log, cuts, next));
+                    let mut done = self.accept(state, target, settled, &load, log, cuts, next);
+                    if let Some(search) = search {
+                        search.accepts(self, &mut done);
+                    }
+                    return Ok(done);
                 }
                 Err(reason)
-                    if reason.may_be_shortened(self.problem.weakens())
+                    if reason.may_be_shortened(weakens)
                         && !log.is_spent(solver.max_krylov)
-                        && 0.5 * length(state, target) >= least(&reason) =>
+                        && 0.5 * length(state, target) >= limits.least(&reason, weakens) =>
                 {
                     increment = 0.5 * length(state, target);
                     cuts += 1;
@@ -201,10 +232,24 @@ impl<'a> Simulation<'a> {
                         next: increment,
                     });
                 }
+                Err(reason)
+                    if reason.may_be_cut()
+                        && (runs_away.is_none() || solver.unstable == Unstable::Arrest)
+                        && search.as_ref().is_some_and(Search::narrows) =>
+                {
+                    // no shorter step settles: the time of the onset stays as it is known
+                    let longer = search.as_mut().map(|search| search.gives_up(state));
+                    increment = longer.unwrap_or(state.next);
+                    limits = Limits::new(self.times.shortest(state, solver.max_cuts));
+                    log.events.push(Event::Retry {
+                        reason: reason.to_string(),
+                    });
+                }
                 Err(reason) => {
                     // one that no halving has avoided
                     let stops = solver.unstable == Unstable::Stop && cuts_are_many;
-                    let tried = log.unstable.take().filter(|_| stops && is_shortest(target));
+                    let is_shortest = 0.5 * length(state, target) < limits.shortest;
+                    let tried = log.unstable.take().filter(|_| stops && is_shortest);
                     let settled = runs_away.filter(|_| stops && is_shown(&runaways));
                     let patch = tried.or(settled.filter(|_| reason.is_of_states()));
                     // where f64 has no digits to set up the stuck body, failing says nothing of what slipping faces hold
@@ -213,7 +258,10 @@ impl<'a> Simulation<'a> {
                     let reason = match (reason, patch) {
                         // what open faces let go is free whatever slips
                         (loose @ Failure::Loose { slipping: 0, .. }, _) => loose,
-                        (_, Some(patch)) => Failure::Unstable(patch),
+                        (_, Some(patch)) => {
+                            log.events.extend(begun(self, &search));
+                            Failure::Unstable(patch)
+                        }
                         (reason, None) => reason,
                     };
                     return Err(StepFailure::new(state, target, cuts, reason, log));
@@ -294,6 +342,7 @@ impl<'a> Simulation<'a> {
         let mut start = Start {
             jump: problem.jumps(&state.u, &before),
             slip: state.slip.clone(),
+            path: state.path.clone(),
             t: reference,
             torn: Vec::new(),
             limits_at: Vec::new(),

@@ -296,8 +296,8 @@ impl Weak {
         let t = [x.t[3 * f + 1], x.t[3 * f + 2]];
         let shear = t[0].hypot(t[1]);
         let m = t.map(|t| t / shear);
-        let from = [0, 1].map(|k| attempt.start.slip[2 * f + k]);
-        let before = from[0].hypot(from[1]);
+        let so_far = attempt.problem.so_far(f, attempt.start);
+        let before = so_far.slip();
         let friction = attempt.problem.friction_in(f, attempt.start);
         let end = x.t[3 * f];
         let (moved, slip, begins, normal) = match slipping {
@@ -315,13 +315,8 @@ impl Weak {
                 ([0.0; 2], 1.0, shear >= NEAR * limit, end)
             }
         };
-        // ds/dΔg along m; slip that turns back heals
-        let after = [from[0] + moved[0], from[1] + moved[1]];
-        let size = after[0].hypot(after[1]);
-        let along = match size > 0.0 {
-            true => (m[0] * after[0] + m[1] * after[1]) / size,
-            false => 1.0,
-        };
+        // ds/dΔg along m; slip that turns back heals where friction follows the vector
+        let along = so_far.after(moved).share(m);
         let rate = -friction.by_slip(normal, before) * along;
         let weakens = begins && shear > 0.0 && slip > 0.0 && rate > 0.0;
         weakens.then_some(Self {

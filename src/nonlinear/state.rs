@@ -1,6 +1,6 @@
 //! Everything that a step starts from.
 
-use super::{CreepState, Simulation};
+use super::{CreepState, Onsets, Simulation};
 use crate::contact::ContactState;
 use fracas_operators::Fields;
 use fracas_solvers::saddle::Block;
@@ -48,6 +48,8 @@ pub struct State {
     ///
     /// In stick γ stays as it is, whatever H lets through; the rest of the jump, g_T − γ, is no slip.
     pub slip: Vec<f64>,
+    /// Path of the slip per face, the sum of ‖Δg_T‖ over these steps [m]; empty where no friction follows it.
+    pub path: Vec<f64>,
     /// What rock that creeps remembers, where any does.
     pub creep: Option<Box<CreepState>>,
     /// Faces at whose sides the initial stress pulls nothing beyond its mean on them: those that are open, but for such that would close
@@ -57,6 +59,8 @@ pub struct State {
     pub torn: Vec<bool>,
     /// How often a face has ended a step in another state than the step before.
     pub flips: Vec<u32>,
+    /// When slip began, where the scene looks for it.
+    pub onsets: Option<Box<Onsets>>,
 }
 
 impl Simulation<'_> {
@@ -83,10 +87,15 @@ impl Simulation<'_> {
             p: self.problem.initial_pressures(0.0),
             states: faces.iter().map(open).collect(),
             slip: vec![0.0; 2 * faces.len()],
+            path: match self.problem.follows_paths() {
+                true => vec![0.0; faces.len()],
+                false => Vec::new(),
+            },
             creep: self.problem.uncrept(),
             released: vec![false; faces.len()],
             torn: vec![false; faces.len()],
             flips: vec![0; faces.len()],
+            onsets: None,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The times of a run: a table, the corners of histories, and halves of their steps.
 
-use super::{Simulation, State};
+use super::stability::COMPARED;
+use super::{Failure, Simulation, State};
 use crate::scene::{Body, TimeTable};
 
 /// Relative distance of two times that counts as none.
@@ -21,6 +22,37 @@ pub(super) struct Target {
     pub(super) loaded: f64,
     /// The increment that was planned, where steps before have halved it: time [s] or share of the loads of time 0.
     pub(super) planned: Option<f64>,
+}
+
+/// How short the halvings of a step may leave it: time [s] or share of the loads of time 0.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
+    /// In general.
+    pub(super) shortest: f64,
+    /// Where slip may run away, which shorter steps show.
+    pub(super) compared: f64,
+}
+
+impl Limits {
+    pub(super) fn new(shortest: f64) -> Self {
+        Self {
+            shortest,
+            compared: shortest * 0.5f64.powi(COMPARED as i32),
+        }
+    }
+
+    /// The same for a step that is as short as `increment` for another reason.
+    pub(super) fn below(self, increment: f64) -> Self {
+        Self::new(self.shortest.min(increment))
+    }
+
+    /// What is left of a step that failed for a reason; states may settle closer to slip that `weakens` a fault.
+    pub(super) fn least(self, reason: &Failure, weakens: bool) -> f64 {
+        match weakens && reason.is_of_states() {
+            true => self.compared,
+            false => self.shortest,
+        }
+    }
 }
 
 /// Times that steps land on.

@@ -54,8 +54,7 @@ impl Turns {
 impl Attempt<'_> {
     /// True for a closed face that holds shear without any pressure on it.
     pub(super) fn has_cohesion(&self, f: usize) -> bool {
-        let slip = [0, 1].map(|k| self.start.slip[2 * f + k]);
         let friction = self.problem.friction_in(f, self.start);
-        friction.limit(0.0, slip[0].hypot(slip[1])) > 0.0
+        friction.limit(0.0, self.problem.so_far(f, self.start).slip()) > 0.0
     }
 }

@@ -1,5 +1,6 @@
 //! What happened on the way, as JSON.
 
+use super::onsets;
 use crate::nonlinear::Event;
 use serde_json::{Value, json};
 
@@ -48,6 +49,7 @@ pub fn event(event: &Event) -> (&'static str, Value) {
                 "slip_m": patch.slip,
             }),
         ),
+        Event::Onset { fracture, onset } => ("onset", onsets::json(fracture, onset)),
         Event::Raised { parts, reason } => (
             "raised",
             json!({ "parts": parts, "reason": reason, "text": "given pressures were raised within the step in so many parts" }),

@@ -2,7 +2,7 @@
 
 use super::error::At;
 use super::lock::Lock;
-use super::tree::{self, Tree};
+use super::tree::{self, More, Tree};
 use super::{Run, RunError, Running};
 use crate::io::{Fingerprint, NewFolder, read_checkpoint};
 use crate::memory;
@@ -124,12 +124,15 @@ impl RunFolder {
         let heading = fluid.map(|fluid| {
             super::history::flow_heading(fluid.wells.iter().map(|well| well.name.as_str()))
         });
-        let heading = heading.as_deref();
+        let more = More {
+            flow: heading.as_deref(),
+            onset: folder.body.onset.is_some(),
+        };
         let tree = match restarted_with {
             Some(_) if !tree::is_free(&folder.path)? => {
-                Tree::resume(&folder.path, folder.fingerprint, &state, heading)?
+                Tree::resume(&folder.path, folder.fingerprint, &state, more)?
             }
-            _ => Tree::create(&folder.path, folder.fingerprint, (heading, &state))?,
+            _ => Tree::create(&folder.path, folder.fingerprint, &state, more)?,
         };
         Running::begin(folder, simulation, tree, state, restarted_with, observer)
     }
@@ -170,16 +173,17 @@ fn assembles(scene: &Scene) -> bool {
         .assembles(is_grid, displacements)
 }
 
-/// What of a scene decides where a state can go: all but its names, its last time, its steps and its solver. Files are known by what they
-/// hold, wherever they lie: meshes by their fingerprint, fields of pressure by their digest.
+/// What of a scene decides where a state can go: all but its names, its last time, its steps, the onset it looks for, and its solver. Files are
+/// known by what they hold, wherever they lie: meshes by their fingerprint, fields of pressure by their digest.
 fn physics(scene: &Scene) -> Result<String, RunError> {
     let mut table: toml::Table = scene.to_toml()?.parse()?;
     for key in ["title", "description", "solver"] {
         table.remove(key);
     }
     if let Some(toml::Value::Table(time)) = table.get_mut("time") {
-        time.remove("end");
-        time.remove("steps");
+        for key in ["end", "steps", "onset"] {
+            time.remove(key);
+        }
     }
     let strip = |file: &mut toml::Value| {
         let name = file.as_str().map(Path::new).and_then(Path::file_name);

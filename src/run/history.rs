@@ -25,7 +25,18 @@ pub(super) fn energy_heading(creeps: bool) -> String {
 }
 
 /// First line of `fault.csv`: a row per fracture and step.
-pub(super) const FAULT: &str = "step,time_s,fracture,slipping_area_m2,slip_mean_m,slip_max_m,normal_force_N,shear_force_N,moment_Nm,chi_max,open_area_m2,moment_step_Nm,released_J,dissipated_J,aperture_max_m\n";
+const FAULT: &str = "step,time_s,fracture,slipping_area_m2,slip_mean_m,slip_max_m,normal_force_N,shear_force_N,moment_Nm,chi_max,open_area_m2,moment_step_Nm,released_J,dissipated_J,aperture_max_m\n";
+
+/// What `fault.csv` has besides where friction follows the path of slip.
+const FAULT_PATH: &str = "cumulated_slip_mean_m,cumulated_slip_max_m";
+
+/// First line of `fault.csv`.
+pub(super) fn fault_heading(paths: bool) -> String {
+    match paths {
+        true => format!("{},{FAULT_PATH}\n", FAULT.trim_end()),
+        false => FAULT.into(),
+    }
+}
 
 /// First line of `flow.csv`: volumes of the step, then rate and pressure of every well.
 pub(super) fn flow_heading<'w>(wells: impl Iterator<Item = &'w str>) -> String {
@@ -117,8 +128,13 @@ pub(super) fn energy_row(record: &StepRecord, e: &EnergyRecord, creeps: bool) ->
     )
 }
 
+/// A name as a cell: a comma in it would be another column.
+pub(super) fn quoted(name: &str) -> String {
+    name.replace([',', '"', '\n'], "_")
+}
+
 /// Rows of `fault.csv`.
-pub(super) fn fault_rows(record: &StepRecord, faults: &[FaultRecord]) -> String {
+pub(super) fn fault_rows(record: &StepRecord, faults: &[FaultRecord], paths: bool) -> String {
     let row = |f: &FaultRecord| {
         let numbers = [
             f.slipping_area,
@@ -135,9 +151,12 @@ pub(super) fn fault_rows(record: &StepRecord, faults: &[FaultRecord]) -> String 
             f.aperture_max,
         ];
         let numbers: String = numbers.iter().map(|v| format!(",{v:?}")).collect();
-        // a comma in a name would be another column
-        let name = f.name.replace([',', '"', '\n'], "_");
-        format!("{},{:?},{name}{numbers}\n", record.step, record.time)
+        let path = match paths {
+            true => format!(",{:?},{:?}", f.path_mean, f.path_max),
+            false => String::new(),
+        };
+        let name = quoted(&f.name);
+        format!("{},{:?},{name}{numbers}{path}\n", record.step, record.time)
     };
     faults.iter().map(row).collect()
 }
@@ -262,8 +281,11 @@ mod tests {
             let heading = energy_heading(creeps);
             assert_eq!(text.matches(',').count(), heading.matches(',').count());
         }
-        let text = fault_rows(&record(), &[FaultRecord::default()]);
-        assert_eq!(text.matches(',').count(), FAULT.matches(',').count());
+        for paths in [false, true] {
+            let text = fault_rows(&record(), &[FaultRecord::default()], paths);
+            let heading = fault_heading(paths);
+            assert_eq!(text.matches(',').count(), heading.matches(',').count());
+        }
         let well = WellRecord {
             name: "W".into(),
             rate: 1.0,

@@ -1,11 +1,12 @@
 //! `run.json`: what was run, with which settings, and how it ended.
 
-use super::{Outcome, RunError};
+use super::{Outcome, RunError, onsets};
 use crate::memory;
-use crate::nonlinear::{Simulation, State};
+use crate::nonlinear::{Event, Simulation, State};
 use crate::scene::{Body, Scene, SolverSection, TimeSection};
 use fracas_solvers::saddle::Racp;
 use serde::Serialize;
+use serde_json::Value;
 
 /// Content of `run.json`. No clock and no host, so that equal runs give equal bytes.
 #[derive(Serialize)]
@@ -35,6 +36,9 @@ pub(super) struct Manifest<'a> {
     pub(super) arrested: usize,
     tolerances: [Tolerance; 2],
     fields_every: usize,
+    /// When slip began, where the scene looks for it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    onset: Option<Vec<Value>>,
 }
 
 #[derive(Serialize)]
@@ -110,19 +114,30 @@ impl<'a> Manifest<'a> {
                 },
             ],
             fields_every,
+            onset: body.onset.map(|_| Vec::new()),
         }
     }
 
-    /// The file for a state and how the run stands in it.
+    /// The file for a state and how the run stands in it; `begun` are the events of a step that failed from there.
     pub(super) fn text(
         &mut self,
         simulation: &Simulation<'_>,
         state: &State,
-        outcome: Outcome,
-        reason: Option<String>,
+        (outcome, reason): (Outcome, Option<String>),
+        begun: &[Event],
     ) -> Result<String, RunError> {
         (self.steps, self.time_s) = (state.step, state.time);
         (self.outcome, self.reason) = (outcome, reason);
+        if let Some(told) = &mut self.onset {
+            let found = simulation.onsets(state);
+            *told = found
+                .map(|(name, onset)| onsets::json(name, onset))
+                .collect();
+            told.extend(begun.iter().filter_map(|event| match event {
+                Event::Onset { fracture, onset } => Some(onsets::json(fracture, onset)),
+                _ => None,
+            }));
+        }
         self.preconditioner = simulation.preconditioner();
         self.precision_fallbacks = simulation.precision_fallbacks();
         self.inner_fallbacks = simulation.inner_fallbacks();

@@ -7,7 +7,7 @@
 //! | `running` | step by step, each on the disk before the next begins |
 //! | `tree`, `lines`, `collection` | what is written when, and taken back by a restart |
 //! | `beyond` | what H lets through where it acts on more than the states constrain |
-//! | `history`, `events`, `manifest` | rows, log, `run.json` |
+//! | `history`, `events`, `onsets`, `manifest` | rows, log, onsets of slip, `run.json` |
 //!
 //! ```
 //! use fracas::prelude::*;
@@ -47,6 +47,7 @@ mod history;
 mod lines;
 mod lock;
 mod manifest;
+mod onsets;
 mod outcome;
 mod running;
 mod settings;

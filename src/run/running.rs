@@ -7,7 +7,8 @@ use super::tree::{RESOLVED, Tree};
 use super::{Done, Ended, History, Outcome, RunError, RunFolder, Stop, Stored, Taken};
 use crate::io::Fields;
 use crate::nonlinear::{
-    Accepted, Failure, LinearFailure, Simulation, State, StepFailure, friction_remarks,
+    Accepted, Event, Failure, LinearFailure, Simulation, SlipOnset, State, StepFailure,
+    friction_remarks,
 };
 use fracas_solvers::{Observer, Step};
 use serde_json::json;
@@ -52,7 +53,7 @@ impl<'a> Running<'a> {
         let checkpoint = folder.checkpoint.as_deref();
         let changed = checkpoint.map_or_else(Vec::new, |path| changed(path, scene));
         running.tree.file(RESOLVED, &scene.to_toml()?)?;
-        running.stands(Outcome::Running, None)?;
+        running.stands(Outcome::Running, None, &[])?;
         let from = checkpoint.map(|path| path.display().to_string());
         let event = if from.is_some() { "restart" } else { "start" };
         let (step, time) = (running.state.step, running.state.time);
@@ -86,6 +87,11 @@ impl<'a> Running<'a> {
     /// The rows of all steps, those before a restart included.
     pub fn history(&self) -> &History {
         &self.tree.rows
+    }
+
+    /// When slip began so far, with the names of the fractures; nothing where the scene does not look for it.
+    pub fn onsets(&self) -> impl Iterator<Item = (&str, &SlipOnset)> {
+        self.simulation.onsets(&self.state)
     }
 
     /// Steps that are to come, where none is cut and the run is not stopped.
@@ -235,13 +241,20 @@ impl<'a> Running<'a> {
     /// # Errors
     /// [`RunError`] of the file.
     pub fn close(mut self, ended: &Ended) -> Result<(), RunError> {
-        self.stands(ended.outcome, ended.reason.clone())
+        self.stands(ended.outcome, ended.reason.clone(), &ended.events)
     }
 
     /// Writes `run.json`.
-    fn stands(&mut self, outcome: Outcome, reason: Option<String>) -> Result<(), RunError> {
+    fn stands(
+        &mut self,
+        outcome: Outcome,
+        reason: Option<String>,
+        events: &[Event],
+    ) -> Result<(), RunError> {
         let (simulation, state) = (&self.simulation, &self.state);
-        let text = self.manifest.text(simulation, state, outcome, reason)?;
+        let text = self
+            .manifest
+            .text(simulation, state, (outcome, reason), events)?;
         self.tree.file("run.json", &text)
     }
 }

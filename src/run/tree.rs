@@ -7,9 +7,10 @@ use super::RunError;
 use super::collection::Collection;
 use super::error::At;
 use super::events;
-use super::history::{self, FAULT, HISTORY, History, SOLVER};
+use super::history::{self, HISTORY, History, SOLVER};
 use super::lines::{Cut, Lines, first_column, json_step};
 use super::lock;
+use super::onsets::{self, ONSET};
 use crate::io::{
     CheckpointError, Checkpoints, Fingerprint, newest_checkpoint, read_checkpoint, unfinished,
     write_atomically,
@@ -56,6 +57,15 @@ pub enum Refused {
     },
 }
 
+/// What a folder has beside the files of every run.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct More<'a> {
+    /// First line of `flow.csv`, where the scene has a fluid.
+    pub(super) flow: Option<&'a str>,
+    /// The scene looks for the onset of slip.
+    pub(super) onset: bool,
+}
+
 /// An open run folder.
 #[derive(Debug)]
 pub(super) struct Tree {
@@ -65,10 +75,14 @@ pub(super) struct Tree {
     energy: Lines,
     /// `energy.csv` has columns of creep.
     creeps: bool,
+    /// `fault.csv` has columns of the path of slip.
+    paths: bool,
     /// `fault.csv`, where there are fractures.
     fault: Option<Lines>,
     /// `flow.csv`, where the scene has a fluid.
     flow: Option<Lines>,
+    /// `onset.csv`, where the scene looks for the onset of slip.
+    onset: Option<Lines>,
     log: Lines,
     checkpoints: Checkpoints,
     pub(super) collection: Collection,
@@ -77,13 +91,14 @@ pub(super) struct Tree {
 }
 
 /// What a run writes before its first checkpoint: only headings, no results.
-const BEGUN: [&str; 11] = [
+const BEGUN: [&str; 12] = [
     CHECKPOINT,
     HISTORY_FILE,
     SOLVER_FILE,
     ENERGY_FILE,
     FAULT_FILE,
     FLOW_FILE,
+    ONSET_FILE,
     LOG_FILE,
     "scene.pvd",
     RESOLVED,
@@ -177,6 +192,7 @@ const SOLVER_FILE: &str = "solver.csv";
 const ENERGY_FILE: &str = "energy.csv";
 const FAULT_FILE: &str = "fault.csv";
 const FLOW_FILE: &str = "flow.csv";
+const ONSET_FILE: &str = "onset.csv";
 const LOG_FILE: &str = "log.jsonl";
 
 /// The folder of the run that a checkpoint belongs to, as its path says.
@@ -204,11 +220,16 @@ impl Tree {
     pub(super) fn create(
         out: &Path,
         fingerprint: Fingerprint,
-        (flow, state): (Option<&str>, &State),
+        state: &State,
+        more: More<'_>,
     ) -> Result<Self, RunError> {
         let creeps = state.creep.is_some();
-        let fault = (!state.states.is_empty()).then(|| Lines::create(out.join(FAULT_FILE), FAULT));
-        let flow = flow.map(|heading| Lines::create(out.join(FLOW_FILE), heading));
+        let paths = !state.path.is_empty();
+        let heading = history::fault_heading(paths);
+        let fault =
+            (!state.states.is_empty()).then(|| Lines::create(out.join(FAULT_FILE), &heading));
+        let flow = (more.flow).map(|heading| Lines::create(out.join(FLOW_FILE), heading));
+        let onset = (more.onset).then(|| Lines::create(out.join(ONSET_FILE), ONSET));
         let folder = out.join(CHECKPOINT);
         std::fs::create_dir_all(&folder).at("cannot create the folder", &folder)?;
         Ok(Self {
@@ -216,8 +237,10 @@ impl Tree {
             solver: Lines::create(out.join(SOLVER_FILE), SOLVER)?,
             energy: Lines::create(out.join(ENERGY_FILE), &history::energy_heading(creeps))?,
             creeps,
+            paths,
             fault: fault.transpose()?,
             flow: flow.transpose()?,
+            onset: onset.transpose()?,
             log: Lines::create(out.join(LOG_FILE), "")?,
             checkpoints: Checkpoints::new(folder, fingerprint),
             collection: Collection::create(out)?,
@@ -231,7 +254,7 @@ impl Tree {
         out: &Path,
         fingerprint: Fingerprint,
         state: &State,
-        flow_heading: Option<&str>,
+        more: More<'_>,
     ) -> Result<Self, RunError> {
         let folder = out.join(CHECKPOINT);
         let step = state.step;
@@ -244,7 +267,7 @@ impl Tree {
             LOG_FILE,
         ]
         .map(|name| out.join(name));
-        let creeps = state.creep.is_some();
+        let (creeps, paths) = (state.creep.is_some(), !state.path.is_empty());
         // nothing is changed before everything is known to fit
         let rows = Cut::read(&history, HISTORY, step, first_column)?;
         belongs(&history, &rows, state)?;
@@ -258,10 +281,20 @@ impl Tree {
         )?;
         let slipped = match state.states.is_empty() {
             true => None,
-            false => Some(Cut::read(&fault, FAULT, step, first_column)?),
+            false => Some(Cut::read(
+                &fault,
+                &history::fault_heading(paths),
+                step,
+                first_column,
+            )?),
         };
-        let flowed = flow_heading.map(|heading| Cut::read(&flow, heading, step, first_column));
+        let flowed = (more.flow).map(|heading| Cut::read(&flow, heading, step, first_column));
         let flowed = flowed.transpose()?;
+        let onset = out.join(ONSET_FILE);
+        // a scene may look for it from here on
+        let begun = (more.onset && onset.exists())
+            .then(|| Cut::read(&onset, ONSET, step, first_column))
+            .transpose()?;
         let logged = Cut::read(&log, "", step, json_step)?;
         let checkpoints = Checkpoints::new(folder, fingerprint);
         // later checkpoints first: none may outlive the rows that led to it
@@ -274,8 +307,14 @@ impl Tree {
             solver: Lines::cut(solver, &solved)?,
             energy: Lines::cut(energy, &works)?,
             creeps,
+            paths,
             fault: slipped.map(|cut| Lines::cut(fault, &cut)).transpose()?,
             flow: flowed.map(|cut| Lines::cut(flow, &cut)).transpose()?,
+            onset: match (more.onset, begun) {
+                (false, _) => None,
+                (true, Some(cut)) => Some(Lines::cut(onset, &cut)?),
+                (true, None) => Some(Lines::create(onset, ONSET)?),
+            },
             log: Lines::cut(log, &logged)?,
             collection: Collection::cut(out, step)?,
             checkpoints,
@@ -310,11 +349,12 @@ impl Tree {
         let works = history::energy_row(record, energy, self.creeps);
         self.energy.append(&works)?;
         if let Some(lines) = &mut self.fault {
-            lines.append(&history::fault_rows(record, faults))?;
+            lines.append(&history::fault_rows(record, faults, self.paths))?;
         }
         if let (Some(lines), Some(flow)) = (&mut self.flow, &accepted.flow) {
             lines.append(&history::flow_row(record, flow, &accepted.wells))?;
         }
+        self.begin(step, &accepted.events)?;
         let row = history::row(record, wall_s);
         self.history.append(&row)?;
         self.rows.push(&row);
@@ -324,7 +364,16 @@ impl Tree {
     /// The lines of a step that was given up.
     pub(super) fn give_up(&mut self, step: usize, failure: &StepFailure) -> Result<(), RunError> {
         self.log.append(&event_lines(step, &failure.events))?;
+        self.begin(step, &failure.events)?;
         self.solver(&failure.linear)
+    }
+
+    /// The onsets among events.
+    fn begin(&mut self, step: usize, events: &[Event]) -> Result<(), RunError> {
+        match &mut self.onset {
+            Some(lines) => lines.append(&onsets::rows(step, events)),
+            None => Ok(()),
+        }
     }
 
     fn solver(&mut self, records: &[LinearRecord]) -> Result<(), RunError> {

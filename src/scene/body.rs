@@ -1,6 +1,8 @@
 //! What a scene becomes: everything that assembly needs, in SI units.
 
-use super::{History, PoreField, PressureFrom, Profile, SolverSection, TimeTable, WeightStress};
+use super::{
+    History, Onset, PoreField, PressureFrom, Profile, SolverSection, TimeTable, WeightStress,
+};
 use crate::contact::Friction;
 use crate::creep::Initial;
 use crate::elasticity::{Constraints, Elastic, loads};
@@ -135,6 +137,8 @@ pub struct Body {
     pub histories: Vec<History>,
     /// Steps in time, if any.
     pub time: Option<TimeTable>,
+    /// How closely the time at which slip begins is looked for, if it is.
+    pub onset: Option<Onset>,
     /// How the non-linear problem is solved.
     pub solver: SolverSection,
 }

@@ -10,6 +10,7 @@ use super::history::Histories;
 use super::hold::hold;
 use super::located::{Located, at};
 use super::mesh_sections::AxisName;
+use super::onset::onset;
 use super::pores;
 use super::profile;
 use super::rocks::{elastic, viscosities};
@@ -83,6 +84,7 @@ fn assemble(sections: &SceneSections, folder: &Path) -> Result<Body, Located> {
     require_used(sections)?;
     let mut histories = Histories::new();
     let (time, of_time) = time_table(sections, &mut histories)?;
+    let onset = onset(sections, &built.fractures)?;
     let (prescribed, tractions) = hold(&sections.boundary, &built, |i, boundary| {
         let path = ["boundary", &i.to_string(), "history"];
         histories.number(boundary.history.as_ref(), &path, of_time)
@@ -166,6 +168,7 @@ fn assemble(sections: &SceneSections, folder: &Path) -> Result<Body, Located> {
             .collect(),
         histories: histories.0,
         time,
+        onset,
         solver: solver(sections)?,
         initial_stress: sections.initial_stress.as_ref().map(|s| InitialStress {
             constant: s.constant.as_ref().map_or([0.0; 6], |c| c.si()),

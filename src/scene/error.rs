@@ -2,7 +2,10 @@
 
 use std::fmt;
 
-use super::{FlowProblem, GeologyProblem, PartProblem, PoreProblem, ProfileProblem, TableProblem};
+use super::{
+    FlowProblem, GeologyProblem, OnsetProblem, PartProblem, PoreProblem, ProfileProblem,
+    TableProblem,
+};
 use crate::mesh::MeshError;
 
 /// A place in a scene file.
@@ -57,6 +60,9 @@ pub enum Problem {
     /// From levels of a fracture.
     #[error(transparent)]
     Profile(#[from] ProfileProblem),
+    /// From the onset of slip that is looked for.
+    #[error(transparent)]
+    Onset(#[from] OnsetProblem),
     /// From a part of a side.
     #[error(transparent)]
     Part(#[from] PartProblem),

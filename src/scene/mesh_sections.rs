@@ -10,6 +10,7 @@ use super::group_names::GroupNames;
 use super::one_or_many::OneOrMany;
 use super::profile::LevelSection;
 use super::sides::PressureFrom;
+use crate::contact::WeakeningBy;
 use crate::mesh::SizeField;
 use crate::units::{
     Angle, Conductivity, Distance, Duration, FrictionAngle, Length, Measure, MeshUnit, Ratio,
@@ -301,6 +302,9 @@ pub struct FractureSection {
     /// Slip over which friction weakens.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub weakening_distance: Option<Measure<Distance>>,
+    /// What of its slip weakens a face: `slip`, its length, so that slip back heals, or `path`, the way it has gone, which only grows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub weakening_by: Option<WeakeningBy>,
     /// Opening before any displacement.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gap: Option<Measure<Distance>>,

@@ -20,6 +20,7 @@ mod latest;
 mod located;
 mod mesh_sections;
 mod one_or_many;
+mod onset;
 mod outline;
 mod overrides;
 mod part_of_side;
@@ -40,7 +41,7 @@ mod wells;
 
 use std::path::{Path, PathBuf};
 
-pub use crate::contact::{Friction, Weakening};
+pub use crate::contact::{Friction, Weakening, WeakeningBy};
 pub use body::{Body, InitialStress, PoreChange, Pull, SurfaceTraction};
 pub use error::{Place, Problem, SceneError};
 pub use flow_problem::FlowProblem;
@@ -57,6 +58,7 @@ pub use mesh_sections::{
     MapSection, MeshSection, RotateSection, ShearSection,
 };
 pub use one_or_many::OneOrMany;
+pub use onset::{Onset, OnsetProblem, OnsetSection};
 pub use part_of_side::PartProblem;
 pub use pore_pressure::{Between, Points, PorePressureSection};
 pub use pores::{

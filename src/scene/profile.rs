@@ -89,6 +89,7 @@ impl Between for Friction {
         let weakening = self.weakening.zip(other.weakening).map(|(a, b)| Weakening {
             angle: of(a.angle, b.angle),
             distance: of(a.distance, b.distance),
+            by: a.by,
         });
         Self {
             angle: of(self.angle, other.angle),
@@ -262,6 +263,12 @@ pub(super) fn friction(
             return Err(at(&path, Problem::Weakening { name }));
         }
     };
+    if !weakens && fracture.weakening_by.is_some() {
+        let (key, without) = ("weakening_by", "dynamic_friction_angle");
+        let what = format!("fracture \"{}\"", fracture.name);
+        let path = [path[0], path[1], key];
+        return Err(at(&path, Problem::Idle { key, what, without }));
+    }
     if angle.0.is_none() && cohesion.0.is_none() {
         return Ok(None);
     }
@@ -278,6 +285,7 @@ pub(super) fn friction(
         weakening: weakens.then(|| Weakening {
             angle: dynamic.at(z),
             distance: distance.at(z),
+            by: fracture.weakening_by.unwrap_or_default(),
         }),
     };
     let levels = levels.into_iter().map(|z| (z, of(z))).collect();
@@ -396,6 +404,12 @@ mod tests {
         );
         let half = "profile = [{ z = \"0 m\", friction_angle = \"30 deg\", dynamic_friction_angle = \"10 deg\" }]";
         assert!(problem(half).1.contains("weakens only"));
+        let (path, said) = problem("friction_angle = \"30 deg\"\nweakening_by = \"path\"");
+        assert_eq!(path, "fracture.2.weakening_by");
+        assert!(
+            said.contains("no effect without `dynamic_friction_angle`"),
+            "{said}"
+        );
         let still = "friction_angle = \"30 deg\"\ndynamic_friction_angle = \"10 deg\"\nprofile = [{ z = \"0 m\", weakening_distance = \"0 mm\" }, { z = \"1 m\", weakening_distance = \"2 mm\" }]";
         assert!(problem(still).1.contains("weakens only"));
     }

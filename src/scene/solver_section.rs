@@ -6,6 +6,7 @@ use fracas_solvers::saddle::{self as solvers, Racp};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::onset::OnsetSection;
 use super::rounds::Rounds;
 use crate::contact::{Interfaces, Junctions, Lengths};
 use crate::units::{Duration, Measure};
@@ -22,6 +23,9 @@ pub struct TimeSection {
     /// `[[time, factor], …]`; gravity, body forces and initial stress do not change.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub history: Option<Vec<(Measure<Duration>, f64)>>,
+    /// Look for the time at which slip begins: the step in which it does is halved until the time is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub onset: Option<OnsetSection>,
 }
 
 /// How contact is enforced. Written as `"lagrange"` or `{ penalty = { factor = 1e3 } }`.

@@ -37,6 +37,8 @@ impl Dimension {
     pub const COMPRESSIBILITY: Self = Self::new(1, -1, 2);
     /// m²/s.
     pub const DIFFUSIVITY: Self = Self::new(2, 0, -1);
+    /// m².
+    pub const AREA: Self = Self::new(2, 0, 0);
     /// m³.
     pub const VOLUME: Self = Self::new(3, 0, 0);
     /// m/Pa.

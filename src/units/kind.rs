@@ -60,6 +60,7 @@ kind!(
     "zero or positive",
     |v| v >= 0.0
 );
+kind!(Area, "an area", AREA, "m2, km2", "positive", |v| v > 0.0);
 kind!(
     MeshUnit,
     "the unit of a mesh",

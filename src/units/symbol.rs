@@ -19,7 +19,6 @@ const fn symbol(name: &'static str, factor: f64, dimension: Dimension) -> Symbol
 
 const MASS: Dimension = Dimension::new(0, 1, 0);
 const FORCE: Dimension = Dimension::new(1, 1, -2);
-const AREA: Dimension = Dimension::new(2, 0, 0);
 const VOLUME: Dimension = Dimension::VOLUME;
 const VISCOSITY: Dimension = Dimension::VISCOSITY;
 
@@ -53,8 +52,8 @@ const SYMBOLS: &[Symbol] = &[
     symbol("psi", 6894.757293168361, Dimension::STRESS),
     symbol("P", 0.1, VISCOSITY),
     symbol("cP", 1e-3, VISCOSITY),
-    symbol("darcy", 9.869233e-13, AREA),
-    symbol("mD", 9.869233e-16, AREA),
+    symbol("darcy", 9.869233e-13, Dimension::AREA),
+    symbol("mD", 9.869233e-16, Dimension::AREA),
     symbol("rad", 1.0, Dimension::ANGLE),
     symbol("deg", std::f64::consts::PI / 180.0, Dimension::ANGLE),
     symbol("°", std::f64::consts::PI / 180.0, Dimension::ANGLE),

@@ -4,8 +4,10 @@
 mod accuracy;
 mod arrested;
 mod consistency;
+mod healing;
 mod jacobian;
 mod known;
+mod onset;
 mod patch;
 mod profiles;
 mod robust;

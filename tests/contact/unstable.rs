@@ -24,18 +24,18 @@ const METHODS: [(&str, f64); 3] = [
 ];
 
 /// Blocks that a seed decides.
-struct Case {
-    blocks: BlockSliding,
+pub(crate) struct Case {
+    pub(crate) blocks: BlockSliding,
     /// Weakening at rest over `G/(H1 + H2)`.
     ratio: f64,
     /// Displacement of the top after 1 s [m].
-    end: f64,
+    pub(crate) end: f64,
     overrides: Vec<String>,
 }
 
 impl Case {
     /// `ratio` between `low` and `high`.
-    fn new(seed: u64, [low, high]: [f64; 2]) -> Self {
+    pub(crate) fn new(seed: u64, [low, high]: [f64; 2]) -> Self {
         let number = |k: u64| (splitmix64(97 * seed + k) >> 11) as f64 / (1u64 << 53) as f64;
         let between = |k: u64, low: f64, high: f64| low + (high - low) * number(k);
         let shear = 10f64.powf(between(1, 9.0, 10.5));
@@ -75,7 +75,7 @@ impl Case {
         }
     }
 
-    fn body(&self, method: &str, more: &[&str]) -> Body {
+    pub(crate) fn body(&self, method: &str, more: &[&str]) -> Body {
         let method = format!("solver.method={method}");
         let own = self.overrides.iter().map(String::as_str);
         // stiff springs round at 1e-13

@@ -58,6 +58,7 @@ pub fn write(
             }
         }
         (findings.panels, findings.notes) = maps(run, steps)?;
+        findings.tables.extend(onsets(run));
         findings.tables.push(totals(rows));
     }
     let sheet = Sheet {
@@ -196,6 +197,47 @@ fn slip(rows: &History) -> Figure {
         Axis::linear(&format!("largest slip [{unit}]")),
     )
     .with(over_time(rows, "slip_max_m", (length, factor), ""))
+}
+
+/// When slip began, where the run looked for it and found it.
+fn onsets(run: &Running<'_>) -> Option<Table> {
+    let mut table = Table::new(
+        "onset",
+        "When slip begins on a fracture, and where; onset.csv has a row per onset.",
+        &[
+            "fracture",
+            "begins",
+            "not yet at [s]",
+            "by [s]",
+            "by",
+            "x [m]",
+            "y [m]",
+            "z [m]",
+            "largest patch [m²]",
+            "α Δp, minus side [MPa]",
+            "α Δp, plus side [MPa]",
+        ],
+    );
+    let mut is_empty = true;
+    for (fracture, onset) in run.onsets() {
+        is_empty = false;
+        let [x, y, z] = onset.center;
+        let [minus, plus] = onset.drained.map(|p| p / 1e6);
+        table.push([
+            fracture.into(),
+            onset.begins.name().into(),
+            onset.before.map_or_else(|| "".into(), Into::into),
+            onset.after.into(),
+            unit::time(onset.after).as_str().into(),
+            x.into(),
+            y.into(),
+            z.into(),
+            onset.area.into(),
+            minus.into(),
+            plus.into(),
+        ]);
+    }
+    (!is_empty).then_some(table)
 }
 
 /// Sums and extremes over all steps.

@@ -81,6 +81,14 @@ impl Run {
         }
         let lead = ended.to_string();
         page::write(&scene, &lead, &run, &self.page_steps, &path)?;
+        let onsets = run.onsets().map(|(fracture, onset)| onset.told(fracture));
+        let failed = ended.events.iter().filter_map(|event| match event {
+            Event::Onset { fracture, onset } => Some(onset.told(fracture)),
+            _ => None,
+        });
+        for onset in onsets.chain(failed) {
+            progress.tell(&format!("onset: {onset}"));
+        }
         run.close(&ended)?;
         writeln!(out, "{}", path.join("report.html").display())?;
         Ok(match (ended.outcome, interrupt::asked()) {
@@ -109,7 +117,7 @@ fn warn(events: &[Event], progress: &Progress) {
     }
 }
 
-/// A step in a line, and where H or the stabilization of pressures acts on more or less than its states constrain, faces have no cohesion, or
+/// A step in a line, and when slip begins on a fracture, where H or the stabilization of pressures acts on more or less than its states constrain, faces have no cohesion, or
 /// given pressures were raised in parts.
 fn line(record: &StepRecord, events: &[Event]) -> String {
     let [stick, new_slip, slip, open] = record.faces;
@@ -124,6 +132,7 @@ fn line(record: &StepRecord, events: &[Event]) -> String {
         Event::Unstabilized { faces } => Some(format!("; {faces} faces left unstabilized")),
         Event::Raised { parts, .. } => Some(format!("; given pressures raised in {parts} parts")),
         Event::Torn { faces } => Some(format!("; {} faces without their cohesion", faces.len())),
+        Event::Onset { fracture, onset } => Some(format!("; {}", onset.told(fracture))),
         _ => None,
     });
     format!(
@@ -140,6 +149,7 @@ fn line(record: &StepRecord, events: &[Event]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fracas::nonlinear::{Begins, SlipOnset};
 
     #[test]
     fn a_step_says_where_more_is_held_than_its_states_constrain() {
@@ -156,6 +166,23 @@ mod tests {
         let held = [Event::Stabilized { faces: 7 }];
         let more = format!("{plain}; stabilized on 7 faces beyond their states");
         assert_eq!(line(&record, &held), more);
+        let onset = SlipOnset {
+            fracture: 0,
+            begins: Begins::Face,
+            before: Some(0.25),
+            after: 0.5,
+            face: 3,
+            center: [1.0, 2.0, -3.0],
+            area: 4.0,
+            drained: [0.0; 2],
+            pressure: 0.0,
+        };
+        let onset = [Event::Onset {
+            fracture: "F".into(),
+            onset: Box::new(onset),
+        }];
+        let begins = "on fracture \"F\" a first face slips or opens between t = 0.25 s and t = 0.5 s, at (1.000000, 2.000000, -3.000000) m";
+        assert_eq!(line(&record, &onset), format!("{plain}; {begins}"));
         let free = [Event::Unstabilized { faces: 2 }];
         let less = format!("{plain}; 2 faces left unstabilized");
         assert_eq!(line(&record, &free), less);

@@ -1,5 +1,5 @@
 use super::*;
-use crate::contact::Weakening;
+use crate::contact::{SlipSoFar, Weakening, WeakeningBy};
 
 const LAW: FaceLaw = FaceLaw {
     friction: Friction {
@@ -17,6 +17,7 @@ const WEAKENING: FaceLaw = FaceLaw {
         weakening: Some(Weakening {
             angle: 0.3,
             distance: 4e-3,
+            by: WeakeningBy::Slip,
         }),
         ..LAW.friction
     },
@@ -29,7 +30,7 @@ fn frozen(law: &FaceLaw, state: ContactState, at: &FacePoint, point: &FacePoint)
     if turning > 0.0 || !matches!(state, ContactState::NewSlip | ContactState::Slip) {
         return law.rows(state, point).residual;
     }
-    let slip = (point.start[0] + point.jump[1]).hypot(point.start[1] + point.jump[2]);
+    let slip = point.start.after([point.jump[1], point.jump[2]]).slip;
     let limit = law.friction.limit(point.traction[0], slip);
     let r_t = |i: usize| law.compliance * (limit * m[i] - point.traction[i]);
     [point.jump[0], r_t(1), r_t(2)]
@@ -72,7 +73,7 @@ fn tangents_are_derivatives_in_every_state() {
     let slipping = FacePoint {
         traction: [-4e6, 1.5e6, -0.8e6],
         jump: [1e-5, 2e-3, -1e-3],
-        start: [3e-4, 2e-4],
+        start: SlipSoFar::Vector([3e-4, 2e-4]),
     };
     let tiny = FacePoint {
         jump: [0.0, 3e-10, 4e-10],
@@ -81,15 +82,19 @@ fn tangents_are_derivatives_in_every_state() {
     let no_shear = FacePoint {
         traction: [-4e6, 0.0, 0.0],
         jump: [0.0; 3],
-        start: [0.0; 2],
+        start: SlipSoFar::Vector([0.0; 2]),
     };
     let sideways = FacePoint {
         jump: [0.0, 1e-4, 0.0],
         traction: [-1e6, 0.0, 5e5],
-        start: [0.0; 2],
+        start: SlipSoFar::Vector([0.0; 2]),
+    };
+    let again = FacePoint {
+        start: SlipSoFar::Path(1e-3),
+        ..slipping
     };
     for state in ContactState::ALL {
-        for point in [slipping, tiny, no_shear, sideways] {
+        for point in [slipping, tiny, no_shear, sideways, again] {
             for law in [LAW, WEAKENING] {
                 let error = tangent_error(&law, state, point);
                 assert!(error < 1e-7, "{law:?} {state:?} at {point:?}: {error:e}");
@@ -105,7 +110,7 @@ fn slip_at_the_limit_along_the_slip_has_no_residual() {
     let point = FacePoint {
         traction: [t_n, 0.6 * limit, -0.8 * limit],
         jump: [0.0, 3e-3, -4e-3],
-        start: [0.0; 2],
+        start: SlipSoFar::Vector([0.0; 2]),
     };
     for state in [ContactState::Slip, ContactState::NewSlip] {
         let r = LAW.rows(state, &point).residual;
@@ -118,7 +123,7 @@ fn a_face_without_shear_and_slip_gives_its_traction_back() {
     let point = FacePoint {
         traction: [-4e6, 0.0, 0.0],
         jump: [0.0; 3],
-        start: [0.0; 2],
+        start: SlipSoFar::Vector([0.0; 2]),
     };
     for state in [ContactState::Slip, ContactState::NewSlip] {
         let rows = LAW.rows(state, &point);
@@ -133,7 +138,7 @@ fn the_slip_block_resists_turning_and_nothing_along_the_slip() {
     let point = FacePoint {
         traction: [-4e6, 1e6, 1e6],
         jump: [0.0, 3e-4, 4e-4],
-        start: [0.0; 2],
+        start: SlipSoFar::Vector([0.0; 2]),
     };
     let d = LAW.rows(ContactState::Slip, &point).by_jump;
     let times = |v: [f64; 2]| [1, 2].map(|i: usize| d[i][1] * v[0] + d[i][2] * v[1]);

@@ -1,4 +1,5 @@
 use super::*;
+use crate::nonlinear::{Begins, SlipOnset};
 
 const OWN: Fingerprint = Fingerprint { mesh: 7, scene: 8 };
 
@@ -23,6 +24,7 @@ fn state(step: usize) -> State {
         p: Vec::new(),
         states: vec![ContactState::Open, ContactState::NewSlip],
         slip: vec![-0.0, 1e-310, 1.0 / 3.0, 7.0],
+        path: vec![1e-310; 2 * (step % 5 / 3)],
         creep: step.is_multiple_of(2).then(|| {
             Box::new(CreepState {
                 step: 0.1,
@@ -32,6 +34,26 @@ fn state(step: usize) -> State {
         released: vec![false, true],
         torn: vec![true, false],
         flips: vec![3, u32::MAX],
+        onsets: step.is_multiple_of(4).then(|| Box::new(onsets())),
+    }
+}
+
+fn onsets() -> Onsets {
+    let onset = |begins, before| SlipOnset {
+        fracture: 1,
+        begins,
+        before,
+        after: 0.1 + 0.2,
+        face: 7,
+        center: [-0.5, 1.0 / 3.0, 1e300],
+        area: 2.5,
+        drained: [-1e7, 0.0],
+        pressure: 3.0,
+    };
+    Onsets {
+        found: vec![onset(Begins::Patch, Some(0.1)), onset(Begins::Face, None)],
+        patch: Some(2.0),
+        until: Some([0.7, 0.25]),
     }
 }
 
@@ -90,6 +112,19 @@ fn every_bit_comes_back() {
         (own.step.to_bits(), bits(own.strain.as_flattened()))
     };
     assert_eq!(strain(&read.creep), strain(&written.creep));
+    assert_eq!(read.onsets.as_deref(), Some(&onsets()));
+}
+
+#[test]
+fn every_choice_of_fields_comes_back() {
+    for step in 0..12 {
+        let mut written = state(step);
+        written.p = vec![4.0; 2 * (step % 3)];
+        let read = decode(&encode(&written, OWN), Path::new("file"), OWN).unwrap();
+        assert_eq!((read.p, read.onsets), (written.p, written.onsets));
+        assert_eq!(read.path, written.path);
+        assert_eq!(read.creep, written.creep);
+    }
 }
 
 #[test]
@@ -192,7 +227,7 @@ fn a_checkpoint_with_other_fields_or_of_another_layout_is_refused_in_a_sentence(
     let pressures = u64::from_le_bytes(*b"p\0\0\0\0\0\0\0");
     assert_eq!(
         with(HEADER + 3, pressures),
-        "the checkpoint file holds the fields u, p, this program reads u and t, with p and e_v where there are any"
+        "the checkpoint file holds the fields u, p, this program reads u and t, with p, e_v, s and on where there are any"
     );
     assert_eq!(
         with(1, 3),

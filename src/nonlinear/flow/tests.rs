@@ -37,6 +37,7 @@ fn the_jacobian_of_three_fields_is_the_derivative_in_every_state() {
         let start = Start {
             jump: vec![0.0; 3 * faces],
             slip: vec![0.0; 2 * faces],
+            path: Vec::new(),
             t: vec![0.0; 3 * faces],
             torn: Vec::new(),
             limits_at: Vec::new(),

@@ -1,6 +1,6 @@
 //! A face as springs around multipliers.
 
-use crate::contact::{ContactState, FaceLaw, FacePoint, FaceRows, Friction};
+use crate::contact::{ContactState, FaceLaw, FacePoint, FaceRows, Friction, SlipSoFar};
 use fracas_solvers::saddle::Block;
 
 /// Stiffness that the preconditioner gives a direction in which a face has none or less, times the local stiffness. Unit: 1.
@@ -9,7 +9,7 @@ const FLOOR: f64 = 0.1;
 /// Springs of stiffness κ per area around multipliers λ, with Coulomb's return:
 /// ```text
 /// t_N = min(λ_N + κ g_N, 0)
-/// w   = λ_T + κ Δg_T        t_T = w min(1, τ_L(t_N, ‖γ‖)/‖w‖)
+/// w   = λ_T + κ Δg_T        t_T = w min(1, τ_L(t_N, s)/‖w‖)
 /// ```
 /// The states follow: open where λ_N + κ g_N > 0, slip where ‖w‖ > τ_L, stick elsewhere.
 ///
@@ -42,12 +42,12 @@ pub(in crate::nonlinear) struct Spring {
 }
 
 impl SpringLaw {
-    /// At the jump (g_N, Δg_1, Δg_2), slip (γ_1, γ_2) at the start of the step [m]. A `held` face that sticks
+    /// At the jump (g_N, Δg_1, Δg_2) [m], after the slip at the start of the step. A `held` face that sticks
     /// or is open stays so, whatever its springs say.
     pub(in crate::nonlinear) fn at(
         &self,
         jump: [f64; 3],
-        start: [f64; 2],
+        start: SlipSoFar,
         held: Option<ContactState>,
     ) -> Spring {
         let kappa = self.stiffness;
@@ -59,9 +59,9 @@ impl SpringLaw {
         }
         spring.traction[0] = normal;
         spring.tangent[0][0] = kappa;
-        let g = [start[0] + jump[1], start[1] + jump[2]];
-        let slip = g[0].hypot(g[1]);
-        let (limit, size) = (self.friction.limit(normal, slip), w1.hypot(w2));
+        let slipped = start.after([jump[1], jump[2]]);
+        let limit = self.friction.limit(normal, slipped.slip);
+        let size = w1.hypot(w2);
         if stick || size <= limit {
             spring.state = ContactState::Stick;
             spring.traction[1..].copy_from_slice(&[w1, w2]);
@@ -69,7 +69,7 @@ impl SpringLaw {
             return spring;
         }
         spring.state = ContactState::Slip;
-        let law = (self.friction).slip_traction(normal, [w1, w2], g, false);
+        let law = (self.friction).slip_traction(normal, [w1, w2], &slipped, false);
         spring.direction = law.direction;
         spring.across = kappa * law.turning;
         for i in 0..2 {
@@ -185,7 +185,7 @@ impl Spring {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::Weakening;
+    use crate::contact::{Weakening, WeakeningBy};
 
     const LAW: SpringLaw = SpringLaw {
         stiffness: 4e10,
@@ -196,11 +196,12 @@ mod tests {
             weakening: Some(Weakening {
                 angle: 0.3,
                 distance: 4e-3,
+                by: WeakeningBy::Slip,
             }),
         },
         keeps: 1.0,
     };
-    const START: [f64; 2] = [3e-4, 2e-4];
+    const START: SlipSoFar = SlipSoFar::Vector([3e-4, 2e-4]);
 
     #[test]
     fn tangents_are_derivatives_in_every_state() {
@@ -209,20 +210,22 @@ mod tests {
             ([-1e-5, 3e-4, -1e-4], ContactState::Slip),
             ([1e-4, 3e-4, -1e-4], ContactState::Open),
         ] {
-            let spring = LAW.at(jump, START, None);
-            assert_eq!(spring.state, state);
-            for j in 0..3 {
-                let h = 1e-10;
-                let moved = |s: f64| {
-                    let mut g = jump;
-                    g[j] += s;
-                    LAW.at(g, START, None).traction
-                };
-                let (plus, minus) = (moved(h), moved(-h));
-                for i in 0..3 {
-                    let difference = (plus[i] - minus[i]) / (2.0 * h);
-                    let error = (difference - spring.tangent[i][j]).abs() / LAW.stiffness;
-                    assert!(error < 1e-6, "{state:?} {i} {j}: {error:e}");
+            for start in [START, SlipSoFar::Path(1e-3)] {
+                let spring = LAW.at(jump, start, None);
+                assert_eq!(spring.state, state);
+                for j in 0..3 {
+                    let h = 1e-10;
+                    let moved = |s: f64| {
+                        let mut g = jump;
+                        g[j] += s;
+                        LAW.at(g, start, None).traction
+                    };
+                    let (plus, minus) = (moved(h), moved(-h));
+                    for i in 0..3 {
+                        let difference = (plus[i] - minus[i]) / (2.0 * h);
+                        let error = (difference - spring.tangent[i][j]).abs() / LAW.stiffness;
+                        assert!(error < 1e-6, "{state:?} {i} {j}: {error:e}");
+                    }
                 }
             }
         }
@@ -266,7 +269,7 @@ mod tests {
             let jump = [x.sin(), (1.7 * x).cos(), (2.3 * x).sin()].map(|v| 1e-4 * v);
             let spring = LAW.at(jump, START, None);
             let [n, t1, t2] = spring.traction;
-            let slip = (START[0] + jump[1]).hypot(START[1] + jump[2]);
+            let slip = START.after([jump[1], jump[2]]).slip;
             assert!(n <= 0.0);
             assert!(t1.hypot(t2) <= LAW.friction.limit(n, slip) * (1.0 + 1e-14));
             if spring.state == ContactState::Open {

@@ -199,9 +199,9 @@ impl Holding for SpringMethod {
         let problem = attempt.problem;
         let spring = |(f, state): (usize, &ContactState)| {
             let t = [0, 1, 2].map(|k| x.t[3 * f + k]);
-            let start = [0, 1].map(|k| attempt.start.slip[2 * f + k]);
             let friction = problem.friction_in(f, attempt.start);
-            let by_normal = friction.by_normal(t[0], start[0].hypot(start[1]));
+            let slip = problem.so_far(f, attempt.start).slip();
+            let by_normal = friction.by_normal(t[0], slip);
             Spring::at_limit(*state, self.stiffness[f], t, by_normal)
         };
         let springs: Vec<Spring> = states.iter().enumerate().map(spring).collect();

@@ -116,8 +116,8 @@ fn evaluate(
             keeps: faces.keeps,
         };
         let held = held.get(f).copied().flatten();
-        let slip = [0, 1].map(|k| attempt.start.slip[2 * f + k]);
-        law.at([g[0], g[1] - from[0], g[2] - from[1]], slip, held)
+        let so_far = problem.so_far(f, attempt.start);
+        law.at([g[0], g[1] - from[0], g[2] - from[1]], so_far, held)
     };
     let springs = jumps.chunks_exact(3).enumerate().map(spring).collect();
     let mut at = Evaluation {

@@ -1,0 +1,429 @@
+//! When slip begins: a step in which it does is halved until the time is known as closely as the scene asks.
+
+use super::active_set::Settled;
+use super::fields::given_pressures;
+use super::times::{Target, length};
+use super::{Accepted, Event, Simulation, State};
+use crate::contact::ContactState;
+use crate::scene::{Body, Onset};
+
+/// Share of the interval that is asked for within which its end is taken to be reached. Unit: 1.
+const REACHED: f64 = 1e-3;
+
+/// What begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Begins {
+    /// A first face slips or opens.
+    Face,
+    /// A patch of the area that is looked for slips or is open.
+    Patch,
+}
+
+impl Begins {
+    /// In files: `face` or `patch`.
+    pub fn name(self) -> &'static str {
+        ["face", "patch"][self as usize]
+    }
+}
+
+/// When and where slip begins on a fracture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SlipOnset {
+    /// Number of the fracture.
+    pub fracture: usize,
+    /// What begins.
+    pub begins: Begins,
+    /// Latest time at which it had not begun [s]; that of the onset where it has begun at time 0, none where the run looked for no onset
+    /// before.
+    pub before: Option<f64>,
+    /// Earliest time at which it has [s].
+    pub after: f64,
+    /// The face that has moved most by then: the first one.
+    pub face: usize,
+    /// Centre of that face, or of the patch [m].
+    pub center: [f64; 3],
+    /// Area of the largest patch of faces that slip or are open [m²].
+    pub area: f64,
+    /// α Δp in the elements on the minus and on the plus side of the face [Pa].
+    pub drained: [f64; 2],
+    /// Pressure of the fluid in the face [Pa].
+    pub pressure: f64,
+}
+
+impl SlipOnset {
+    /// A sentence without its point; `fracture` is the name of the fracture.
+    pub fn told(&self, fracture: &str) -> String {
+        let [x, y, z] = self.center;
+        let (after, area) = (self.after, self.area);
+        let when = match self.before {
+            None => format!("by t = {after:?} s"),
+            Some(before) if before == after => format!("at t = {after:?} s"),
+            Some(before) => format!("between t = {before:?} s and t = {after:?} s"),
+        };
+        let place = format!("({x:.6}, {y:.6}, {z:.6}) m");
+        match self.begins {
+            Begins::Face => {
+                format!("on fracture \"{fracture}\" a first face slips or opens {when}, at {place}")
+            }
+            Begins::Patch => format!(
+                "on fracture \"{fracture}\" a patch of {area:.6} m2 slips or opens {when}, around {place}"
+            ),
+        }
+    }
+}
+
+/// What a run that looks for the onset of slip knows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Onsets {
+    /// What has begun, in the order in which it did.
+    pub found: Vec<SlipOnset>,
+    /// The patch that is looked for [m²].
+    pub patch: Option<f64>,
+    /// A time by which something begins that has not begun yet, and the increment of steps before it was known [s].
+    pub until: Option<[f64; 2]>,
+}
+
+/// Numbers of a [`SlipOnset`] in a list.
+const NUMBERS: usize = 12;
+
+/// Numbers before those of the onsets.
+const HEADER: usize = 3;
+
+impl Onsets {
+    /// All of it in a list; NaN stands for nothing.
+    pub(crate) fn numbers(&self) -> Vec<f64> {
+        let none = f64::NAN;
+        let [until, planned] = self.until.unwrap_or([none; 2]);
+        let mut list = vec![self.patch.unwrap_or(none), until, planned];
+        for onset in &self.found {
+            let [x, y, z] = onset.center;
+            let [minus, plus] = onset.drained;
+            let own: [f64; NUMBERS] = [
+                onset.fracture as f64,
+                f64::from(onset.begins as u8),
+                onset.before.unwrap_or(none),
+                onset.after,
+                onset.face as f64,
+                x,
+                y,
+                z,
+                onset.area,
+                minus,
+                plus,
+                onset.pressure,
+            ];
+            list.extend(own);
+        }
+        list
+    }
+
+    /// From [such a list](Self::numbers); none where it is of another length.
+    pub(crate) fn from_numbers(list: &[f64]) -> Option<Self> {
+        let given = |v: f64| (!v.is_nan()).then_some(v);
+        let (header, rest) = list.split_at_checked(HEADER)?;
+        let (rows, []) = rest.as_chunks::<NUMBERS>() else {
+            return None;
+        };
+        let onset = |row: &[f64; NUMBERS]| SlipOnset {
+            fracture: row[0] as usize,
+            begins: [Begins::Face, Begins::Patch][usize::from(row[1] > 0.5)],
+            before: given(row[2]),
+            after: row[3],
+            face: row[4] as usize,
+            center: [row[5], row[6], row[7]],
+            area: row[8],
+            drained: [row[9], row[10]],
+            pressure: row[11],
+        };
+        Some(Self {
+            found: rows.iter().map(onset).collect(),
+            patch: given(header[0]),
+            until: given(header[1]).map(|until| [until, header[2]]),
+        })
+    }
+
+    /// True where it is known when this began on a fracture.
+    fn has(&self, fracture: usize, begins: Begins) -> bool {
+        let is_it = |o: &SlipOnset| o.fracture == fracture && o.begins == begins;
+        self.found.iter().any(is_it)
+    }
+}
+
+/// A body at a time, as it may be accepted.
+struct Moment<'m> {
+    states: &'m [ContactState],
+    /// Fluid pressure per face [Pa], where a fluid flows.
+    p: &'m [f64],
+    time: f64,
+    loaded: f64,
+}
+
+/// The search for onsets within a step.
+pub(super) struct Search {
+    asked: Onset,
+    known: Onsets,
+    /// Those that a run without the search had passed.
+    passed: Vec<SlipOnset>,
+    /// What begins in the last attempt that settled.
+    begins: Vec<SlipOnset>,
+    /// No shorter step settles: the time stays as it is known.
+    is_over: bool,
+}
+
+impl Search {
+    /// From a state on; none where the scene looks for no onset.
+    pub(super) fn new(simulation: &Simulation<'_>, state: &State) -> Option<Self> {
+        let asked = simulation.problem().body().onset?;
+        let mut known = state.onsets.as_deref().cloned().unwrap_or_default();
+        let is_new = state.onsets.is_none();
+        if known.patch != asked.patch {
+            known.found.retain(|onset| onset.begins == Begins::Face);
+            known.until = None;
+        }
+        let is_other = is_new || known.patch != asked.patch;
+        known.patch = asked.patch;
+        let mut search = Self {
+            asked,
+            known,
+            passed: Vec::new(),
+            begins: Vec::new(),
+            is_over: false,
+        };
+        if is_other && state.step > 0 {
+            let at = Moment {
+                states: &state.states,
+                p: &state.p,
+                time: state.time,
+                loaded: state.loaded,
+            };
+            let slip = || {
+                state
+                    .slip
+                    .chunks_exact(2)
+                    .map(|s| s[0].hypot(s[1]))
+                    .collect()
+            };
+            search.passed = search.begin(simulation, &at, None, slip);
+            let passed = search.passed.iter().cloned();
+            search.known.found.extend(passed);
+        }
+        Some(search)
+    }
+
+    /// The increment of the first attempt, where `planned` would be taken otherwise [s].
+    pub(super) fn increment(&self, state: &State, planned: f64) -> f64 {
+        match self.known.until {
+            Some([until, _]) => planned.min(self.part(until - state.time)),
+            None => planned,
+        }
+    }
+
+    /// True where something is known to begin and its time is looked for.
+    pub(super) fn narrows(&self) -> bool {
+        self.known.until.is_some() && !self.is_over
+    }
+
+    /// Half of an interval that is longer than asked for [s].
+    fn part(&self, interval: f64) -> f64 {
+        match interval > self.asked.within {
+            true => 0.5 * interval,
+            false => interval,
+        }
+    }
+
+    /// Half the step, where something begins in it and it is longer than asked for; `increment` is what was planned for it [s].
+    pub(super) fn halved(
+        &mut self,
+        simulation: &Simulation<'_>,
+        (state, target): (&State, Target),
+        settled: &Settled,
+        increment: f64,
+    ) -> Option<f64> {
+        let is_loading = state.loaded < 1.0;
+        let before = [state.time, target.time][usize::from(is_loading)];
+        let at = Moment {
+            states: &settled.states,
+            p: &settled.x.p,
+            time: target.time,
+            loaded: target.loaded,
+        };
+        let moved = || {
+            let problem = simulation.problem();
+            let load = problem.loads().at(state.time, state.loaded);
+            let from = problem.jumps(&state.u, &load);
+            let pairs = settled.effective.iter().zip(&from);
+            let change: Vec<f64> = pairs.map(|(to, from)| to - from).collect();
+            let faces = change.chunks_exact(3);
+            faces.map(|g| g[0].hypot(g[1]).hypot(g[2])).collect()
+        };
+        self.begins = self.begin(simulation, &at, Some(before), moved);
+        let length = length(state, target);
+        let is_long = !is_loading && length > self.asked.within;
+        if self.begins.is_empty() || self.is_over || !is_long {
+            return None;
+        }
+        let planned = self.known.until.map_or(increment, |[_, planned]| planned);
+        self.known.until = Some([target.time, planned]);
+        Some(0.5 * length)
+    }
+
+    /// No shorter step settles; the increment up to the time by which something begins, from where none was tried from this state [s].
+    pub(super) fn gives_up(&mut self, state: &State) -> f64 {
+        self.is_over = true;
+        (self.known.until).map_or(state.next, |[until, _]| until - state.time)
+    }
+
+    /// Why a step is halved.
+    pub(super) fn reason(&self, simulation: &Simulation<'_>) -> String {
+        let names = &simulation.problem().body().fractures.names;
+        let each = self.begins.iter().map(|onset| {
+            let what = match onset.begins {
+                Begins::Face => "a first face",
+                Begins::Patch => "a patch",
+            };
+            format!("{what} of fracture \"{}\"", names[onset.fracture])
+        });
+        let each: Vec<String> = each.collect();
+        let each = each.join(" and ");
+        format!("{each} slips or opens, and when is looked for")
+    }
+
+    /// What begins in the last attempt that settled, and what had begun before anything was looked for.
+    pub(super) fn events(&self, simulation: &Simulation<'_>) -> Vec<Event> {
+        let names = &simulation.problem().body().fractures.names;
+        let told = self.passed.iter().chain(&self.begins);
+        let event = |onset: &SlipOnset| Event::Onset {
+            fracture: names[onset.fracture].clone(),
+            onset: Box::new(onset.clone()),
+        };
+        told.map(event).collect()
+    }
+
+    /// A step is accepted: what begins in it is known, and the one after it goes on as before the search, or with its next half.
+    pub(super) fn accepts(self, simulation: &Simulation<'_>, accepted: &mut Accepted) {
+        accepted.events.extend(self.events(simulation));
+        let Self {
+            asked,
+            mut known,
+            begins,
+            ..
+        } = self;
+        let state = &mut accepted.state;
+        if let Some([until, planned]) = known.until
+            && (!begins.is_empty() || state.time >= until - REACHED * asked.within)
+        {
+            known.until = None;
+            state.next = state.next.max(planned);
+        }
+        known.found.extend(begins);
+        state.onsets = Some(Box::new(known));
+    }
+
+    /// What has begun at a moment and is not known; `moved` is how far every face has moved.
+    fn begin(
+        &self,
+        simulation: &Simulation<'_>,
+        at: &Moment<'_>,
+        before: Option<f64>,
+        moved: impl Fn() -> Vec<f64>,
+    ) -> Vec<SlipOnset> {
+        let body = simulation.problem().body();
+        let fractures = &body.fractures;
+        let wanted = |fracture: usize| {
+            let all = [Begins::Face, Begins::Patch];
+            let of_patch = self.asked.patch.is_some();
+            let asked = all.into_iter().take(1 + usize::from(of_patch));
+            asked.filter(move |begins| !self.known.has(fracture, *begins))
+        };
+        let moves = |f: usize| {
+            let fracture = usize::from(fractures.faces[f].fracture);
+            at.states[f] != ContactState::Stick && wanted(fracture).next().is_some()
+        };
+        let patches = fractures.patches(moves);
+        if patches.is_empty() {
+            return Vec::new();
+        }
+        let moved = moved();
+        let pressures = match at.p.is_empty() {
+            true => given_pressures(body, at.time, at.loaded),
+            false => at.p.to_vec(),
+        };
+        let most = |faces: &[usize]| {
+            let farther = |a: usize, b: &usize| if moved[*b] > moved[a] { *b } else { a };
+            faces.iter().fold(faces[0], farther)
+        };
+        let mut found = Vec::new();
+        for fracture in 0..fractures.names.len() {
+            let is_own =
+                |patch: &&Vec<usize>| fractures.faces[patch[0]].fracture as usize == fracture;
+            let own: Vec<&Vec<usize>> = patches.iter().filter(is_own).collect();
+            let area = |patch: &[usize]| fractures.area_of(patch.iter().copied());
+            let larger = |a: &&&Vec<usize>, b: &&&Vec<usize>| area(a).total_cmp(&area(b));
+            let Some(largest) = own.iter().max_by(larger) else {
+                continue;
+            };
+            let (largest, all) = (&largest[..], own.iter().copied().flatten().copied());
+            let all: Vec<usize> = all.collect();
+            for begins in wanted(fracture) {
+                let (face, center) = match begins {
+                    Begins::Face => {
+                        let face = most(&all);
+                        (face, fractures.faces[face].center)
+                    }
+                    Begins::Patch if self.asked.has_patch(area(largest)) => {
+                        (most(largest), middle(body, largest))
+                    }
+                    Begins::Patch => continue,
+                };
+                let sides = [&fractures.faces[face].minus, &fractures.faces[face].plus];
+                let drained = |e: u32| at.loaded * drained(body, e, at.time);
+                found.push(SlipOnset {
+                    fracture,
+                    begins,
+                    before,
+                    after: at.time,
+                    face,
+                    center,
+                    area: area(largest),
+                    drained: sides.map(|side| drained(side.element)),
+                    pressure: pressures[face],
+                });
+            }
+        }
+        found
+    }
+}
+
+/// Centre of faces [m].
+fn middle(body: &Body, faces: &[usize]) -> [f64; 3] {
+    let fractures = &body.fractures;
+    let area = fractures.area_of(faces.iter().copied());
+    [0, 1, 2].map(|k: usize| {
+        let each = faces.iter().map(|f| &fractures.faces[*f]);
+        each.map(|face| face.area * face.center[k]).sum::<f64>() / area
+    })
+}
+
+/// α Δp in an element [Pa].
+fn drained(body: &Body, element: u32, time: f64) -> f64 {
+    for field in &body.pore_fields {
+        if let Some(k) = field.elements.iter().position(|e| *e == element) {
+            return field.drained(time)[k];
+        }
+    }
+    let region = usize::from(body.mesh.regions[element as usize]);
+    let pores = &body.pore_changes[region];
+    pores.drained() * body.histories[pores.history].at(time)
+}
+
+impl Simulation<'_> {
+    /// When slip began, as far as a state knows, with the names of the fractures; nothing where the scene does not ask.
+    pub fn onsets<'s>(
+        &'s self,
+        state: &'s State,
+    ) -> impl Iterator<Item = (&'s str, &'s SlipOnset)> {
+        let names = &self.problem().body().fractures.names;
+        let found = state.onsets.iter().flat_map(|known| &known.found);
+        found.map(|onset| (&names[onset.fracture][..], onset))
+    }
+}
