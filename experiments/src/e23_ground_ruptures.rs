@@ -47,6 +47,9 @@ const BODY: [&str; 7] = [
 /// Drawdown at the end [MPa].
 const LAST: f64 = 0.2;
 
+/// Half the width of the section that figures show [m].
+const SEEN: f64 = 200.0;
+
 /// How far below the topmost centre of a face others are at the ground, too: rounding [m].
 const TOP: f64 = 1e-6;
 
@@ -154,15 +157,18 @@ impl Run {
                 "Settlement at a drawdown of 0.2 MPa, the middle 400 m of the section: {}.",
                 self.what()
             ),
-            Axis::linear("x [m]").range(-200.0, 200.0),
+            Axis::linear("x [m]").range(-SEEN, SEEN),
             Axis::linear("z [m]").range(-400.0, 0.0),
         );
         let mesh = &self.body.mesh;
-        // the side y = 0 of every element
+        // the sides at y = 0
         let side = |nodes: &[u32; 8]| [nodes[0], nodes[1], nodes[5], nodes[4]];
         let place = |a: u32| mesh.nodes[a as usize];
-        let seen = |nodes: &&[u32; 8]| side(nodes).iter().all(|a| place(*a)[0].abs() <= 200.0);
-        let cells: Vec<_> = mesh.elements.iter().filter(seen).map(side).collect();
+        let seen = |quad: &[u32; 4]| {
+            let near = |a: &u32| place(*a)[0].abs() < SEEN;
+            quad.iter().all(|a| place(*a)[1] == 0.0) && quad.iter().any(near)
+        };
+        let cells: Vec<_> = mesh.elements.iter().map(side).filter(seen).collect();
         let mean = |quad: &[u32; 4]| {
             let sum: f64 = quad.iter().map(|a| self.u[3 * *a as usize + 2]).sum();
             -100.0 * sum / 4.0
@@ -170,16 +176,19 @@ impl Run {
         let values: Vec<f64> = cells.iter().map(mean).collect();
         let most = values.iter().fold(0.0, |m: f64, v| m.max(*v));
         figure.cells = Some(Cells {
-            colors: Colors::Diverging,
+            colors: Colors::Sequential,
             label: "settlement [cm]".into(),
             quads: (cells.iter())
-                .map(|quad| quad.map(|a| [place(a)[0], place(a)[2]]))
+                .map(|quad| quad.map(|a| [place(a)[0].clamp(-SEEN, SEEN), place(a)[2]]))
                 .collect(),
             values,
             range: [0.0, most],
         });
         figure.equal_aspect = true;
-        figure
+        let faces = &self.body.fractures.faces;
+        let depth = faces.iter().map(|f| f.center[2]).fold(0.0, f64::min);
+        let plane = vec![[0.0, depth], [0.0, 0.0]];
+        figure.with(Series::new("the plane", Mark::Dashed, plane))
     }
 
     fn what(&self) -> &'static str {
