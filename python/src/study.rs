@@ -54,6 +54,6 @@ pub(crate) fn study(
             return Err(error);
         }
         let ended = ended.map_err(|error| of_any(Kind::Study, &error))?;
-        Ok((ended.done, ended.total, ended.holds))
+        Ok((ended.done, ended.total, ended.failed.is_empty()))
     })
 }

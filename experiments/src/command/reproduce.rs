@@ -63,6 +63,9 @@ impl Reproduce {
             )?;
             let verdict = if chapter.passed() { "holds" } else { "FAILS" };
             writeln!(out, "{} {verdict}: {}", experiment.id(), experiment.title())?;
+            for claim in chapter.failed() {
+                writeln!(out, "  fails: {claim}")?;
+            }
             chapters.push(chapter);
             // After each chapter, so that an interrupted run leaves a readable page.
             write_report(&chapters, level, &self.out)?;

@@ -93,10 +93,13 @@ impl Place {
         }
         let (done, total) = (ended.done, ended.total);
         writeln!(out, "{done} of {total} rows")?;
+        for claim in &ended.failed {
+            writeln!(out, "fails: {claim}")?;
+        }
         writeln!(out, "{}", page(&self.out).display())?;
         Ok(match interrupt::asked() {
             Some(signal) if !ended.is_complete() => Status::Interrupted(signal),
-            _ if !ended.holds => Status::CheckFailed,
+            _ if !ended.failed.is_empty() => Status::CheckFailed,
             _ => Status::Done,
         })
     }

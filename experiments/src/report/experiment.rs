@@ -88,4 +88,14 @@ impl Findings {
     pub fn passed(&self) -> bool {
         self.checks.iter().all(|c| c.pass)
     }
+
+    /// A sentence for every check that failed.
+    pub fn failed(&self) -> Vec<String> {
+        let failed = self.checks.iter().filter(|check| !check.pass);
+        let told = |check: &Check| {
+            let (expected, ours) = (&check.expected, &check.ours);
+            format!("{}: expected {expected}, found {ours}", check.claim)
+        };
+        failed.map(told).collect()
+    }
 }

@@ -37,6 +37,14 @@ impl Chapter {
     pub fn passed(&self) -> bool {
         matches!(&self.outcome, Outcome::Answered(findings) if findings.passed())
     }
+
+    /// A sentence for every check that fails, or the reason why there is no answer.
+    pub fn failed(&self) -> Vec<String> {
+        match &self.outcome {
+            Outcome::Answered(findings) => findings.failed(),
+            Outcome::Broken(reason) => vec![format!("{reason:#}")],
+        }
+    }
 }
 
 /// Runs an experiment and writes `out/<id>/*.csv *.svg *.column.svg manifest.json`, `*.pdf` where asked for. An experiment that breaks is a chapter too.

@@ -44,14 +44,14 @@ pub struct Taken {
 }
 
 /// How a study ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Ended {
     /// Rows that are on the disk.
     pub done: usize,
     /// Rows of the study.
     pub total: usize,
-    /// True unless a check fails.
-    pub holds: bool,
+    /// Checks that fail, a sentence each.
+    pub failed: Vec<String>,
 }
 
 impl Ended {
@@ -118,9 +118,9 @@ impl Engine<'_> {
         let mut ended = Ended {
             done: findings.rows.len(),
             total,
-            holds: true,
+            failed: Vec::new(),
         };
-        ended.holds = page::write(self, &findings, &ended)?;
+        ended.failed = page::write(self, &findings, &ended)?;
         Ok(ended)
     }
 

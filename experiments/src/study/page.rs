@@ -25,8 +25,12 @@ pub(super) fn answer(study: &Study, rows: &Rows) -> Findings {
     }
 }
 
-/// Writes `figures/`, `report.html` and `manifest.json`; true unless a check fails.
-pub(super) fn write(engine: &Engine<'_>, rows: &Rows, ended: &Ended) -> anyhow::Result<bool> {
+/// Writes `figures/`, `report.html` and `manifest.json`; a sentence for every check that fails.
+pub(super) fn write(
+    engine: &Engine<'_>,
+    rows: &Rows,
+    ended: &Ended,
+) -> anyhow::Result<Vec<String>> {
     let study = engine.study;
     let mut findings = answer(study, rows);
     if !ended.is_complete() {
@@ -88,7 +92,7 @@ pub(super) fn write(engine: &Engine<'_>, rows: &Rows, ended: &Ended) -> anyhow::
     });
     let manifest = format!("{}\n", serde_json::to_string_pretty(&manifest)?);
     write_whole(&engine.out.join("manifest.json"), &manifest)?;
-    Ok(findings.passed())
+    Ok(findings.failed())
 }
 
 fn outcomes(rows: &Rows) -> BTreeMap<&str, usize> {
