@@ -128,9 +128,6 @@ const ENCLOSED: f64 = 60_000.0;
 /// text and binary.
 const PER_NODE_OF_FILE: f64 = 400.0;
 
-/// What reading a field of pressures takes at its peak, per byte of its file.
-const PER_BYTE_OF_FIELD: f64 = 4.0;
-
 impl Work {
     /// At its peak [bytes].
     pub fn bytes(&self, size: SceneSize, bricks: bool) -> f64 {
@@ -198,7 +195,7 @@ fn room(name: &str, scene: &Scene, work: Work, size: SceneSize) -> Result<(), To
     let mut remedy = work.remedy;
     // as many elements as nodes, at most
     let pores = scene.pore_room();
-    needed += pores.per_element * size.nodes as f64 + PER_BYTE_OF_FIELD * pores.largest_file;
+    needed += pores.per_element * size.nodes as f64 + pores.reading;
     if mesh.file.is_some() {
         needed = needed.max(PER_NODE_OF_FILE * size.nodes as f64);
         remedy = "use a coarser mesh";

@@ -330,13 +330,9 @@ impl<'a> Simulation<'a> {
         for (r, t0) in reference.iter_mut().zip(&self.initial_traction).step_by(3) {
             *r = target.loaded * t0;
         }
-        // what follows the rock jumps from face to face where materials change, and the stress of the rock does not
-        let of_sides = problem.body().pressures_of_sides(target.time);
-        for (r, p) in reference
-            .iter_mut()
-            .step_by(3)
-            .zip(of_sides.iter().flatten())
-        {
+        // H acts on the traction of the rock, which knows nothing of pressures that differ from face to face
+        let uneven = problem.body().uneven_pressures(target.time);
+        for (r, p) in reference.iter_mut().step_by(3).zip(uneven.iter().flatten()) {
             *r += target.loaded * p;
         }
         let mut start = Start {

@@ -3,7 +3,7 @@
 use super::Body;
 use super::located::{Located, at};
 use super::sections::SceneSections;
-use super::{FractureSection, Problem};
+use super::{FractureSection, Problem, Profile};
 use crate::mesh::{FractureFace, FractureMesh};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -101,7 +101,23 @@ impl Body {
         })
     }
 
-    /// The same with every uniform change at the factor 1 of its history, and no others.
+    /// Given pressures of fractures in which they may differ from face to face [Pa], 0 of others, at a time [s]; `None` where there is none.
+    pub(crate) fn uneven_pressures(&self, time: f64) -> Option<Vec<f64>> {
+        let mut all = self.pressures_of_sides(time);
+        let is_uneven = |profile: &Profile<f64>| profile.range()[0] < profile.range()[1];
+        if self.pressures.iter().any(|(profile, _)| is_uneven(profile)) {
+            let all = all.get_or_insert_with(|| vec![0.0; self.fractures.faces.len()]);
+            for (p, face) in all.iter_mut().zip(&self.fractures.faces) {
+                let (profile, history) = &self.pressures[usize::from(face.fracture)];
+                if is_uneven(profile) {
+                    *p += self.pressure_of(face) * self.histories[*history].at(time);
+                }
+            }
+        }
+        all
+    }
+
+    /// [`pressures_of_sides`](Self::pressures_of_sides) with every uniform change at the factor 1 of its history, and no others.
     pub(crate) fn pressures_of_sides_at_once(&self) -> Option<Vec<f64>> {
         let fields = || {
             let fields = self.pore_fields.iter();

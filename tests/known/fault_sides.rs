@@ -32,6 +32,8 @@ struct Shown {
     pressure: Vec<f64>,
     traction: Vec<f64>,
     u: Vec<f64>,
+    /// Slip of the face that slipped most [m].
+    slip: f64,
 }
 
 fn run(body: &Body) -> Vec<Shown> {
@@ -47,6 +49,7 @@ fn run(body: &Body) -> Vec<Shown> {
             pressure: fields.pressure,
             traction: fields.traction,
             u: simulation.displacement(&done.state),
+            slip: fields.slip.iter().fold(0.0, |m, s| m.max(*s)),
         });
     });
     end.unwrap();
@@ -88,6 +91,7 @@ fn a_column_carries_what_its_load_and_the_pressure_of_its_sides_say() {
                 pressure,
                 traction,
                 u,
+                ..
             } in &shown
             {
                 let day = time / DAY;
@@ -136,6 +140,7 @@ fn a_column_carries_what_its_load_and_the_pressure_of_its_sides_say() {
 /// Claim: it is a pressure as given ones are: two blocks with tables of their own beside a fault that slips do what the same pressure as a history does.
 #[test]
 fn it_acts_as_a_given_pressure_does() {
+    let mut slid = 0;
     for seed in 0..6 {
         let r = &mut Random::new(seed);
         let days = [0.0, r.between(1.0, 4.0), r.between(5.0, 9.0), 10.0];
@@ -195,6 +200,7 @@ fn it_acts_as_a_given_pressure_does() {
             let other = build(&boxed(&rocks, &given, stress));
             let known = run(&other);
             assert_eq!(known.len(), shown.len(), "{seed} {rule}");
+            slid += usize::from(shown[shown.len() - 1].slip > 1e-5);
             let size = known
                 .iter()
                 .flat_map(|s| &s.u)
@@ -212,6 +218,7 @@ fn it_acts_as_a_given_pressure_does() {
             }
         }
     }
+    assert!(slid > 3, "{slid}");
 }
 
 /// Claim: with pressures that differ from face to face every face has that of its own neighbours, and a traction t_N − p that knows nothing of them
@@ -304,6 +311,40 @@ fn every_face_has_the_pressure_of_its_own_sides() {
                     "{seed} {day}, face {f}: {rock}"
                 );
             }
+        }
+    }
+}
+
+/// Claim: given pressures that jump from face to face leave the traction of the rock as it is: −q.
+#[test]
+fn pressures_of_a_profile_leave_the_traction_of_the_rock_alone() {
+    let r = &mut Random::new(8);
+    let levels = [-3.5, -2.5, -1.5, -0.5].map(|z| (z, r.between(0.0, 9.0)));
+    let rows = levels.map(|(z, p)| format!("{{ z = '{z} m', pressure = '{p} MPa' }}"));
+    let fracture = format!(
+        "plane = 'x'\nat = '2 m'\nfriction_angle = '30 deg'\nprofile = [{}]",
+        rows.join(", ")
+    );
+    let toml = boxed(
+        &rock("rock", "", ""),
+        &fracture,
+        "[solver]\ntolerance = 1e-12",
+    );
+    // the load is on x+
+    let toml = toml.replace("side = 'x+'", "side = 'other'");
+    let toml = toml.replace("side = 'z+'", "side = 'x+'");
+    let body = build(&toml.replace("side = 'other'", "side = 'z+'"));
+    for Shown {
+        pressure, traction, ..
+    } in run(&body)
+    {
+        for (f, face) in body.fractures.faces.iter().enumerate() {
+            let own = levels
+                .iter()
+                .find(|(z, _)| (z - face.center[2]).abs() < 1e-9);
+            assert!((pressure[f] - 1e6 * own.unwrap().1).abs() < 1e-6);
+            let rock = traction[3 * f] - pressure[f];
+            assert!((rock + 20e6).abs() < 200.0, "face {f}: {rock}");
         }
     }
 }

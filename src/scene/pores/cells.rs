@@ -200,14 +200,21 @@ impl CellTree {
     pub(super) fn at(&self, cells: Centered<'_>, x: [f64; 3]) -> (u32, f64) {
         // outside, squares of distances from box and centre
         let mut best: Option<(bool, f64, f64, u32)> = None;
-        let mut ranges = vec![(0, self.order.len())];
-        while let Some((from, to)) = ranges.pop() {
-            if from >= to {
+        let range = |from: usize, to: usize| {
+            let around = self.around[from..to].get((to - from) / 2);
+            around.map(|around| (gap(around, x), from, to))
+        };
+        let mut ranges: Vec<(f64, usize, usize)> = range(0, self.order.len()).into_iter().collect();
+        while let Some((beyond, from, to)) = ranges.pop() {
+            if best.is_some_and(|(_, least, ..)| beyond > least) {
                 continue;
             }
             let middle = from + (to - from) / 2;
-            if best.is_some_and(|(_, least, ..)| gap(&self.around[middle], x) > least) {
-                continue;
+            let [low, high] = [range(from, middle), range(middle + 1, to)];
+            // the nearer half is looked at first
+            match low.zip(high) {
+                Some((low, high)) if low.0 < high.0 => ranges.extend([high, low]),
+                _ => ranges.extend([low, high].into_iter().flatten()),
             }
             let p = self.order[middle];
             let (own, at) = (cells.numbers[p as usize], cells.centers[p as usize]);
@@ -220,7 +227,6 @@ impl CellTree {
                     best = Some(found);
                 }
             }
-            ranges.extend([(from, middle), (middle + 1, to)]);
         }
         best.map_or((0, 0.0), |(_, beyond, _, p)| (p, beyond.sqrt()))
     }

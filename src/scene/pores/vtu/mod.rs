@@ -59,6 +59,21 @@ pub(super) fn read(bytes: &[u8], file: &str, array: &str) -> Result<Cloud, PoreP
     found.cloud(origin, array).map_err(grid)
 }
 
+/// Points and cells that the first piece of a file announces within the bytes that it begins with.
+pub(super) fn announced(beginning: &[u8]) -> Option<[usize; 2]> {
+    let mut tags = Tags {
+        bytes: beginning,
+        at: 0,
+    };
+    while let Some(tag) = tags.next().ok()? {
+        if tag.name == "Piece" {
+            let count = |name| tag.number(name).ok().flatten();
+            return Some([count("NumberOfPoints")?, count("NumberOfCells")?]);
+        }
+    }
+    None
+}
+
 /// What the tags of a file say.
 fn scan<'b>(bytes: &'b [u8], name: &'b str) -> Result<File<'b>, String> {
     let mut tags = Tags { bytes, at: 0 };
