@@ -200,4 +200,16 @@ pub enum MeshError {
         /// The condition.
         requirement: &'static str,
     },
+    /// Levels of a grid whose surfaces meet or cross.
+    #[error(
+        "map lift: the levels z = {} m and z = {} m would lie at {} m and {} m at x = {} m, y = {} m; the upper one has to stay above the lower one", levels[0], levels[1], heights[0], heights[1], at[0], at[1]
+    )]
+    SurfacesMeet {
+        /// Lower and upper level before the map [m].
+        levels: [f64; 2],
+        /// Where [m].
+        at: [f64; 2],
+        /// Where they would lie [m].
+        heights: [f64; 2],
+    },
 }

@@ -80,7 +80,7 @@ impl Warp for Shear {
 }
 
 /// Moves nodes with planes; what lies at the `ends` stays, and where these are infinite everything goes along with the nearest plane.
-pub(super) fn lean(
+pub(crate) fn lean(
     nodes: &mut [[f64; 3]],
     [plane, along]: [usize; 2],
     ends: [f64; 2],

@@ -63,8 +63,8 @@ impl<'a> Running<'a> {
             .into_iter()
             .map(|remark| remark.to_string());
         let undetermined = folder.undetermined.clone().into_iter();
-        let moved = scene.geology().map(|geology| &geology.moved[..]);
-        let moved = moved.unwrap_or_default().iter().map(ToString::to_string);
+        let moved = scene.geology().into_iter();
+        let moved = moved.flat_map(|geology| geology.warnings());
         for remark in moved.chain(undetermined).chain(remarks).chain(changed) {
             observer.say(&format_args!("warning: {remark}"));
             let more = json!({ "text": remark });

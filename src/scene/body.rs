@@ -9,6 +9,9 @@ use crate::elasticity::{Constraints, Elastic, loads};
 use crate::flow::Fluid;
 use crate::mesh::{Audit, FractureFace, FractureMesh, HexMesh, audit};
 
+/// Share of the way to the centre of an element at which a point lies in it and in no other. Unit: 1.
+const INSIDE: f64 = 1e-9;
+
 /// What pulls or presses on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pull {
@@ -151,7 +154,7 @@ impl Body {
     pub fn initial_stress_at(&self, region: usize, x: [f64; 3]) -> [f64; 6] {
         let mut sigma = self.initial_stress.map_or([0.0; 6], |s| s.at(x));
         if let Some(weight) = &self.weight_stress {
-            let own = weight.at(x[2]);
+            let own = weight.at(x);
             (0..6).for_each(|k| sigma[k] += own[k]);
         }
         match sigma {
@@ -161,11 +164,12 @@ impl Body {
     }
 
     /// Traction `σ0 n` of the initial stress on a face at x, on an area vector n: the same from both sides, but for materials whose stress is
-    /// isotropic, where it is the mean. Unit of n times Pa.
+    /// isotropic and columns of another weight, where it is the mean. Unit of n times Pa.
     pub fn initial_pull_at(&self, face: &FractureFace, x: [f64; 3], n: [f64; 3]) -> [f64; 3] {
         let [minus, plus] = [face.minus.element, face.plus.element].map(|e| {
             let region = usize::from(self.mesh.regions[e as usize]);
-            self.initial_stress_at(region, x)
+            let jumps = self.weight_stress.as_ref().is_some_and(WeightStress::jumps);
+            self.initial_stress_at(region, if jumps { self.towards(e, x) } else { x })
         });
         let mean = |k: usize| {
             if minus[k] == plus[k] {
@@ -177,6 +181,15 @@ impl Body {
         let [xx, yy, zz, xy, yz, xz] = std::array::from_fn(mean);
         let sigma = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
         sigma.map(|row| (0..3).map(|k| row[k] * n[k]).sum())
+    }
+
+    /// A point a little inside an element [m].
+    fn towards(&self, e: u32, x: [f64; 3]) -> [f64; 3] {
+        let nodes = self.mesh.elements[e as usize].map(|a| self.mesh.nodes[a as usize]);
+        std::array::from_fn(|d| {
+            let center = nodes.iter().map(|node| node[d]).sum::<f64>() / 8.0;
+            x[d] + INSIDE * (center - x[d])
+        })
     }
 
     /// Friction of a face, where the scene gives it.

@@ -416,6 +416,7 @@ fn locate(
         }
         MeshError::NoRegion { .. } => vec!["material".into(), "0".into()],
         MeshError::Inverted { .. } => vec!["mesh".into(), "map".into()],
+        MeshError::SurfacesMeet { .. } => vec!["mesh".into(), "map".into(), "lift".into()],
         MeshError::BadWarp { map, .. } => vec!["mesh".into(), "map".into(), (*map).into()],
         _ => vec!["mesh".into()],
     };

@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::{
     FlowProblem, GeologyProblem, OnsetProblem, PartProblem, PoreProblem, ProfileProblem,
-    TableProblem,
+    SurfaceProblem, TableProblem,
 };
 use crate::mesh::MeshError;
 
@@ -66,6 +66,9 @@ pub enum Problem {
     /// From a part of a side.
     #[error(transparent)]
     Part(#[from] PartProblem),
+    /// From a height over x and y.
+    #[error(transparent)]
+    Surface(#[from] SurfaceProblem),
     /// From a field of pressures, or a layer that one diffuses into.
     #[error(transparent)]
     Pores(#[from] PoreProblem),
@@ -99,7 +102,7 @@ pub enum Problem {
     },
     /// Weight that has no direction, or layers that are not level.
     #[error(
-        "the initial stress of weight needs [gravity] along z alone, and elements whose tops and bottoms are level (no map that tilts or distorts them)"
+        "the initial stress of weight needs [gravity] along z alone, and elements whose tops and bottoms are level or whose sides are upright along x and y (no map that distorts them, and no faults that dip beside tops that are not level)"
     )]
     NoWeight,
     /// Rock that gravity asks for a density of.

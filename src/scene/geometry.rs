@@ -7,8 +7,8 @@ use super::mesh_sections::{
 };
 use super::sections::{BoxSection, SceneSections};
 use crate::mesh::{
-    Axis, BoxRegion, Disc, Distort, Grading, Incline, Leaning, MeshError, PlaneFracture, Rotate,
-    Shear, Warp,
+    Axis, BoxRegion, Disc, Distort, Grading, Incline, Leaning, Lift, MeshError, PlaneFracture,
+    Rotate, Shear, Warp,
 };
 use crate::units::{Length, Measure};
 
@@ -211,6 +211,16 @@ pub(super) fn warps(map: &MapSection, center: [f64; 3]) -> Result<Vec<Box<dyn Wa
             radius: disc.radius.si(),
             center: point(&disc.center),
         }));
+    }
+    let mut levels = Vec::with_capacity(map.lift.len());
+    for (i, section) in map.lift.iter().enumerate() {
+        let path = ["mesh", "map", "lift", &i.to_string(), "to"];
+        let surface = section.to.surface(&path, "`to` of [[mesh.map.lift]]")?;
+        levels.push((section.level.si(), surface));
+    }
+    levels.sort_by(|a, b| a.0.total_cmp(&b.0));
+    if !levels.is_empty() {
+        warps.push(Box::new(Lift { levels }));
     }
     for axis in [AxisName::X, AxisName::Y, AxisName::Z] {
         let of_axis = map.shear.iter().filter(|section| section.plane == axis);

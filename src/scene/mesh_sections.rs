@@ -10,6 +10,7 @@ use super::group_names::GroupNames;
 use super::one_or_many::OneOrMany;
 use super::profile::LevelSection;
 use super::sides::PressureFrom;
+use super::surface_section::LiftSection;
 use crate::contact::WeakeningBy;
 use crate::mesh::SizeField;
 use crate::units::{
@@ -36,7 +37,7 @@ pub struct MeshSection {
     /// Lines across z (up).
     #[serde(default, skip_serializing_if = "AxisSection::is_absent")]
     pub z: AxisSection,
-    /// Maps of the finished grid, applied in the order distort, disc, shear, incline, rotate.
+    /// Maps of the finished grid, applied in the order distort, disc, lift, shear, incline, rotate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub map: Option<MapSection>,
 }
@@ -152,6 +153,9 @@ pub struct MapSection {
     /// Squares that become circles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub disc: Option<DiscSection>,
+    /// Levels that become surfaces, in any order. [geology] makes them of tops that are not level.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub lift: Vec<LiftSection>,
     /// Shear between planes that lean each by its own angle; the sides stay. [geology] makes it of faults that dip.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub shear: Vec<ShearSection>,

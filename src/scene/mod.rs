@@ -34,9 +34,11 @@ mod sides;
 mod size;
 mod solver_section;
 mod source;
+mod surface_section;
 mod table_problem;
 mod used;
 mod weight;
+mod weight_columns;
 mod wells;
 
 use std::path::{Path, PathBuf};
@@ -48,7 +50,7 @@ pub use flow_problem::FlowProblem;
 pub use flow_sections::{FluidSection, SourceSection, WellSection};
 pub use gallery::{GalleryScene, gallery, named};
 pub use geology::{
-    CompartmentSection, Geology, GeologyProblem, GeologySection, LayerSection, Moved, Piece,
+    CompartmentSection, Geology, GeologyProblem, GeologySection, LayerSection, Moved, Piece, Remark,
 };
 pub use group_names::GroupNames;
 pub use history::{History, TimeTable};
@@ -76,7 +78,7 @@ pub use solver_section::{
     AugmentedLagrangian, FACTORIZED, Method, Penalty, RunInner, SolverSection, TimeSection,
     Unstable,
 };
-
+pub use surface_section::{LiftSection, SurfacePoints, SurfaceProblem, SurfaceSection};
 pub use table_problem::TableProblem;
 pub use weight::{WeightSection, WeightStress};
 

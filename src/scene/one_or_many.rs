@@ -27,6 +27,14 @@ impl<K: Kind> OneOrMany<K> {
             Self::Many(many) => many.iter().map(Measure::si).collect(),
         }
     }
+
+    /// All of them, to change.
+    pub(super) fn as_mut_slice(&mut self) -> &mut [Measure<K>] {
+        match self {
+            Self::One(one) => std::slice::from_mut(one),
+            Self::Many(many) => many,
+        }
+    }
 }
 
 impl<'de, K: Kind> Deserialize<'de> for OneOrMany<K> {

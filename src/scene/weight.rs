@@ -3,12 +3,13 @@
 use super::Problem;
 use super::located::{Located, at};
 use super::sections::SceneSections;
+use super::weight_columns::WeightColumns;
 use crate::mesh::HexMesh;
 use crate::units::{Density, Measure, Ratio};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// σ_v from the densities above, σ_xx and σ_yy as shares of it; needs `[gravity]` along z, and elements whose tops and bottoms are level.
+/// σ_v from the densities above, σ_xx and σ_yy as shares of it; needs `[gravity]` along z, and elements whose tops and bottoms are level or whose sides are upright along x and y.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WeightSection {
@@ -19,30 +20,48 @@ pub struct WeightSection {
     pub fluid: Option<Measure<Density>>,
 }
 
-/// σ_v against z, straight between the levels of the mesh, and the shares of the horizontal stresses.
+/// σ_v of the rock above, and the shares of the horizontal stresses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WeightStress {
-    /// (z [m], σ_v [Pa]), z increasing.
-    levels: Vec<(f64, f64)>,
+    vertical: Vertical,
     horizontal: [f64; 2],
 }
 
+/// σ_v of the rock above.
+#[derive(Clone, Debug, PartialEq)]
+enum Vertical {
+    /// (z [m], σ_v [Pa]), z increasing, straight between the levels of the mesh.
+    Levels(Vec<(f64, f64)>),
+    /// Column by column.
+    Columns(WeightColumns),
+}
+
 impl WeightStress {
-    /// σ0 at a height [Pa].
-    pub fn at(&self, z: f64) -> [f64; 6] {
-        let last = self.levels.len() - 1;
-        let above = self
-            .levels
-            .partition_point(|(level, _)| *level <= z)
-            .clamp(1, last);
-        let ((z0, s0), (z1, s1)) = (self.levels[above - 1], self.levels[above]);
-        let vertical = s0 + (s1 - s0) * (z - z0) / (z1 - z0);
+    /// σ0 at a point [Pa].
+    pub fn at(&self, point: [f64; 3]) -> [f64; 6] {
+        let vertical = match &self.vertical {
+            Vertical::Levels(levels) => {
+                let z = point[2];
+                let last = levels.len() - 1;
+                let above = levels
+                    .partition_point(|(level, _)| *level <= z)
+                    .clamp(1, last);
+                let ((z0, s0), (z1, s1)) = (levels[above - 1], levels[above]);
+                s0 + (s1 - s0) * (z - z0) / (z1 - z0)
+            }
+            Vertical::Columns(columns) => columns.at(point),
+        };
         let [x, y] = self.horizontal.map(|share| share * vertical);
         [x, y, vertical, 0.0, 0.0, 0.0]
     }
 
-    /// Integrates densities [kg/m³] from the top down, each the mean over a level of the mesh: a column is in equilibrium where layers are
-    /// level; where they are not, the equilibrium at time 0 makes up for the difference.
+    /// True where it jumps between columns, so that a point between two of them has two values.
+    pub(super) fn jumps(&self) -> bool {
+        matches!(self.vertical, Vertical::Columns(_))
+    }
+
+    /// Integrates densities [kg/m³] from the top down, where elements are level each the mean over a level of the mesh, elsewhere column by
+    /// column: a column is in equilibrium where layers are level; where they are not, the equilibrium at time 0 makes up for the difference.
     pub(super) fn new(
         section: &WeightSection,
         sections: &SceneSections,
@@ -52,8 +71,38 @@ impl WeightStress {
         let place = ["initial_stress", "weight"];
         let gravity = sections.gravity.as_ref().map_or([0.0; 3], |g| g.si());
         let is_vertical = gravity[2] != 0.0 && gravity[..2] == [0.0; 2];
-        let (Some(lines), true) = (levels(mesh), is_vertical) else {
+        let fluid = section.fluid.as_ref().map_or(0.0, Measure::si);
+        let horizontal = [0, 1].map(|k: usize| section.horizontal[k].si());
+        if !is_vertical {
             return Err(at(&place, Problem::NoWeight));
+        }
+        let Some(lines) = levels(mesh) else {
+            let weights: Vec<f64> = densities
+                .iter()
+                .map(|rho| (rho - fluid) * gravity[2])
+                .collect();
+            let Some(columns) = WeightColumns::new(mesh, &weights) else {
+                return Err(at(&place, Problem::NoWeight));
+            };
+            let regions = mesh
+                .regions
+                .iter()
+                .map(|region| densities[usize::from(*region)]);
+            let mut elements = regions.enumerate();
+            if let Some((e, rock)) = elements.find(|(_, rho)| *rho < fluid * (1.0 - CLOSE)) {
+                let [from, to] = reach(mesh, e).map(|z| (1e3 * z).round() / 1e3);
+                let lifted = Problem::Lifted {
+                    from,
+                    to,
+                    rock,
+                    fluid,
+                };
+                return Err(at(&["initial_stress", "weight", "fluid"], lifted));
+            }
+            return Ok(Self {
+                vertical: Vertical::Columns(columns),
+                horizontal,
+            });
         };
         let mut sums = vec![[0.0; 2]; lines.len() - 1];
         for (e, region) in mesh.regions.iter().enumerate() {
@@ -67,7 +116,6 @@ impl WeightStress {
                 sum[1] += volume;
             }
         }
-        let fluid = section.fluid.as_ref().map_or(0.0, Measure::si);
         let mut levels = vec![(lines[lines.len() - 1], 0.0)];
         let mut stress = 0.0;
         for (k, [mass, volume]) in sums.iter().enumerate().rev() {
@@ -86,8 +134,11 @@ impl WeightStress {
             levels.push((lines[k], stress));
         }
         levels.reverse();
-        let horizontal = [0, 1].map(|k: usize| section.horizontal[k].si());
-        Ok(Self { levels, horizontal })
+        let vertical = Vertical::Levels(levels);
+        Ok(Self {
+            vertical,
+            horizontal,
+        })
     }
 }
 

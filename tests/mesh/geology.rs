@@ -12,7 +12,7 @@ use fracas_solvers::Silent;
 /// Geologies where nobody asks for more.
 const RUNS: u64 = 150;
 
-const HELD: &str = "[[boundary]]\nside = 'z-'\nhold = 'fixed'\n[[boundary]]\nside = 'x-'\nhold = 'fixed'\n[[boundary]]\nside = 'x+'\nhold = 'fixed'\n\
+pub(crate) const HELD: &str = "[[boundary]]\nside = 'z-'\nhold = 'fixed'\n[[boundary]]\nside = 'x-'\nhold = 'fixed'\n[[boundary]]\nside = 'x+'\nhold = 'fixed'\n\
     [[boundary]]\nside = 'y-'\nhold = 'fixed'\n[[boundary]]\nside = 'y+'\nhold = 'fixed'\n[[boundary]]\nside = 'z+'\nhold = 'fixed'\n";
 
 /// A fault across x (0) or y (1).

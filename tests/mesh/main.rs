@@ -6,5 +6,8 @@ mod gallery;
 mod geology;
 mod rank;
 mod scene_errors;
+mod slopes;
 mod splitting;
 mod stabilization_lengths;
+mod tilted;
+mod tops;

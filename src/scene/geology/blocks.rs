@@ -18,6 +18,14 @@ pub struct Piece {
     pub ends: [[f64; 2]; 3],
 }
 
+/// A column of cells in a block, and which layers are too thin in it for their cells.
+pub(super) struct ThinCell {
+    /// Intervals in x and y [m].
+    pub(super) rectangle: [[f64; 2]; 2],
+    /// Per layer.
+    pub(super) layers: Vec<bool>,
+}
+
 /// A part of a layer in a rectangle.
 pub(super) struct Compartment {
     material: usize,
@@ -149,25 +157,78 @@ impl Blocks {
         })
     }
 
-    /// The boxes of all layers and compartments: disjoint, and the whole of the box together.
-    pub(super) fn pieces(&self, layers: &Layers, compartments: &[Compartment]) -> Vec<Piece> {
+    /// The boxes of all layers and compartments: disjoint, and the whole of the box together. Where a layer is too thin for its cells, these
+    /// have the material below, or at the bottom that above.
+    pub(super) fn pieces(
+        &self,
+        layers: &Layers,
+        compartments: &[Compartment],
+        thin: &[Vec<ThinCell>],
+    ) -> Vec<Piece> {
         let mut pieces = Vec::new();
-        let columns = self.breaks[0].len() - 1;
         for (b, (middle, levels)) in middles(&self.breaks).zip(&self.levels).enumerate() {
-            let [x, y] = [
-                &self.breaks[0][b % columns..][..2],
-                &self.breaks[1][b / columns..][..2],
-            ];
-            for (k, name) in layers.names.iter().enumerate() {
-                let inside = |c: &&Compartment| c.layer == *name && c.holds(middle);
-                let part = compartments.iter().rfind(inside);
-                pieces.push(Piece {
-                    material: part.map_or(layers.materials[k], |c| c.material),
-                    ends: [[x[0], x[1]], [y[0], y[1]], [levels[k + 1], levels[k]]],
-                });
+            let rectangle = self.rectangle(b);
+            let own: Vec<usize> = (layers.names.iter().enumerate())
+                .map(|(k, name)| {
+                    let inside = |c: &&Compartment| c.layer == *name && c.holds(middle);
+                    let part = compartments.iter().rfind(inside);
+                    part.map_or(layers.materials[k], |c| c.material)
+                })
+                .collect();
+            let cells = thin.get(b).map_or(&[][..], |cells| cells);
+            for (k, material) in own.iter().enumerate() {
+                let z = [levels[k + 1], levels[k]];
+                if !cells.iter().any(|cell| cell.layers[k]) {
+                    let [x, y] = rectangle;
+                    let (material, ends) = (*material, [x, y, z]);
+                    pieces.push(Piece { material, ends });
+                    continue;
+                }
+                pieces.extend(cells.iter().map(|cell| {
+                    let [x, y] = cell.rectangle;
+                    let thick = |k: &usize| !cell.layers[*k];
+                    let in_place = (k..own.len()).find(thick);
+                    let in_place = in_place.or((0..k).rev().find(thick)).unwrap_or(k);
+                    let (material, ends) = (own[in_place], [x, y, z]);
+                    Piece { material, ends }
+                }));
             }
         }
         (0..2).fold(pieces, joined)
+    }
+
+    /// Where tops and compartments divide x (0) or y (1), increasing [m].
+    pub(super) fn breaks(&self, axis: usize) -> &[f64] {
+        &self.breaks[axis]
+    }
+
+    /// Number of blocks.
+    pub(super) fn count(&self) -> usize {
+        self.levels.len()
+    }
+
+    /// Levels of the grid at tops and at the base in a block, decreasing [m].
+    pub(super) fn levels(&self, block: usize) -> &[f64] {
+        &self.levels[block]
+    }
+
+    /// Intervals of x and y of a block [m].
+    pub(super) fn rectangle(&self, block: usize) -> [[f64; 2]; 2] {
+        let columns = self.breaks[0].len() - 1;
+        let start = [block % columns, block / columns];
+        [0, 1].map(|d: usize| [self.breaks[d][start[d]], self.breaks[d][start[d] + 1]])
+    }
+
+    /// Blocks that a point lies in, or on the border of.
+    pub(super) fn around(&self, point: [f64; 2]) -> impl Iterator<Item = usize> {
+        let columns = self.breaks[0].len() - 1;
+        let [x, y] = [0, 1].map(|d: usize| {
+            let breaks = &self.breaks[d];
+            let first = breaks.partition_point(|b| *b < point[d]).max(1) - 1;
+            let end = breaks.partition_point(|b| *b <= point[d]);
+            first..end.min(breaks.len() - 1)
+        });
+        y.flat_map(move |j| x.clone().map(move |i| i + columns * j))
     }
 
     /// A fault with a throw on both sides of which every top that it offsets lies at one level: between the same centres of cells where the
@@ -192,11 +253,9 @@ impl Blocks {
                 let along = [behind % columns, behind / columns][fault.axis];
                 let is_beside = along > 0 && fault.at.contains(&self.breaks[fault.axis][along]);
                 is_beside
-                    && (tops.clone())
-                        .filter(|k| fault.cuts(layers.levels[*k]))
-                        .any(|k| {
-                            below(self.levels[behind - stride][k]) != below(self.levels[behind][k])
-                        })
+                    && (tops.clone()).filter(|k| fault.cuts(*k)).any(|k| {
+                        below(self.levels[behind - stride][k]) != below(self.levels[behind][k])
+                    })
             })
         };
         faults

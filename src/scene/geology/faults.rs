@@ -24,10 +24,14 @@ pub(super) struct Fault {
     pub(super) axis: usize,
     /// Positions [m].
     pub(super) at: Vec<f64>,
-    /// Depth range [m].
+    /// Depth range in the grid, before lines move to tops that are not level [m].
     pub(super) reach: [f64; 2],
-    /// Levels, as written, between which it offsets tops [m].
-    cut: [f64; 2],
+    /// Depth range in the rock, where that is another one [m].
+    pub(super) rock: Option<[f64; 2]>,
+    /// Its `z` as written [m].
+    pub(super) written: Option<[f64; 2]>,
+    /// Per position, which levels it offsets, the top and the bottom of the box included.
+    cut: Vec<Vec<bool>>,
     /// How much lower layers lie beyond it [m].
     pub(super) throw: f64,
     /// Level at which it lies at its position, where it is written [m].
@@ -62,6 +66,17 @@ impl Fault {
         };
         let throw = fracture.throw.as_ref().map_or(0.0, Measure::si);
         let whole = extents[2];
+        let middle = [0, 1].map(|d: usize| 0.5 * (extents[d][0] + extents[d][1]));
+        let trace = |position: f64| {
+            let mut point = middle;
+            point[axis] = position;
+            point
+        };
+        let last = layers.levels.len() - 1;
+        let numbers = |within: &dyn Fn(usize, [f64; 2]) -> bool| -> Vec<Vec<bool>> {
+            let of = |position: &f64| (0..=last).map(|k| within(k, trace(*position))).collect();
+            positions.si().iter().map(of).collect()
+        };
         let (cut, reach) = match (&fracture.z, &fracture.cuts) {
             (Some(_), Some(_)) => {
                 let what = format!("fracture \"{name}\"");
@@ -71,17 +86,19 @@ impl Fault {
             }
             (Some(z), None) => {
                 let z = [z[0].si(), z[1].si()];
-                (z, z)
+                let is_within = |k: usize, point| (z[0]..=z[1]).contains(&layers.tops[k].at(point));
+                (numbers(&is_within), z)
             }
             (None, Some(cuts)) if cuts.is_empty() => {
                 return Err(here("cuts", GeologyProblem::NoCut { name }.into()));
             }
             (None, Some(cuts)) => {
-                let cut = layers.span(cuts);
-                let cut = cut.map_err(|problem| here("cuts", problem.into()))?;
-                (cut, cut)
+                let span = layers.span(cuts);
+                let [first, end] = span.map_err(|problem| here("cuts", problem.into()))?;
+                let reach = [end, first].map(|k| layers.levels[k]);
+                (numbers(&|k, _| (first..=end).contains(&k)), reach)
             }
-            (None, None) => (whole, whole),
+            (None, None) => (numbers(&|_, _| true), whole),
         };
         let [from, to] = reach;
         if to <= from {
@@ -91,9 +108,9 @@ impl Fault {
                 GeologyProblem::NoHeight { name, from, to }.into(),
             ));
         }
-        let tops = &layers.levels[1..layers.levels.len() - 1];
-        if throw != 0.0 && !tops.iter().any(|top| (cut[0]..=cut[1]).contains(top)) {
-            let tops = tops.to_vec();
+        if throw != 0.0 && !cut.iter().any(|cut| cut[1..last].contains(&true)) {
+            let place = trace(positions.si().first().copied().unwrap_or(middle[axis]));
+            let tops = (1..last).map(|k| layers.tops[k].at(place)).collect();
             let idle = GeologyProblem::IdleThrow {
                 name,
                 throw,
@@ -110,7 +127,14 @@ impl Fault {
         ends[axis] = positions.clone();
         for (d, values) in ends.iter().enumerate() {
             let key = if d == axis { "at" } else { ["x", "y", "z"][d] };
-            let [from, to] = extents[d];
+            let [from, mut to] = extents[d];
+            if d == 2 && fracture.z.is_some() {
+                let ground = |at: &f64| layers.tops[0].range(across_box(axis, *at, extents))[1];
+                to = positions
+                    .iter()
+                    .map(ground)
+                    .fold(f64::NEG_INFINITY, f64::max);
+            }
             for value in values.iter().copied() {
                 let (fracture, axis_name) = (name.clone(), ['x', 'y', 'z'][d]);
                 if !(from..=to).contains(&value) {
@@ -148,6 +172,8 @@ impl Fault {
             axis,
             at: positions,
             reach,
+            rock: None,
+            written: fracture.z.as_ref().map(|_| reach),
             cut,
             throw,
             level: fracture.level.as_ref().map(Measure::si),
@@ -157,8 +183,18 @@ impl Fault {
 
     /// Level at which it lies at its position [m].
     pub(super) fn level(&self) -> f64 {
-        let middle = 0.5 * (self.reach[0] + self.reach[1]);
-        self.level.unwrap_or(middle)
+        let [from, to] = self.in_rock();
+        self.level.unwrap_or(0.5 * (from + to))
+    }
+
+    /// Depth range in the rock [m].
+    pub(super) fn in_rock(&self) -> [f64; 2] {
+        self.rock.unwrap_or(self.reach)
+    }
+
+    /// Fixes the level at which it lies at its position, where none is written.
+    pub(super) fn lies_at(&mut self, level: f64) {
+        self.level.get_or_insert(level);
     }
 
     /// True where it moves layers.
@@ -166,17 +202,23 @@ impl Fault {
         self.throw != 0.0
     }
 
-    /// True where it offsets a top of this level.
-    pub(super) fn cuts(&self, top: f64) -> bool {
-        (self.cut[0]..=self.cut[1]).contains(&top)
+    /// True where it offsets level k.
+    pub(super) fn cuts(&self, k: usize) -> bool {
+        self.cut.iter().any(|cut| cut[k])
     }
 
-    /// How much lower a top of this level lies at a point because of it [m].
-    pub(super) fn offset(&self, top: f64, point: [f64; 2]) -> f64 {
-        if !self.cuts(top) {
-            return 0.0;
-        }
-        let passed = self.at.iter().filter(|at| point[self.axis] > **at).count();
+    /// Numbers of the highest and of the lowest level that it cuts.
+    pub(super) fn levels(&self) -> Option<[usize; 2]> {
+        let all = self.cut.first()?.len();
+        let mut cut = (0..all).filter(|k| self.cuts(*k));
+        let first = cut.next()?;
+        Some([first, cut.next_back().unwrap_or(first)])
+    }
+
+    /// How much lower level k lies at a point because of it [m].
+    pub(super) fn offset(&self, k: usize, point: [f64; 2]) -> f64 {
+        let is_passed = |(at, cut): &(&f64, &Vec<bool>)| cut[k] && point[self.axis] > **at;
+        let passed = self.at.iter().zip(&self.cut).filter(is_passed).count();
         self.throw * passed as f64
     }
 }
@@ -218,13 +260,21 @@ fn beside(fault: &Fault, faults: &[Fault], layers: &Layers, extents: &[[f64; 2];
             for place in &along {
                 let mut point = [own, *place];
                 point.swap(0, fault.axis);
-                for level in layers.lying(faults, point, fault.cut) {
+                for k in (0..layers.levels.len()).filter(|k| fault.cuts(*k)) {
+                    let level = layers.levels[k] - layers.offset(k, faults, point);
                     range = [range[0].min(level), range[1].max(level)];
                 }
             }
         }
     }
     range
+}
+
+/// The line of a position across the box.
+pub(super) fn across_box(axis: usize, at: f64, extents: &[[f64; 2]; 3]) -> [[f64; 2]; 2] {
+    let mut trace = [extents[0], extents[1]];
+    trace[axis] = [at; 2];
+    trace
 }
 
 /// Share of the box at which a point lies beside a fault: far above rounding, far below a cell. Unit: 1.

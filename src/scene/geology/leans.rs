@@ -8,8 +8,9 @@ use crate::scene::located::{Located, at};
 use crate::scene::mesh_sections::{AxisName, FractureSection, ShearSection};
 use crate::units::Measure;
 
-/// Least share of the distance of two planes that shear may leave: cells between them become that much narrower. Unit: 1.
-const SQUEEZE: f64 = 0.1;
+/// Least share of the distance of two planes, or of two levels, that shear and lift may leave: cells between them become that much
+/// narrower. Unit: 1.
+pub(super) const SQUEEZE: f64 = 0.1;
 
 /// A plane, the fault that made it and the number of its section.
 struct Plane<'a> {
@@ -38,7 +39,7 @@ pub(super) fn shear(
                 at: Measure::metres(*position),
                 level: Measure::metres(fault.level()),
                 dip: dip.unwrap_or_else(Measure::right),
-                z: fault.reach.map(Measure::metres),
+                z: fault.in_rock().map(Measure::metres),
             };
             let plane = Plane {
                 fault,

@@ -156,6 +156,16 @@ impl<'a> Lines<'a> {
         line
     }
 
+    /// How many things have moved so far, on all axes.
+    pub(super) fn told(&self) -> usize {
+        self.moved.len()
+    }
+
+    /// How many there are, the ends included.
+    pub(super) fn count(&self) -> usize {
+        self.points.len()
+    }
+
     /// All of them, the ends first.
     pub(super) fn points(self) -> Vec<f64> {
         self.points

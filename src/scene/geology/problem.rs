@@ -42,6 +42,64 @@ pub enum GeologyProblem {
         /// Of the layers [m].
         level: f64,
     },
+    /// Tops that cross.
+    #[error(
+        "at x = {} m, y = {} m {lower} at {} m lies above {upper} at {} m; tops may meet, where a layer ends, and not cross", at[0], at[1], heights[1], heights[0]
+    )]
+    TopsCross {
+        /// The one that is written first.
+        upper: String,
+        /// The one that should lie below it.
+        lower: String,
+        /// Where they cross most [m].
+        at: [f64; 2],
+        /// Their heights there [m].
+        heights: [f64; 2],
+    },
+    /// Two surfaces that the lines of a grid cannot both follow.
+    #[error(
+        "{first} at {:.3} m and {second} at {:.3} m come too close or cross at x = {:.3} m, y = {:.3} m: their levels of the grid are z = {:.3} m and {:.3} m, and it cannot follow both; move one of them, change a `throw`, take a smaller `size` in [mesh.z], or take a mesh from Gmsh", heights[0], heights[1], at[0], at[1], lines[0], lines[1]
+    )]
+    Tangled {
+        /// That of the lower line.
+        first: String,
+        /// That of the upper one.
+        second: String,
+        /// Where [m].
+        at: [f64; 2],
+        /// Their heights there [m].
+        heights: [f64; 2],
+        /// Their lines [m].
+        lines: [f64; 2],
+    },
+    /// Layers that leave the grid no height.
+    #[error(
+        "at x = {:.3} m, y = {:.3} m the layers are {height:.3} m thick together, too little for the cells of all of them, which keep a tenth of their height; lower `bottom` or raise the tops there", at[0], at[1]
+    )]
+    NoRoom {
+        /// Where [m].
+        at: [f64; 2],
+        /// Height from the bottom to the ground [m].
+        height: f64,
+    },
+    /// A top that climbs with the faults.
+    #[error(
+        "{what} is as steep as the lines of the grid that lean with faults around x = {:.3} m, y = {:.3} m; make it less steep, or raise the dips", at[0], at[1]
+    )]
+    Steep {
+        /// Which top.
+        what: String,
+        /// Where [m].
+        at: [f64; 2],
+    },
+    /// Something that needs level tops.
+    #[error("{what} does not go with tops of [geology] that are not level: {why}")]
+    NeedsLevel {
+        /// What.
+        what: String,
+        /// Why, and what to do.
+        why: &'static str,
+    },
     /// A name that is not there.
     #[error("no {kind} is named \"{name}\"{}; there are: {}", nearest.as_ref().map_or(String::new(), |n| format!(", did you mean \"{n}\"?")), known.join(", "))]
     Unknown {

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::scene::SurfaceSection;
 use crate::units::{Length, Measure};
 
 /// Layers from the top down, which fractures across x and y may offset (`throw`) and lean through (`dip`); grid lines follow.
@@ -22,8 +23,9 @@ pub struct GeologySection {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LayerSection {
-    /// Level z of its top before faults offset it: that in the corner of lowest x and y.
-    pub top: Measure<Length>,
+    /// Its top before faults offset it, that in the corner of lowest x and y: a level z, or a surface: pairs `{ x = [[x, z], …] }` or
+    /// `{ y = [[y, z], …] }`, or a table `{ x = […], y = […], z = [[…], …] }` with a row per y; straight between points and constant beyond.
+    pub top: SurfaceSection,
     /// Name of its material.
     pub material: String,
 }
