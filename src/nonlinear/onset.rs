@@ -281,11 +281,10 @@ impl Search {
                 Begins::Face => "a first face",
                 Begins::Patch => "a patch",
             };
-            format!("{what} of fracture \"{}\"", names[onset.fracture])
+            format!("{what} on fracture \"{}\"", names[onset.fracture])
         });
         let each: Vec<String> = each.collect();
-        let each = each.join(" and ");
-        format!("{each} slips or opens, and when is looked for")
+        format!("slip begins, and when is looked for: {}", each.join(", "))
     }
 
     /// What begins in the last attempt that settled, and what had begun before anything was looked for.
@@ -425,5 +424,100 @@ impl Simulation<'_> {
         let names = &self.problem().body().fractures.names;
         let found = state.onsets.iter().flat_map(|known| &known.found);
         found.map(|onset| (&names[onset.fracture][..], onset))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::named;
+
+    fn body(onset: &str) -> Body {
+        let scene = named("cycle").unwrap().small_scene().unwrap();
+        let scene = scene.with_overrides(&[&format!("time.onset={onset}")]);
+        scene.unwrap().build().unwrap()
+    }
+
+    /// An onset of the first fracture that a state knows.
+    fn known(begins: Begins) -> SlipOnset {
+        SlipOnset {
+            fracture: 0,
+            begins,
+            before: Some(0.25),
+            after: 0.5,
+            face: 1,
+            center: [1.0, 2.0, 3.0],
+            area: 4.0,
+            drained: [0.0; 2],
+            pressure: 0.0,
+        }
+    }
+
+    #[test]
+    fn an_interval_is_halved_until_it_is_short_and_taken_whole_where_no_shorter_step_settles() {
+        let body = body("{within=\"0.1 s\"}");
+        let simulation = Simulation::new(&body).unwrap();
+        let mut state = simulation.initial_state();
+        (state.step, state.time, state.loaded, state.next) = (3, 1.0, 1.0, 0.8);
+        for (until, increment) in [(1.5, 0.25), (1.2, 0.1), (1.0625, 0.0625), (9.0, 0.8)] {
+            state.onsets = Some(Box::new(Onsets {
+                until: Some([until, 0.8]),
+                ..Onsets::default()
+            }));
+            let mut search = Search::new(&simulation, &state).unwrap();
+            assert!(search.narrows());
+            let found = search.increment(&state, state.next);
+            assert!((found - increment).abs() < 1e-15, "{until}: {found}");
+            assert_eq!(search.gives_up(&state), until - 1.0);
+            assert!(!search.narrows());
+        }
+    }
+
+    #[test]
+    fn another_patch_is_looked_for_anew_and_what_had_begun_is_told_without_a_time_before() {
+        let body = body("{within=\"0.1 s\",patch=\"16 m2\"}");
+        let simulation = Simulation::new(&body).unwrap();
+        let mut state = simulation.initial_state();
+        (state.step, state.time, state.loaded) = (3, 1.0, 1.0);
+        state.onsets = Some(Box::new(Onsets {
+            found: vec![known(Begins::Face), known(Begins::Patch)],
+            patch: Some(8.0),
+            until: Some([1.5, 0.8]),
+        }));
+        let all_stick = Search::new(&simulation, &state).unwrap();
+        assert_eq!(all_stick.known.found, [known(Begins::Face)]);
+        assert!(!all_stick.narrows());
+        state.states.fill(ContactState::Slip);
+        let last = state.slip.len() - 1;
+        state.slip[last] = 1e-3;
+        let search = Search::new(&simulation, &state).unwrap();
+        let found = &search.known.found[1];
+        let is_it = (found.begins, found.before, found.after);
+        assert_eq!(is_it, (Begins::Patch, None, 1.0));
+        assert_eq!(found.face, state.states.len() - 1);
+        assert_eq!(search.events(&simulation).len(), 1);
+        // the same patch is known already
+        state.onsets = Some(Box::new(Onsets {
+            found: vec![known(Begins::Patch)],
+            patch: Some(16.0),
+            until: None,
+        }));
+        let search = Search::new(&simulation, &state).unwrap();
+        assert_eq!(search.known.found, [known(Begins::Patch)]);
+        assert!(search.events(&simulation).is_empty());
+    }
+
+    #[test]
+    fn a_list_of_another_length_is_none() {
+        let onsets = Onsets {
+            found: vec![known(Begins::Patch)],
+            patch: None,
+            until: None,
+        };
+        let list = onsets.numbers();
+        assert_eq!(Onsets::from_numbers(&list), Some(onsets));
+        for n in [0, 2, list.len() - 1] {
+            assert_eq!(Onsets::from_numbers(&list[..n]), None);
+        }
     }
 }

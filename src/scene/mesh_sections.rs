@@ -306,7 +306,8 @@ pub struct FractureSection {
     /// Slip over which friction weakens.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub weakening_distance: Option<Measure<Distance>>,
-    /// What of its slip weakens a face: `slip`, its length, so that slip back heals, or `path`, the way it has gone, which only grows.
+    /// What of its slip weakens a face: `slip`, its length, so that slip back heals, or `path`, the way it has gone, which only grows;
+    /// `slip` if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub weakening_by: Option<WeakeningBy>,
     /// Opening before any displacement.

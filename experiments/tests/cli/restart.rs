@@ -25,6 +25,7 @@ fn content(out: &Path) -> Vec<(String, Vec<u8>)> {
         ]
         .map(String::from),
     );
+    files.extend(names(out, "onset", ".csv"));
     let figures = names(&out.join("figures"), "", "");
     files.extend(figures.iter().map(|f| format!("figures/{f}")));
     let last = names(&out.join("checkpoint"), "", "").pop();
@@ -49,6 +50,109 @@ fn same(ours: &Path, theirs: &Path, what: &str) {
 #[test]
 fn a_restart_at_every_step_writes_the_same_files() {
     restarted("restart", &[]);
+}
+
+/// Fault that weakens by the path of its slip, whose onset is looked for.
+const ONSET: [&str; 10] = [
+    "--set",
+    "fracture.0.dynamic_friction_angle=15 deg",
+    "--set",
+    "fracture.0.weakening_distance=20 mm",
+    "--set",
+    "fracture.0.weakening_by=path",
+    "--set",
+    "time.onset={within=\"2 min\",patch=\"4 m2\"}",
+    "--set",
+    "solver.inner=exact",
+];
+
+/// Also between two halves of a step in which slip begins.
+#[test]
+fn a_restart_within_the_search_for_an_onset_writes_the_same_files() {
+    restarted("restart-onset", &ONSET);
+}
+
+#[test]
+fn the_onset_of_slip_is_told_in_every_place() {
+    let (folder, scene) = scene("onset");
+    let out = folder.join("out");
+    let ran = run(&scene, &out, &ONSET);
+    done(&ran);
+    let table = read(out.join("onset.csv"));
+    let rows: Vec<Vec<&str>> = table.lines().map(|l| l.split(',').collect()).collect();
+    assert_eq!(rows.len(), 3, "{table}");
+    let column = |name: &str| rows[0].iter().position(|c| *c == name).unwrap();
+    let whole: serde_json::Value = serde_json::from_str(&read(out.join("run.json"))).unwrap();
+    let log = read(out.join("log.jsonl"));
+    let log: Vec<serde_json::Value> = (log.lines())
+        .map(|line| serde_json::from_str(line).unwrap())
+        .filter(|line: &serde_json::Value| line["event"] == "onset")
+        .collect();
+    for (k, begins) in ["face", "patch"].into_iter().enumerate() {
+        let (row, told) = (&rows[k + 1], &whole["onset"][k]);
+        assert_eq!(row[column("begins")], begins);
+        let number = |name: &str| row[column(name)].parse::<f64>().unwrap();
+        let [before, after] = ["time_before_s", "time_after_s"].map(number);
+        assert!(
+            after > before && after - before <= 120.0 * (1.0 + 1e-9),
+            "{before} {after}"
+        );
+        assert_eq!(told["time_before_s"], before);
+        assert_eq!(told["time_after_s"], after);
+        assert_eq!(number("area_m2") >= 4.0 * (1.0 - 1e-9), begins == "patch");
+        assert_eq!(
+            (&log[k]["begins"], &log[k]["text"]),
+            (&told["begins"], &told["text"])
+        );
+        let text = told["text"].as_str().unwrap();
+        assert!(
+            ran.stderr.contains(&format!("onset: {text}")),
+            "{}",
+            ran.stderr
+        );
+        assert!(
+            ran.stderr.contains(&format!("; {text}")) || k == 1,
+            "{}",
+            ran.stderr
+        );
+    }
+    let page = read(out.join("report.html"));
+    assert!(page.contains("When slip begins on a fracture"));
+    let faults = read(out.join("fault.csv"));
+    let heading = faults.lines().next().unwrap();
+    assert!(
+        heading.ends_with(",cumulated_slip_mean_m,cumulated_slip_max_m"),
+        "{heading}"
+    );
+    let fields = fs::read(out.join(names(&out, "fracture", ".vtu").pop().unwrap())).unwrap();
+    assert!(String::from_utf8_lossy(&fields).contains("Name=\"cumulatedSlip\""));
+}
+
+/// A run that is asked for it late says that slip had begun, and what begins later as ever.
+#[test]
+fn an_onset_may_be_asked_for_at_a_restart() {
+    let (folder, scene) = scene("onset-late");
+    let (out, plain) = (folder.join("out"), &ONSET[..6]);
+    done(&run(&scene, &out, plain));
+    assert!(!out.join("onset.csv").exists());
+    let faults = read(out.join("fault.csv"));
+    let slips = |line: &&str| line.split(',').nth(3).is_some_and(|a| a != "0.0");
+    let first = faults.lines().skip(1).find(slips).unwrap();
+    let first: usize = first.split(',').next().unwrap().parse().unwrap();
+    fs::remove_dir_all(&out).unwrap();
+    done(&run(
+        &scene,
+        &out,
+        &[&["--steps", &(first + 1).to_string()], plain].concat(),
+    ));
+    let from = out.display().to_string();
+    let late = "time.onset={within=\"1 h\",patch=\"8 m2\"}";
+    done(&fracas(
+        &[&["run", &scene, "--restart", &from, "--set", late], plain].concat(),
+    ));
+    let table = read(out.join("onset.csv"));
+    let row: Vec<&str> = table.lines().nth(1).unwrap().split(',').collect();
+    assert_eq!((row[2], row[3]), ("face", ""), "{table}");
 }
 
 /// What has crept is there again.
@@ -123,7 +227,9 @@ fn restarted(name: &str, more: &[&str]) {
     let (folder, scene) = scene(name);
     let whole = folder.join("whole");
     done(&run(&scene, &whole, &[&["--threads", "2"], more].concat()));
-    for k in 1..ROWS {
+    let rows = read(whole.join("history.csv")).lines().count() - 1;
+    assert!(rows >= ROWS);
+    for k in 1..rows {
         let out = folder.join(format!("after-{k}"));
         let n = k.to_string();
         let first = run(

@@ -67,6 +67,8 @@ class Step:
     criticality: Any = field(default=None, repr=False)
     tau_limit: Any = field(default=None, repr=False)
     pressure: Any = field(default=None, repr=False)
+    #: The path of slip [m], where a fracture has ``weakening_by = "path"``.
+    cumulated_slip: Any = field(default=None, repr=False)
     conductivity: Any = field(default=None, repr=False)
     flux: Any = field(default=None, repr=False)
 
