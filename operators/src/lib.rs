@@ -39,6 +39,6 @@ pub use dense::Dense;
 pub use fields::{Field, Fields, Layout};
 pub use operator::{AdjointOperator, LinearOperator};
 pub use preconditioner::{Identity, Preconditioner, Properties};
-pub use real::Real;
+pub use real::{Make, Real};
 pub use shape::Shape;
 pub use twofold::Twofold;

@@ -16,6 +16,22 @@ pub(crate) mod sealed {
     impl Sealed for f32 {}
 }
 
+/// What is made for any scalar. Behind [`Real::make`] the two that work is done in are compiled where this is written, once; a generic
+/// function is compiled again by every crate that calls it.
+pub trait Make {
+    /// What is made.
+    type Made<R: Real>;
+
+    /// In double precision.
+    fn double(self) -> Self::Made<f64>;
+
+    /// In single precision.
+    fn single(self) -> Self::Made<f32>;
+
+    /// In any other scalar.
+    fn other<R: Real>(self) -> Self::Made<R>;
+}
+
 /// A real scalar: `f64` (the default everywhere) or `f32` (inside preconditioners). Sealed.
 pub trait Real:
     sealed::Sealed
@@ -39,6 +55,11 @@ pub trait Real:
 
     /// This value in double precision (exact).
     fn to_f64_exact(self) -> f64;
+
+    /// What is made for this scalar.
+    fn make<M: Make>(of: M) -> M::Made<Self> {
+        of.other()
+    }
 }
 
 impl Real for f64 {
@@ -51,6 +72,10 @@ impl Real for f64 {
     fn to_f64_exact(self) -> f64 {
         self
     }
+    #[inline(always)]
+    fn make<M: Make>(of: M) -> M::Made<Self> {
+        of.double()
+    }
 }
 
 impl Real for f32 {
@@ -62,5 +87,9 @@ impl Real for f32 {
     #[inline(always)]
     fn to_f64_exact(self) -> f64 {
         f64::from(self)
+    }
+    #[inline(always)]
+    fn make<M: Make>(of: M) -> M::Made<Self> {
+        of.single()
     }
 }

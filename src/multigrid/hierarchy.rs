@@ -19,7 +19,7 @@ use crate::system::StickSystem;
 use fracas_operators::simd::Level as Instructions;
 use fracas_operators::small::{Symmetric, upper};
 use fracas_operators::sparse::Block3;
-use fracas_operators::{AdjointOperator, LinearOperator, Real};
+use fracas_operators::{AdjointOperator, LinearOperator, Make, Real};
 use fracas_solvers::multigrid::{
     About, BlockChebyshev, BlockJacobi, Hierarchy, Level, NoInverse, Scaled, Smoother, Smoothing,
 };
@@ -27,6 +27,30 @@ use std::borrow::Cow;
 
 /// Levels beyond which a grid cannot have been halved.
 const MOST_LEVELS: usize = 32;
+
+/// What the operator of a level is made of.
+struct Operator<'a> {
+    level: &'a Current<'a>,
+    system: &'a StickSystem<'a>,
+    materials: &'a [Elastic],
+    c_inverse: &'a [[[f64; 3]; 3]],
+}
+
+impl Make for Operator<'_> {
+    type Made<R: Real> = Result<(Box<dyn LinearOperator<R>>, usize), GeometricError>;
+
+    fn double(self) -> Self::Made<f64> {
+        self.other()
+    }
+
+    fn single(self) -> Self::Made<f32> {
+        self.other()
+    }
+
+    fn other<R: Real>(self) -> Self::Made<R> {
+        (self.level).operator(self.system, self.materials, self.c_inverse)
+    }
+}
 
 /// The level that is being worked on.
 struct Current<'a> {
@@ -210,7 +234,12 @@ impl Current<'_> {
                 }
             }
         }
-        let (operator, bytes) = self.operator(system, materials, c_inverse)?;
+        let (operator, bytes) = R::make(Operator {
+            level: self,
+            system,
+            materials,
+            c_inverse,
+        })?;
         let fixed = fixed::list(&self.fixed);
         let jacobi = match &self.remainder {
             Some(couplings) => BlockJacobi::with_couplings(&diagonal, couplings, &fixed),

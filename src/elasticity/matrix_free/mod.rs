@@ -19,7 +19,7 @@ pub use restricted::{FreeStiffness, Restricted, strain_norm};
 
 use super::{Elastic, ElasticityError};
 use crate::mesh::HexMesh;
-use fracas_operators::{AdjointOperator, Real};
+use fracas_operators::{AdjointOperator, Make, Real};
 
 /// The stiffness of a body in full numbering, without a matrix: [`Bricks`] on an axis-aligned grid, else [`Hexes`].
 ///
@@ -29,8 +29,30 @@ pub fn matrix_free<R: Real>(
     mesh: &HexMesh,
     materials: &[Elastic],
 ) -> Result<Box<dyn AdjointOperator<R>>, ElasticityError> {
-    match &mesh.grid {
-        Some(grid) if grid.axis_aligned => Ok(Box::new(Bricks::new(mesh, materials)?)),
-        _ => Ok(Box::new(Hexes::new(mesh, materials)?)),
+    R::make(Stiffness { mesh, materials })
+}
+
+struct Stiffness<'a> {
+    mesh: &'a HexMesh,
+    materials: &'a [Elastic],
+}
+
+impl Make for Stiffness<'_> {
+    type Made<R: Real> = Result<Box<dyn AdjointOperator<R>>, ElasticityError>;
+
+    fn double(self) -> Self::Made<f64> {
+        self.other()
+    }
+
+    fn single(self) -> Self::Made<f32> {
+        self.other()
+    }
+
+    fn other<R: Real>(self) -> Self::Made<R> {
+        let Self { mesh, materials } = self;
+        match &mesh.grid {
+            Some(grid) if grid.axis_aligned => Ok(Box::new(Bricks::new(mesh, materials)?)),
+            _ => Ok(Box::new(Hexes::new(mesh, materials)?)),
+        }
     }
 }
