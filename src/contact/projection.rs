@@ -125,8 +125,10 @@ mod tests {
                     start,
                 };
                 let rows = LAW.projected_rows(ContactState::Slip, &point, false);
+                // a path has a corner where nothing moves in the step
+                let short = (1e-3 * jump[1].hypot(jump[2])).min(1e-8);
                 for k in 0..3 {
-                    for (which, h) in [(0, 1e-8), (1, 10.0)] {
+                    for (which, h) in [(0, short), (1, 10.0)] {
                         let moved = |s: f64| {
                             let mut p = point;
                             match which {

@@ -1,7 +1,8 @@
 //! Tractions that no displacement feels: the kernel of B on the free displacements, with and without H.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 
+use super::fracture_patches::joined;
 use super::rank::gram_rank;
 use super::{FractureFace, FractureMesh, HexMesh};
 
@@ -129,26 +130,10 @@ fn rank(columns: &[Column]) -> usize {
 
 /// Patches: faces of one fracture connected over inner edges, in order of their first face.
 pub(super) fn patches(fractures: &FractureMesh) -> Vec<Vec<u32>> {
-    let mut parent: Vec<u32> = (0..fractures.faces.len() as u32).collect();
-    fn root(parent: &mut [u32], mut i: u32) -> u32 {
-        while parent[i as usize] != i {
-            parent[i as usize] = parent[parent[i as usize] as usize];
-            i = parent[i as usize];
-        }
-        i
-    }
-    for edge in &fractures.edges {
-        let (a, b) = (
-            root(&mut parent, edge.faces[0]),
-            root(&mut parent, edge.faces[1]),
-        );
-        parent[a.max(b) as usize] = a.min(b);
-    }
-    let mut groups: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-    for f in 0..fractures.faces.len() as u32 {
-        groups.entry(root(&mut parent, f)).or_default().push(f);
-    }
-    groups.into_values().collect()
+    let edges = fractures.edges.iter().map(|edge| edge.faces);
+    let patches = joined(fractures.faces.len(), edges, |_| true).into_iter();
+    let numbers = |patch: Vec<usize>| patch.into_iter().map(|f| f as u32).collect();
+    patches.map(numbers).collect()
 }
 
 /// Sum of columns.

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod checkerboard;
+mod fracture_patches;
 mod gallery;
 mod geology;
 mod rank;
