@@ -46,16 +46,25 @@ pub(super) fn cells(
             for x in x.windows(2) {
                 let middle = [0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])];
                 let heights = columns.written(block, middle)?;
-                let kept = columns.kept(block, middle, heights.clone())?;
                 let area = (x[1] - x[0]) * (y[1] - y[0]);
                 let mut layers = vec![false; count];
                 for k in 0..count {
                     let thickness = heights[k] - heights[k + 1];
                     layers[k] = thickness < HALF * columns.least(block, k);
-                    sums[k][2] += area * thickness;
-                    match layers[k] {
-                        true => sums[k][0] += area,
-                        false => sums[k][1] += area * (kept[k] - kept[k + 1]),
+                    sums[k][0] += if layers[k] { area } else { 0.0 };
+                }
+                // heights are bilinear between the lines: means of the corners
+                for corner in y.iter().flat_map(|y| x.iter().map(|x| [*x, *y])) {
+                    let heights = columns.written(block, corner)?;
+                    let kept = columns.kept(block, corner, heights.clone())?;
+                    for k in 0..count {
+                        let own = if layers[k] {
+                            0.0
+                        } else {
+                            kept[k] - kept[k + 1]
+                        };
+                        sums[k][1] += 0.25 * area * own;
+                        sums[k][2] += 0.25 * area * (heights[k] - heights[k + 1]);
                     }
                 }
                 own.push(ThinCell {

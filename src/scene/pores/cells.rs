@@ -67,6 +67,26 @@ fn faces(kind: u8) -> Option<&'static [&'static [usize]]> {
     })
 }
 
+/// Corners of the types of VTK that have a volume and a number of corners of their own.
+///
+/// # Source
+/// As [`faces`]; quadratic ones § 19.3 as well.
+const CORNERS: [(u8, usize); 10] = [
+    (10, 4),
+    (11, 8),
+    (12, 8),
+    (13, 6),
+    (14, 5),
+    (24, 10),
+    (25, 20),
+    (26, 15),
+    (27, 13),
+    (29, 27),
+];
+
+/// Types of VTK that are vertices, lines and surfaces.
+const FLAT: [std::ops::RangeInclusive<u8>; 2] = [1..=9, 21..=23];
+
 /// The mean of some points.
 pub(super) fn mean(points: impl ExactSizeIterator<Item = [f64; 3]> + Clone) -> [f64; 3] {
     let n = points.len() as f64;
@@ -100,6 +120,28 @@ impl Shapes {
         let start = cell.checked_sub(1).map_or(0, |before| self.ends[before]);
         let own = self.corners[start..self.ends[cell]].iter();
         own.map(|a| self.nodes[*a as usize])
+    }
+
+    /// Every cell has a volume, and as many corners as its type.
+    ///
+    /// # Errors
+    /// A sentence about the first one that has not.
+    pub(super) fn check(&self) -> Result<(), String> {
+        for (cell, kind) in self.types.iter().enumerate() {
+            let count = self.of(cell).len();
+            if FLAT.iter().any(|flat| flat.contains(kind)) {
+                return Err(format!(
+                    "cell {cell} is of the type {kind}, which has no volume; save cells with a volume alone"
+                ));
+            }
+            let needed = CORNERS.iter().find(|(own, _)| own == kind);
+            if let Some((_, needed)) = needed.filter(|(_, needed)| *needed != count) {
+                return Err(format!(
+                    "cell {cell} of the type {kind} has {count} corners, and {needed} are needed"
+                ));
+            }
+        }
+        Ok(())
     }
 
     /// The mean of the corners of every cell.

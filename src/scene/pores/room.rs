@@ -26,6 +26,9 @@ const PER_ENTITY: f64 = 330.0;
 /// Bytes at the beginning of a file that say how many there are.
 const BEGINNING: u64 = 4096;
 
+/// Points or cells per byte that a compressed file can hold at most: twelve bytes each, a thousandth of them left.
+const PACKED: f64 = 100.0;
+
 /// A number.
 const WORD: f64 = 8.0;
 
@@ -49,6 +52,8 @@ impl PoreRoom {
         let (times, reading) = match (&section.fields, &section.grid) {
             (Some(fields), _) => {
                 let files = fields.iter().map(|(_, file)| at(file));
+                // a count beyond what the bytes can hold is a fault of the file, which reading tells
+                let entities = |file: &Path| entities(file).min(PACKED * size(file));
                 let each = files.map(|file| size(&file) + PER_ENTITY * entities(&file));
                 (fields.len(), each.fold(0.0, f64::max))
             }

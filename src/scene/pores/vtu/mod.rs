@@ -214,6 +214,7 @@ impl File<'_> {
             diameters.extend((0..own.ends.len()).map(|cell| own.diameter(cell)));
             let places = match origin {
                 Origin::Cell => {
+                    own.check()?;
                     let centers = own.centers();
                     shapes.append(own);
                     centers
