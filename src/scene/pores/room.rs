@@ -2,6 +2,7 @@
 
 use super::moved::place;
 use super::vtu;
+use crate::scene::latest::KEPT;
 use crate::scene::pore_pressure::PorePressureSection;
 use crate::scene::sections::SceneSections;
 use std::fs::File;
@@ -29,8 +30,8 @@ const BEGINNING: u64 = 4096;
 /// A number.
 const WORD: f64 = 8.0;
 
-/// Numbers per element beside those of the times: the change at the last time, that times Biot's coefficient, and one that is being made.
-const BESIDE: usize = 3;
+/// Numbers per element beside those of the times: the change at the ends of a step, that times Biot's coefficient, and one that is being made.
+const BESIDE: usize = KEPT + 2;
 
 /// Columns of places in a CSV file.
 const PLACES: usize = 3;
@@ -104,10 +105,10 @@ mod tests {
             PoreRoom::default().with(&section, &folder)
         };
         let fields = of("fields = [['0 day', 'a.vtu'], ['1 day', 'a.vtu'], ['2 day', 'gone.vtu']]");
-        assert_eq!(fields.per_element, 48.0);
+        assert_eq!(fields.per_element, 56.0);
         assert_eq!(fields.reading, grid.len() as f64 + 33_000.0);
         let grid = of("grid = 'a.csv'");
-        assert_eq!(grid.per_element, 40.0);
+        assert_eq!(grid.per_element, 48.0);
         assert_eq!(grid.reading, 4.0 * table.len() as f64);
         std::fs::remove_dir_all(folder).unwrap();
     }
