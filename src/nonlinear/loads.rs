@@ -26,7 +26,7 @@ pub struct Loads<'a> {
     gap: Vec<f64>,
     /// Faces that the initial stress pulls beyond its mean on them, and [what it pulls](loads::pull_beyond_mean) [N].
     pulled: Vec<(usize, [[f64; 3]; 4])>,
-    /// Forces at the last time of what is no case [N]: a step asks for the same ones again.
+    /// Forces of what is no case at the ends of a step [N], which asks for the same ones again.
     drained: Latest,
 }
 

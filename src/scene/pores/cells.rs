@@ -1,7 +1,5 @@
 //! Cells of a file: which of them holds a place, or is the nearest to it.
 
-use super::nearest::split;
-
 /// Corners of cells.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Shapes {
@@ -202,6 +200,27 @@ pub(super) struct CellTree {
     around: Vec<Bounds>,
 }
 
+/// Puts the middle one of a range in its place along the axis of its largest extent, then of its halves. Where many lie on one plane, as in grids,
+/// the next axes decide, so that boxes of halves overlap in that plane alone.
+fn sort(range: &mut [u32], centers: &[[f64; 3]]) {
+    if range.len() < 2 {
+        return;
+    }
+    let all = range.iter().map(|p| centers[*p as usize]);
+    let [low, high] = all.fold(NOWHERE, |all, x| union(&all, &[x, x]));
+    let extent = [0, 1, 2].map(|d: usize| high[d] - low[d]);
+    let axis = (0..3).fold(0, |axis, d| if extent[d] > extent[axis] { d } else { axis });
+    let middle = range.len() / 2;
+    range.select_nth_unstable_by(middle, |a, b| {
+        let [a, b] = [a, b].map(|p| centers[*p as usize]);
+        let by = |d: usize| a[(axis + d) % 3].total_cmp(&b[(axis + d) % 3]);
+        by(0).then_with(|| by(1)).then_with(|| by(2))
+    });
+    let (low, high) = range.split_at_mut(middle);
+    sort(low, centers);
+    sort(&mut high[1..], centers);
+}
+
 /// Cells, their centres and their numbers in `shapes`.
 #[derive(Clone, Copy)]
 pub(super) struct Centered<'c> {
@@ -217,7 +236,7 @@ impl CellTree {
     /// O(n log n).
     pub(super) fn new(cells: Centered<'_>) -> Self {
         let mut order: Vec<u32> = (0..cells.centers.len() as u32).collect();
-        split(&mut order, cells.centers, 0);
+        sort(&mut order, cells.centers);
         let mut tree = Self {
             around: vec![NOWHERE; order.len()],
             order,

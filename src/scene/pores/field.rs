@@ -17,7 +17,7 @@ pub struct PoreField {
     pub(super) change: Change,
     /// What elements take, for a person.
     pub(super) origin: String,
-    /// The change at the last time: loads, files and fractures beside it ask for the same one.
+    /// The change at the ends of a step: loads, files and fractures beside it ask for the same ones.
     pub(super) latest: Latest,
 }
 

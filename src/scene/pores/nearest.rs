@@ -58,7 +58,7 @@ impl Tree {
 }
 
 /// Puts the middle one of a range in its place, then of its halves.
-pub(super) fn split(range: &mut [u32], points: &[[f64; 3]], axis: usize) {
+fn split(range: &mut [u32], points: &[[f64; 3]], axis: usize) {
     if range.len() < 2 {
         return;
     }
