@@ -4,6 +4,7 @@
 mod checkerboard;
 mod gallery;
 mod geology;
+mod patches;
 mod rank;
 mod scene_errors;
 mod splitting;
