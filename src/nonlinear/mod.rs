@@ -32,6 +32,7 @@ mod faults;
 mod fields;
 mod flow;
 mod followed;
+mod friction;
 mod giving_way;
 mod jacobian;
 mod judge;

@@ -1,17 +1,15 @@
 //! Equilibrium and contact rows of a body, in balanced units.
 
 use super::creeping::Creeping;
+use super::friction;
 use super::jacobian::{ContactJacobian, FaceTangent};
 use super::{Load, Loads, Start};
-use crate::contact::{
-    ContactState, FaceLaw, FaceMeasure, FacePoint, FaceRows, Friction, SlipSoFar, WeakeningBy,
-    face_compliance,
-};
+use crate::contact::{ContactState, FaceLaw, FaceMeasure, FacePoint, FaceRows, face_compliance};
 use crate::elasticity::{Constraints, ElasticityError, strain_norm};
 use crate::flow::{Balance, FlowPoint};
 use crate::matrix_free::{Magnitude, MatrixFreeSaddle};
 use crate::mesh::FractureFace;
-use crate::scene::{Body, Profile};
+use crate::scene::Body;
 use crate::system::StickSystem;
 use fracas_operators::sparse::Csr;
 use fracas_operators::{AdjointOperator, LinearOperator};
@@ -53,13 +51,6 @@ impl Evaluation {
     }
 }
 
-/// True for friction that follows the path of slip.
-fn by_path(friction: Friction) -> bool {
-    friction
-        .weakening
-        .is_some_and(|w| w.by == WeakeningBy::Path)
-}
-
 /// A fractured body whose faces stick, slip or are open; A cell by cell, B face by face.
 ///
 /// Rows of face f: `A_f r` of [`FaceLaw::projected_rows`] on the mean jump `(Bᵀu + prescribed part + gap − H t*)/A_f` with
@@ -72,9 +63,9 @@ pub struct ContactProblem<'a> {
     magnitude: Magnitude,
     loads: Loads<'a>,
     compliance: Vec<f64>,
-    weakens: bool,
+    pub(super) weakens: bool,
     /// True for each fracture whose friction follows the path of its slip.
-    by_path: Vec<bool>,
+    pub(super) by_path: Vec<bool>,
     flow: Option<Box<Balance<'a>>>,
     /// Rock that creeps, where any does.
     pub(super) creep: Option<Box<Creeping<'a>>>,
@@ -109,12 +100,8 @@ impl<'a> ContactProblem<'a> {
                 .iter()
                 .map(|f| face_compliance(&body.mesh, &body.materials, f))
                 .collect(),
-            weakens: (body.friction.iter().flatten())
-                .flat_map(Profile::values)
-                .any(|f| f.weakening.is_some()),
-            by_path: (body.friction.iter())
-                .map(|profile| profile.iter().flat_map(Profile::values).any(by_path))
-                .collect(),
+            weakens: friction::weakens(body),
+            by_path: friction::by_path(body),
             body,
             saddle,
             magnitude,
@@ -199,42 +186,6 @@ impl<'a> ContactProblem<'a> {
     pub(super) fn law_entry(&self, f: usize) -> f64 {
         let s = self.saddle.unit();
         s * s * self.faces()[f].area * self.compliance[f]
-    }
-
-    /// Friction of a face; none where the scene gives none.
-    pub fn friction(&self, face: usize) -> Friction {
-        let friction = self.body.friction_of(&self.faces()[face]);
-        friction.unwrap_or(Friction::NONE)
-    }
-
-    /// Friction of a face within a step: without cohesion where it is torn, without weakening where its limit stays.
-    pub(super) fn friction_in(&self, face: usize, start: &Start) -> Friction {
-        let friction = match start.limits_at.get(face) {
-            Some(slip) => self.friction(face).at_slip(*slip),
-            None => self.friction(face),
-        };
-        match start.is_torn(face) {
-            true => friction.torn(),
-            false => friction,
-        }
-    }
-
-    /// The slip that the friction of a face has followed up to the start of a step.
-    pub(super) fn so_far(&self, f: usize, start: &Start) -> SlipSoFar {
-        self.slipped(f, [&start.slip, &start.path])
-    }
-
-    /// The same from γ and its path of all faces.
-    pub(super) fn slipped(&self, f: usize, [slip, path]: [&[f64]; 2]) -> SlipSoFar {
-        match self.by_path[usize::from(self.faces()[f].fracture)] {
-            true => SlipSoFar::Path(path[f]),
-            false => SlipSoFar::Vector([slip[2 * f], slip[2 * f + 1]]),
-        }
-    }
-
-    /// True where the friction of a fracture follows the path of its slip.
-    pub fn follows_paths(&self) -> bool {
-        self.by_path.contains(&true)
     }
 
     /// H for these states, tractions in the balanced unit; `None` where it has no entries.
@@ -391,11 +342,6 @@ impl<'a> ContactProblem<'a> {
             start: self.so_far(f, start),
         };
         (law, point)
-    }
-
-    /// True where the friction of a fracture weakens with slip.
-    pub fn weakens(&self) -> bool {
-        self.weakens
     }
 
     /// The Jacobian at an evaluated point; `lagged` leaves out the derivative of weakening.

@@ -2,9 +2,9 @@
 #![allow(clippy::unwrap_used)]
 
 mod checkerboard;
-mod fracture_patches;
 mod gallery;
 mod geology;
+mod patches;
 mod rank;
 mod scene_errors;
 mod slopes;

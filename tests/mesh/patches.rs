@@ -1,9 +1,9 @@
-//! Claim: two taken faces are of one patch where a way over shared edges of taken faces of their fracture joins them, and nowhere else; held
-//! against a search that looks at the nodes of faces.
+//! Claim: patches of fracture faces are what a search over shared nodes finds.
 
 use fracas::scene::named;
 use fracas_operators::random::Random;
 
+/// Two taken faces are of one patch where a way over shared edges of taken faces of their fracture joins them, and nowhere else.
 #[test]
 fn patches_are_what_a_search_over_nodes_finds() {
     let body = named("crossing").unwrap().small_scene().unwrap();
