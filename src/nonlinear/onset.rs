@@ -10,9 +10,6 @@ use crate::scene::{Body, Onset};
 /// Share of the interval that is asked for within which its end is taken to be reached. Unit: 1.
 const REACHED: f64 = 1e-3;
 
-/// Share of an increment of the search down to which it is halved where it fails. Unit: 1.
-pub(super) const FURTHER: f64 = 0.25;
-
 /// What begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Begins {

@@ -5,7 +5,7 @@ use super::creeping::step_from;
 use super::linear::Linear;
 use super::loads::{Opened, initial_traction};
 use super::newton::{Attempt, Iterate};
-use super::onset::{FURTHER, Search};
+use super::onset::Search;
 use super::raising::Raising;
 use super::springs::SpringMethod;
 use super::stability::{COMPARED, is_shown, stable};
@@ -144,7 +144,7 @@ impl<'a> Simulation<'a> {
         let mut search = Search::new(self, state);
         if let Some(search) = search.as_ref().filter(|search| search.narrows()) {
             increment = search.increment(state, increment);
-            limits = limits.below(FURTHER * increment);
+            limits = limits.below(increment);
         }
         // increments of attempts in which slip ran away, and its largest slip
         let mut runaways: Vec<[f64; 2]> = Vec::new();
@@ -172,7 +172,7 @@ impl<'a> Simulation<'a> {
                     let halved = looks.and_then(|s| s.halved(self, own, &settled, increment));
                     if let (Some(half), Some(search)) = (halved, &search) {
                         increment = half;
-                        limits = limits.below(FURTHER * half);
+                        limits = limits.below(half);
                         cuts += 1;
                         log.events.push(Event::Cut {
                             reason: search.reason(self),
