@@ -9,10 +9,14 @@ use anyhow::Context;
 use fracas::run::{Outcome as Ending, Run, Taken, holds_run};
 use fracas_solvers::Silent;
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// Folder of the runs of a study.
 const RUNS: &str = "runs";
+
+/// Folders of this process that do not stay: studies may run at once, and number their rows alike.
+static FOLDERS: AtomicUsize = AtomicUsize::new(0);
 
 /// Runs the scene in a folder of its own, from its last checkpoint where it has one; without a place the folder does not stay.
 ///
@@ -26,10 +30,12 @@ pub(super) fn run(
 ) -> anyhow::Result<()> {
     let scene = case.scene()?.context("a system folder has no load steps")?;
     let name = case.setting.scene.clone().unwrap_or_default();
-    let number = case.number;
     let out = match place {
-        Some(place) => place.join(RUNS).join(number.to_string()),
-        None => std::env::temp_dir().join(format!("fracas-row-{}-{number}", std::process::id())),
+        Some(place) => place.join(RUNS).join(case.number.to_string()),
+        None => {
+            let own = FOLDERS.fetch_add(1, Ordering::Relaxed);
+            std::env::temp_dir().join(format!("fracas-row-{}-{own}", std::process::id()))
+        }
     };
     let goes_on = place.is_some() && holds_run(&out);
     if out.exists() && !goes_on {
