@@ -96,7 +96,7 @@ mod tests {
             slip: 0.02,
             slipping: 7.0,
             open: 3.0,
-            moment: 10.0,
+            moment: 10.0 + 1e-9,
             criticality: 1.0,
             dissipated: 32.0,
         };

@@ -87,6 +87,14 @@ fn commands_of_the_pages_run_as_they_stand_there() {
         study.replace(of_page, smaller)
     });
     write(&folder.join("mesh.toml"), &study);
+    let reservoir = "examples/reservoir";
+    std::fs::create_dir_all(folder.join(reservoir)).unwrap();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    for file in std::fs::read_dir(root.join(reservoir)).unwrap() {
+        let file = file.unwrap();
+        let to = folder.join(reservoir).join(file.file_name());
+        std::fs::copy(file.path(), to).unwrap();
+    }
     let mut ran = 0;
     for page in PAGES {
         for mut arguments in commands(page) {
