@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 const BEGIN: &str = "<!-- keys: begin -->\n";
 const END: &str = "<!-- keys: end -->";
-const PAGES: [&str; 14] = [
+const PAGES: [&str; 15] = [
     "README.md",
     "docs/index.md",
     "docs/install.md",
@@ -21,6 +21,7 @@ const PAGES: [&str; 14] = [
     "docs/python.md",
     "docs/clusters.md",
     "docs/gas_storage.md",
+    "docs/ground_ruptures.md",
 ];
 const README_LINES: usize = 120;
 const PARAGRAPH_WORDS: usize = 75;
