@@ -4,9 +4,9 @@ use crate::error::{Kind, Raise, raise};
 use crate::settings::Settings;
 use crate::watch::Watch;
 use crate::work::apart;
-use fracas::solve::{Loaded, Problem, spectrum as analyse, spectrum_method};
+use fracas::solve::{Loaded, Problem, inf_sup, spectrum as analyse, spectrum_method};
 use fracas_solvers::Observer;
-use fracas_solvers::spectrum::{SpectrumRequest, certificate};
+use fracas_solvers::spectrum::SpectrumRequest;
 use pyo3::prelude::*;
 use std::sync::atomic::AtomicBool;
 
@@ -42,7 +42,7 @@ pub(crate) fn spectrum(
             From::Problem => problem.load(observer).raised()?,
         };
         let report = analyse(problem, &loaded, &method, &request, observer).raised()?;
-        let inf_sup = certificate(&loaded.blocks).raised()?;
+        let inf_sup = inf_sup(problem, &loaded).raised()?;
         let json = serde_json::to_value(&report).and_then(|mut json| {
             if let serde_json::Value::Object(keys) = &mut json {
                 keys.insert("inf_sup".into(), serde_json::to_value(inf_sup)?);

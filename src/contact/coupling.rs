@@ -1,7 +1,7 @@
 //! The coupling block B: tractions on faces push on the nodes of both sides.
 
 use crate::elasticity::Constraints;
-use crate::mesh::{FractureFace, FractureMesh};
+use crate::mesh::{FractureFace, FractureMesh, Places};
 use fracas_operators::operator::assert_product;
 use fracas_operators::sparse::{SparseMatrix, Triplets};
 use fracas_operators::vector::for_row_ranges;
@@ -98,6 +98,17 @@ impl<R: Real> Coupling<R> {
     /// The coupling to all displacements of `nodes` nodes, `3·node + component`, whether prescribed or not.
     pub fn in_full_numbering(fractures: &FractureMesh, nodes: usize) -> Self {
         Self::numbered(fractures, 3 * nodes, |dof| dof as u32)
+    }
+
+    /// The coupling to the displacements of `nodes` alone, those of `fractures` among them: `3·place + component`; rows of prescribed
+    /// displacements are empty.
+    pub(crate) fn on(nodes: &Places, fractures: &FractureMesh, constraints: &Constraints) -> Self {
+        let place = |dof: usize| Some(3 * nodes.of((dof / 3) as u32)? + dof % 3);
+        let index = |dof: usize| match constraints.free_index(dof).and(place(dof)) {
+            None => PRESCRIBED,
+            Some(row) => row as u32,
+        };
+        Self::numbered(fractures, 3 * nodes.nodes().len(), index)
     }
 
     /// The coupling to `rows` unknowns, `index(3·node + component)` of them or [`PRESCRIBED`].

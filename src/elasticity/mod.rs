@@ -17,6 +17,7 @@ mod stress;
 pub use assembled::{lift, reduced, stiffness, stiffness_of_rows};
 pub use constraints::Constraints;
 pub use diagonal::diagonal;
+pub(crate) use diagonal::diagonals_at;
 pub use error::ElasticityError;
 pub use material::Elastic;
 pub use matrix_free::{Bricks, FreeStiffness, Hexes, Restricted, matrix_free, strain_norm};

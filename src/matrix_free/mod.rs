@@ -1,5 +1,6 @@
 //! The saddle point of a body without a single assembled matrix but H, and RACP around it.
 
+mod certificate;
 mod pieces;
 mod racp;
 mod residual;

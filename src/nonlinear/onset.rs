@@ -1,5 +1,7 @@
 //! When slip begins: a step in which it does is halved until the time is known as closely as the scene asks.
 
+mod known;
+
 use super::active_set::Settled;
 use super::fields::given_pressures;
 use super::times::{Target, length};
@@ -7,147 +9,10 @@ use super::{Accepted, Event, Simulation, State};
 use crate::contact::ContactState;
 use crate::scene::{Body, Onset};
 
+pub use known::{Begins, Onsets, SlipOnset};
+
 /// Share of the interval that is asked for within which its end is taken to be reached. Unit: 1.
 const REACHED: f64 = 1e-3;
-
-/// What begins.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Begins {
-    /// A first face slips or opens.
-    Face,
-    /// A patch of the area that is looked for slips or is open.
-    Patch,
-}
-
-impl Begins {
-    /// In files: `face` or `patch`.
-    pub fn name(self) -> &'static str {
-        ["face", "patch"][self as usize]
-    }
-}
-
-/// When and where slip begins on a fracture.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SlipOnset {
-    /// Number of the fracture.
-    pub fracture: usize,
-    /// What begins.
-    pub begins: Begins,
-    /// Latest time at which it had not begun [s]; that of the onset where it has begun at time 0, none where the run looked for no onset
-    /// before.
-    pub before: Option<f64>,
-    /// Earliest time at which it has [s].
-    pub after: f64,
-    /// The face that has moved most by then: the first one.
-    pub face: usize,
-    /// Centre of that face, or of the patch [m].
-    pub center: [f64; 3],
-    /// Area of the largest patch of faces that slip or are open [m²].
-    pub area: f64,
-    /// α Δp in the elements on the minus and on the plus side of the face [Pa].
-    pub drained: [f64; 2],
-    /// Pressure of the fluid in the face [Pa].
-    pub pressure: f64,
-}
-
-impl SlipOnset {
-    /// A sentence without its point; `fracture` is the name of the fracture.
-    pub fn told(&self, fracture: &str) -> String {
-        let [x, y, z] = self.center;
-        let (after, area) = (self.after, self.area);
-        let when = match self.before {
-            None => format!("by t = {after:?} s"),
-            Some(before) if before == after => format!("at t = {after:?} s"),
-            Some(before) => format!("between t = {before:?} s and t = {after:?} s"),
-        };
-        let place = format!("({x:.6}, {y:.6}, {z:.6}) m");
-        match self.begins {
-            Begins::Face => {
-                format!("on fracture \"{fracture}\" a first face slips or opens {when}, at {place}")
-            }
-            Begins::Patch => format!(
-                "on fracture \"{fracture}\" a patch of {area:.6} m2 slips or opens {when}, around {place}"
-            ),
-        }
-    }
-}
-
-/// What a run that looks for the onset of slip knows.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Onsets {
-    /// What has begun, in the order in which it did.
-    pub found: Vec<SlipOnset>,
-    /// The patch that is looked for [m²].
-    pub patch: Option<f64>,
-    /// A time by which something begins that has not begun yet, and the increment of steps before it was known [s].
-    pub until: Option<[f64; 2]>,
-}
-
-/// Numbers of a [`SlipOnset`] in a list.
-const NUMBERS: usize = 12;
-
-/// Numbers before those of the onsets.
-const HEADER: usize = 3;
-
-impl Onsets {
-    /// All of it in a list; NaN stands for nothing.
-    pub(crate) fn numbers(&self) -> Vec<f64> {
-        let none = f64::NAN;
-        let [until, planned] = self.until.unwrap_or([none; 2]);
-        let mut list = vec![self.patch.unwrap_or(none), until, planned];
-        for onset in &self.found {
-            let [x, y, z] = onset.center;
-            let [minus, plus] = onset.drained;
-            let own: [f64; NUMBERS] = [
-                onset.fracture as f64,
-                f64::from(onset.begins as u8),
-                onset.before.unwrap_or(none),
-                onset.after,
-                onset.face as f64,
-                x,
-                y,
-                z,
-                onset.area,
-                minus,
-                plus,
-                onset.pressure,
-            ];
-            list.extend(own);
-        }
-        list
-    }
-
-    /// From [such a list](Self::numbers); none where it is of another length.
-    pub(crate) fn from_numbers(list: &[f64]) -> Option<Self> {
-        let given = |v: f64| (!v.is_nan()).then_some(v);
-        let (header, rest) = list.split_at_checked(HEADER)?;
-        let (rows, []) = rest.as_chunks::<NUMBERS>() else {
-            return None;
-        };
-        let onset = |row: &[f64; NUMBERS]| SlipOnset {
-            fracture: row[0] as usize,
-            begins: [Begins::Face, Begins::Patch][usize::from(row[1] > 0.5)],
-            before: given(row[2]),
-            after: row[3],
-            face: row[4] as usize,
-            center: [row[5], row[6], row[7]],
-            area: row[8],
-            drained: [row[9], row[10]],
-            pressure: row[11],
-        };
-        Some(Self {
-            found: rows.iter().map(onset).collect(),
-            patch: given(header[0]),
-            until: given(header[1]).map(|until| [until, header[2]]),
-        })
-    }
-
-    /// True where it is known when this began on a fracture.
-    fn has(&self, fracture: usize, begins: Begins) -> bool {
-        let is_it = |o: &SlipOnset| o.fracture == fracture && o.begins == begins;
-        self.found.iter().any(is_it)
-    }
-}
 
 /// A body at a time, as it may be accepted.
 struct Moment<'m> {
@@ -347,6 +212,7 @@ impl Search {
             true => given_pressures(body, at.time, at.loaded),
             false => at.p.to_vec(),
         };
+        let changes = body.pore_changes_at(at.time);
         let most = |faces: &[usize]| {
             let farther = |a: usize, b: &usize| if moved[*b] > moved[a] { *b } else { a };
             faces.iter().fold(faces[0], farther)
@@ -375,7 +241,7 @@ impl Search {
                     Begins::Patch => continue,
                 };
                 let sides = [&fractures.faces[face].minus, &fractures.faces[face].plus];
-                let drained = |e: u32| at.loaded * drained(body, e, at.time);
+                let drained = |e: u32| at.loaded * changes.drained(e);
                 found.push(SlipOnset {
                     fracture,
                     begins,
@@ -403,18 +269,6 @@ fn middle(body: &Body, faces: &[usize]) -> [f64; 3] {
     })
 }
 
-/// α Δp in an element [Pa].
-fn drained(body: &Body, element: u32, time: f64) -> f64 {
-    for field in &body.pore_fields {
-        if let Some(k) = field.elements.iter().position(|e| *e == element) {
-            return field.drained(time)[k];
-        }
-    }
-    let region = usize::from(body.mesh.regions[element as usize]);
-    let pores = &body.pore_changes[region];
-    pores.drained() * body.histories[pores.history].at(time)
-}
-
 impl Simulation<'_> {
     /// When slip began, as far as a state knows, with the names of the fractures; nothing where the scene does not ask.
     pub fn onsets<'s>(
@@ -438,19 +292,8 @@ mod tests {
         scene.unwrap().build().unwrap()
     }
 
-    /// An onset of the first fracture that a state knows.
     fn known(begins: Begins) -> SlipOnset {
-        SlipOnset {
-            fracture: 0,
-            begins,
-            before: Some(0.25),
-            after: 0.5,
-            face: 1,
-            center: [1.0, 2.0, 3.0],
-            area: 4.0,
-            drained: [0.0; 2],
-            pressure: 0.0,
-        }
+        SlipOnset::sample(begins, Some(0.25))
     }
 
     #[test]
@@ -505,19 +348,5 @@ mod tests {
         let search = Search::new(&simulation, &state).unwrap();
         assert_eq!(search.known.found, [known(Begins::Patch)]);
         assert!(search.events(&simulation).is_empty());
-    }
-
-    #[test]
-    fn a_list_of_another_length_is_none() {
-        let onsets = Onsets {
-            found: vec![known(Begins::Patch)],
-            patch: None,
-            until: None,
-        };
-        let list = onsets.numbers();
-        assert_eq!(Onsets::from_numbers(&list), Some(onsets));
-        for n in [0, 2, list.len() - 1] {
-            assert_eq!(Onsets::from_numbers(&list[..n]), None);
-        }
     }
 }

@@ -56,17 +56,7 @@ mod tests {
 
     #[test]
     fn a_row_has_a_number_per_column() {
-        let onset = SlipOnset {
-            fracture: 0,
-            begins: Begins::Patch,
-            before: None,
-            after: 0.1 + 0.2,
-            face: 7,
-            center: [-0.5, 1.0 / 3.0, 2.0],
-            area: 2.5,
-            drained: [-1e7, 0.0],
-            pressure: 3.0,
-        };
+        let onset = SlipOnset::sample(Begins::Patch, None);
         let event = Event::Onset {
             fracture: "a,b".into(),
             onset: Box::new(onset.clone()),

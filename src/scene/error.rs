@@ -101,9 +101,7 @@ pub enum Problem {
         name: String,
     },
     /// Weight that has no direction, or layers that are not level.
-    #[error(
-        "the initial stress of weight needs [gravity] along z alone, and elements whose tops and bottoms are level or whose sides are upright along x and y (no map that distorts them, and no faults that dip beside tops that are not level)"
-    )]
+    #[error("the initial stress of weight needs [gravity] along z alone")]
     NoWeight,
     /// Rock that gravity asks for a density of.
     #[error(

@@ -2,6 +2,7 @@
 
 mod acting;
 mod body;
+mod box_tree;
 mod build;
 mod csv_table;
 mod error;
@@ -38,7 +39,7 @@ mod surface_section;
 mod table_problem;
 mod used;
 mod weight;
-mod weight_columns;
+mod weight_above;
 mod wells;
 
 use std::path::{Path, PathBuf};

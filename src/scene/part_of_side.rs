@@ -81,6 +81,7 @@ pub(super) fn part(
             let cuts = |end: &f64| low + slack < *end && *end < high - slack;
             if let Some(end) = [from, to].iter().copied().find(cuts) {
                 let side = boundary.place();
+                let [low, high] = [low, high].map(|x| (1e6 * x).round() / 1e6);
                 return Err(refuse(PartProblem::CutFace {
                     key,
                     side,

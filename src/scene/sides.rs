@@ -3,7 +3,7 @@
 use super::Body;
 use super::located::{Located, at};
 use super::sections::SceneSections;
-use super::{FractureSection, Problem, Profile};
+use super::{FractureSection, PoreField, Problem, Profile};
 use crate::mesh::{FractureFace, FractureMesh};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -86,19 +86,28 @@ impl Body {
         in_space || self.pore_changes[region].change != 0.0
     }
 
+    /// Changes of pore pressure in elements at a time [s].
+    pub(crate) fn pore_changes_at(&self, time: f64) -> PoreChanges<'_> {
+        PoreChanges {
+            body: self,
+            fields: self
+                .pore_fields
+                .iter()
+                .map(|field| field.at(time))
+                .collect(),
+            factors: self
+                .histories
+                .iter()
+                .map(|history| history.at(time))
+                .collect(),
+        }
+    }
+
     /// Pressures of the faces whose fractures follow the rock on their two sides [Pa], 0 of others, at a time [s]; `None` where no fracture
     /// does.
     pub fn pressures_of_sides(&self, time: f64) -> Option<Vec<f64>> {
-        let fields = || {
-            self.pore_fields
-                .iter()
-                .map(|field| field.at(time))
-                .collect()
-        };
-        self.of_sides(fields, |region| {
-            let pores = &self.pore_changes[region];
-            pores.change * self.histories[pores.history].at(time)
-        })
+        self.follows_sides()
+            .then(|| self.of_sides(&self.pore_changes_at(time)))
     }
 
     /// Given pressures of fractures in which they may differ from face to face [Pa], 0 of others, at a time [s]; `None` where there is none.
@@ -119,40 +128,66 @@ impl Body {
 
     /// [`pressures_of_sides`](Self::pressures_of_sides) with every uniform change at the factor 1 of its history, and no others.
     pub(crate) fn pressures_of_sides_at_once(&self) -> Option<Vec<f64>> {
-        let fields = || {
-            let fields = self.pore_fields.iter();
-            fields
-                .map(|field| vec![0.0; field.elements.len()].into())
-                .collect()
+        let none = |field: &PoreField| vec![0.0; field.elements.len()].into();
+        let at_once = || PoreChanges {
+            body: self,
+            fields: self.pore_fields.iter().map(none).collect(),
+            factors: vec![1.0; self.histories.len()],
         };
-        self.of_sides(fields, |region| self.pore_changes[region].change)
+        self.follows_sides().then(|| self.of_sides(&at_once()))
     }
 
-    fn of_sides(
-        &self,
-        fields: impl FnOnce() -> Vec<Arc<[f64]>>,
-        uniform: impl Fn(usize) -> f64,
-    ) -> Option<Vec<f64>> {
-        let rule = |face: &FractureFace| self.pressures_from[usize::from(face.fracture)];
-        self.pressures_from.iter().flatten().next()?;
-        let fields = fields();
-        let change = |element: u32| -> f64 {
-            let region = usize::from(self.mesh.regions[element as usize]);
-            let own = self
-                .pore_fields
-                .iter()
-                .position(|field| field.region == region);
-            let Some(n) = own else {
-                return uniform(region);
-            };
-            let place = self.pore_fields[n].elements.binary_search(&element);
-            place.map_or(0.0, |place| fields[n][place])
-        };
+    /// True where some fracture's pressure follows the rock on its two sides.
+    fn follows_sides(&self) -> bool {
+        self.pressures_from.iter().any(Option::is_some)
+    }
+
+    fn of_sides(&self, changes: &PoreChanges<'_>) -> Vec<f64> {
         let of = |face: &FractureFace| {
             let sides = [face.minus.element, face.plus.element];
-            rule(face).map_or(0.0, |rule| rule.of(sides.map(change)))
+            let rule = self.pressures_from[usize::from(face.fracture)];
+            rule.map_or(0.0, |rule| rule.of(sides.map(|e| changes.of(e))))
         };
-        Some(self.fractures.faces.iter().map(of).collect())
+        self.fractures.faces.iter().map(of).collect()
+    }
+}
+
+/// Changes of pore pressure in elements at a time.
+pub(crate) struct PoreChanges<'b> {
+    body: &'b Body,
+    /// Per field and element of it [Pa].
+    fields: Vec<Arc<[f64]>>,
+    /// Of the histories. Unit: 1.
+    factors: Vec<f64>,
+}
+
+impl PoreChanges<'_> {
+    /// Δp in an element [Pa].
+    ///
+    /// # Cost
+    /// A search among the fields, and among the elements of one.
+    pub(crate) fn of(&self, element: u32) -> f64 {
+        let region = self.region(element);
+        let mut fields = self.body.pore_fields.iter().zip(&self.fields);
+        match fields.find(|(field, _)| field.region == region) {
+            Some((field, changes)) => {
+                let place = field.elements.binary_search(&element);
+                place.map_or(0.0, |place| changes[place])
+            }
+            None => {
+                let pores = &self.body.pore_changes[region];
+                pores.change * self.factors[pores.history]
+            }
+        }
+    }
+
+    /// α Δp in an element [Pa].
+    pub(crate) fn drained(&self, element: u32) -> f64 {
+        self.body.pore_changes[self.region(element)].biot * self.of(element)
+    }
+
+    fn region(&self, element: u32) -> usize {
+        usize::from(self.body.mesh.regions[element as usize])
     }
 }
 

@@ -3,13 +3,13 @@
 use super::Problem;
 use super::located::{Located, at};
 use super::sections::SceneSections;
-use super::weight_columns::WeightColumns;
+use super::weight_above::WeightAbove;
 use crate::mesh::HexMesh;
 use crate::units::{Density, Measure, Ratio};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// σ_v from the densities above, σ_xx and σ_yy as shares of it; needs `[gravity]` along z, and elements whose tops and bottoms are level or whose sides are upright along x and y.
+/// σ_v from the densities above, σ_xx and σ_yy as shares of it; needs `[gravity]` along z.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WeightSection {
@@ -32,8 +32,8 @@ pub struct WeightStress {
 enum Vertical {
     /// (z [m], σ_v [Pa]), z increasing, straight between the levels of the mesh.
     Levels(Vec<(f64, f64)>),
-    /// Column by column.
-    Columns(WeightColumns),
+    /// Point by point.
+    Above(WeightAbove),
 }
 
 impl WeightStress {
@@ -49,19 +49,19 @@ impl WeightStress {
                 let ((z0, s0), (z1, s1)) = (levels[above - 1], levels[above]);
                 s0 + (s1 - s0) * (z - z0) / (z1 - z0)
             }
-            Vertical::Columns(columns) => columns.at(point),
+            Vertical::Above(rock) => rock.at(point),
         };
         let [x, y] = self.horizontal.map(|share| share * vertical);
         [x, y, vertical, 0.0, 0.0, 0.0]
     }
 
-    /// True where it jumps between columns, so that a point between two of them has two values.
+    /// True where it may jump at a side of an element, so that a point on it has two values.
     pub(super) fn jumps(&self) -> bool {
-        matches!(self.vertical, Vertical::Columns(_))
+        matches!(self.vertical, Vertical::Above(_))
     }
 
-    /// Integrates densities [kg/m³] from the top down, where elements are level each the mean over a level of the mesh, elsewhere column by
-    /// column: a column is in equilibrium where layers are level; where they are not, the equilibrium at time 0 makes up for the difference.
+    /// Integrates densities [kg/m³] from the top down, where elements are level each the mean over a level of the mesh, elsewhere point by
+    /// point: rock is in equilibrium where layers are level; where they are not, the equilibrium at time 0 makes up for the difference.
     pub(super) fn new(
         section: &WeightSection,
         sections: &SceneSections,
@@ -81,9 +81,6 @@ impl WeightStress {
                 .iter()
                 .map(|rho| (rho - fluid) * gravity[2])
                 .collect();
-            let Some(columns) = WeightColumns::new(mesh, &weights) else {
-                return Err(at(&place, Problem::NoWeight));
-            };
             let regions = mesh
                 .regions
                 .iter()
@@ -100,7 +97,7 @@ impl WeightStress {
                 return Err(at(&["initial_stress", "weight", "fluid"], lifted));
             }
             return Ok(Self {
-                vertical: Vertical::Columns(columns),
+                vertical: Vertical::Above(WeightAbove::new(mesh, &weights)),
                 horizontal,
             });
         };

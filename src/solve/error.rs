@@ -2,7 +2,7 @@
 
 use super::route::NotGeometric;
 use crate::elasticity::ElasticityError;
-use crate::matrix_free::MatrixFreeError;
+use crate::matrix_free::{MatrixFreeError, PiecesError};
 use crate::memory::{NoRoom, NoRoomInDouble, TooLarge};
 use crate::scene::SceneError;
 use crate::undetermined::SingularScene;
@@ -98,6 +98,15 @@ pub enum SolveError {
         /// The inner solver.
         inner: String,
     },
+}
+
+impl From<PiecesError> for SolveError {
+    fn from(error: PiecesError) -> Self {
+        match error {
+            PiecesError::Setup(error) => error.into(),
+            PiecesError::Elasticity(error) => error.into(),
+        }
+    }
 }
 
 impl SolveError {

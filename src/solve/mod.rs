@@ -55,4 +55,4 @@ pub use route::{NotGeometric, Route, SystemKind};
 pub use settings::{InnerRule, RightHandSide, Solve};
 pub use solved::{End, OverRanks, Solved, Times};
 pub use solver::Solver;
-pub use spectrum::{spectrum, spectrum_method};
+pub use spectrum::{inf_sup, spectrum, spectrum_method};

@@ -4,7 +4,9 @@ use super::{InnerRule, Loaded, NotGeometric, Problem, Route, SolveError, SystemK
 use crate::multigrid::GeometricInverse;
 use fracas_operators::Preconditioner;
 use fracas_solvers::saddle::{AugmentationMatrix, InnerChoice, SaddleBlocks, SaddleMethod};
-use fracas_solvers::spectrum::{SpectrumReport, SpectrumRequest, analyse_around, analyse_method};
+use fracas_solvers::spectrum::{
+    Certificate, SpectrumReport, SpectrumRequest, analyse_around, analyse_method, certificate,
+};
 use fracas_solvers::{Observer, SetupError};
 
 /// The method whose spectrum is asked for: geometric multigrid only where it is asked for by name, since entries are read anyway.
@@ -63,4 +65,18 @@ pub fn spectrum(
         ..request.clone()
     };
     Ok(analyse_around(&loaded.blocks, &request, &build, observer)?)
+}
+
+/// A bound of the inf-sup constant: of the blocks, or of the elements at the fractures of a body where that is sharper.
+///
+/// # Errors
+/// [`SolveError`].
+pub fn inf_sup(problem: &Problem, loaded: &Loaded) -> Result<Option<Certificate>, SolveError> {
+    match (problem, &loaded.body) {
+        (Problem::Body(stuck), Some(body)) => {
+            let system = body.stick_system(stuck.stabilization(body));
+            Ok(system.certificate_beside(&loaded.blocks)?)
+        }
+        _ => Ok(certificate(&loaded.blocks)?),
+    }
 }

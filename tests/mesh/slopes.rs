@@ -138,22 +138,41 @@ fn what_does_not_go_with_slopes_is_refused_with_its_line() {
         error.contains("`drawdown` of material \"clay\" does not go with tops"),
         "{error}"
     );
-    // columns that lean have no column of rock above them
+}
+
+/// σ_v falls by the weight of the rock that a vertical line leaves, across throws of faults that dip, and begins at the ground.
+#[test]
+fn weight_is_that_of_the_rock_above_where_faults_dip_beside_slopes() {
     let weight =
         "[gravity]\nz = '-10 m/s2'\n[initial_stress]\nweight = { horizontal = [0.7, 0.8] }\n";
-    let leaning = SMALL.replacen("throw", "dip = '70 deg'\nthrow", 1)
-        + &materials(&["sand", "rock", "clay"])
-        + weight
-        + HELD;
-    let error = Scene::from_toml(&leaning, "s.toml")
-        .unwrap()
-        .build()
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.contains("no faults that dip beside tops that are not level"),
-        "{error}"
-    );
+    for dip in ["70 deg", "110 deg"] {
+        let text = SMALL.replacen("throw", &format!("dip = '{dip}'\nthrow"), 1)
+            + &materials(&["sand", "clay", "rock"])
+            + weight
+            + HELD;
+        let body = Scene::from_toml(&text, "s.toml").unwrap().build().unwrap();
+        let at = |x: [f64; 3]| body.initial_stress_at(0, x)[2];
+        let mut columns = 0;
+        for (e, nodes) in body.mesh.elements.iter().enumerate() {
+            let nodes = nodes.map(|a| body.mesh.nodes[a as usize]);
+            let middle =
+                |d: usize, of: [usize; 8]| of.map(|a| nodes[a][d]).iter().sum::<f64>() / 8.0;
+            let [x, y, z] = [0, 1, 2].map(|d| middle(d, [0, 1, 2, 3, 4, 5, 6, 7]));
+            let region = usize::from(body.mesh.regions[e]);
+            let slope = at([x, y, z + 0.5]) - at([x, y, z - 0.5]);
+            let own = body.body_force[region][2];
+            assert!(
+                (slope + own).abs() < 1e-6 * own.abs(),
+                "{dip}, element {e}: {slope}"
+            );
+            if nodes[4][2].abs() < 1e-9 {
+                let ground = at([x, y, -1e-3]);
+                assert!((ground - 1e-3 * own).abs() < 1e-6, "{dip}: {ground}");
+                columns += 1;
+            }
+        }
+        assert!(columns >= 10, "{columns}");
+    }
 }
 
 /// A level fracture stays level where tops climb below and above it.

@@ -29,12 +29,12 @@ const WRONG_ONCE: [(u64, u64); 3] = [(802, 173), (802, 303), (803, 119)];
 /// Inner solvers; `geometric` is set up from the body.
 const INNER: [&str; 4] = ["exact", "amg", "fsai", "geometric"];
 
-fn environment(name: &str, otherwise: u64) -> u64 {
+pub(super) fn environment(name: &str, otherwise: u64) -> u64 {
     std::env::var(name).map_or(otherwise, |value| value.parse().unwrap())
 }
 
 /// Layers of contrast 1e±8, cells up to 1:1000, ν up to 0.4999, one or two cuts, pressed or displaced from above.
-fn scene(seed: u64) -> String {
+pub(super) fn scene(seed: u64) -> String {
     let r = &mut Random::new(seed);
     let cells = [r.whole(4, 6), r.whole(3, 5), r.whole(4, 6)];
     let mut toml = format!("title = 'seed {seed}'\n[mesh]\n");
@@ -105,7 +105,7 @@ fn scene(seed: u64) -> String {
 
 /// Thin cells, 1:10 to 1:1000, and a fracture across them one or two cells high, maybe another along them: a traction that is constant on the
 /// first has an eigenvalue of down to 1e-5, of which loads show little.
-fn flat_scene(seed: u64) -> String {
+pub(super) fn flat_scene(seed: u64) -> String {
     const AXES: [&str; 3] = ["x", "y", "z"];
     let r = &mut Random::new(seed);
     let thin = r.below(3);

@@ -6,6 +6,7 @@ mod exact_schur;
 mod foreign_accuracy;
 mod foreign_systems;
 mod giving_way;
+mod inf_sup;
 mod library;
 mod reference;
 mod theorems;

@@ -8,10 +8,10 @@ use super::source::Source;
 use super::{Status, output};
 use crate::plot;
 use clap::Args;
-use fracas::solve::{spectrum, spectrum_method};
+use fracas::solve::{inf_sup, spectrum, spectrum_method};
 use fracas_solvers::Observer;
 use fracas_solvers::saddle::SaddleMethod;
-use fracas_solvers::spectrum::{Certificate, Part, SpectrumReport, SpectrumRequest, certificate};
+use fracas_solvers::spectrum::{Certificate, Part, SpectrumReport, SpectrumRequest};
 use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -69,7 +69,7 @@ impl Spectrum {
             ..SpectrumRequest::default()
         };
         let report = spectrum(&problem, &system, &method, &request, &mut progress)?;
-        let certificate = certificate(&system.blocks)?;
+        let certificate = inf_sup(&problem, &system)?;
         for note in &report.notes {
             progress.say(&format_args!("note: {note}"));
         }

@@ -18,6 +18,8 @@ const TICK_SPACE: f64 = 60.0;
 const TICK_SIZE: f64 = 10.0;
 const LABEL_SIZE: f64 = 11.0;
 const TITLE_SIZE: f64 = 12.0;
+/// Longest name that stands upright below a horizontal axis, in points; longer ones have smaller letters.
+const LONGEST_NAME: f64 = 150.0;
 const GRID: RGBColor = RGBColor(226, 226, 226);
 
 /// The plot box on the page and the linearized ends of its axes.
@@ -29,6 +31,8 @@ pub(super) struct Frame<'a> {
     pub(super) height: f64,
     pub(super) x: [f64; 2],
     pub(super) y: [f64; 2],
+    /// Space for names below the horizontal axis that stand upright, in points; 0 where they lie beside each other.
+    upright: f64,
 }
 
 impl Figure {
@@ -119,9 +123,10 @@ impl Figure {
             height,
             x,
             y,
+            upright: self.upright(width / (x[1] - x[0])),
         };
         let legend = Legend::new(self, &hidden, page_width - 30.0);
-        let below = 43.0;
+        let below = 43.0 + frame.upright;
         let page = top + height + below + legend.height() + 8.0;
         let (size, cells) = ([page_width, page], frame.cells());
         let (under, over) = (Canvas::default(), Canvas::default());
@@ -144,6 +149,23 @@ impl Figure {
             under,
             cells,
             over,
+        }
+    }
+
+    /// Space for the names along x where two of them would overlap, `step` apart.
+    fn upright(&self, step: f64) -> f64 {
+        let Scale::Categories(names) = &self.x.scale else {
+            return 0.0;
+        };
+        let width = |name: &String| text_width(name, TICK_SIZE);
+        let widths: Vec<f64> = names.iter().map(width).collect();
+        let overlaps = |pair: &[f64]| 0.5 * (pair[0] + pair[1]) + 4.0 > step;
+        match widths.windows(2).any(overlaps) {
+            true => widths
+                .iter()
+                .fold(0.0, |a: f64, b| a.max(*b))
+                .min(LONGEST_NAME),
+            false => 0.0,
         }
     }
 
@@ -286,8 +308,16 @@ impl Frame<'_> {
             let x = self.at([tick.at, self.y[0]])[0];
             let length = if tick.label.is_some() { 5.0 } else { 3.0 };
             canvas.line(&[[x, bottom], [x, bottom + length]], BLACK.mix(1.0), 0.8);
-            if let Some(label) = &tick.label {
-                canvas.text([x, bottom + 14.0], label, TICK_SIZE, Anchor::Center);
+            match &tick.label {
+                Some(name) if self.upright > 0.0 => {
+                    let size = fitting_size(name, TICK_SIZE, self.upright);
+                    let foot = bottom + 8.0 + text_width(name, size);
+                    canvas.text([x, foot], name, size, Anchor::UpwardsFrom);
+                }
+                Some(label) => {
+                    canvas.text([x, bottom + 14.0], label, TICK_SIZE, Anchor::Center);
+                }
+                None => {}
             }
         }
         for tick in &y_ticks {
@@ -299,7 +329,7 @@ impl Frame<'_> {
             }
         }
         canvas.text(
-            [0.5 * (left + right), bottom + 32.0],
+            [0.5 * (left + right), bottom + 32.0 + self.upright],
             &self.figure.x.label,
             LABEL_SIZE,
             Anchor::Center,

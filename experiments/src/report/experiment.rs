@@ -96,6 +96,10 @@ impl Findings {
             let (expected, ours) = (&check.expected, &check.ours);
             format!("{}: expected {expected}, found {ours}", check.claim)
         };
-        failed.map(told).collect()
+        let mut claims: Vec<String> = failed.map(told).collect();
+        // of several rows in the same words
+        let mut said = std::collections::HashSet::new();
+        claims.retain(|claim| said.insert(claim.clone()));
+        claims
     }
 }

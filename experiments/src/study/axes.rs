@@ -152,6 +152,34 @@ impl Axes {
         own.or_else(|| keys.find(|key| said.iter().any(|(known, _)| known == key)))
     }
 
+    /// An axis and a value that stands in it twice.
+    pub(super) fn repeated(&self) -> Option<(String, String)> {
+        let mut found = None;
+        let Ok(axes) = Table::try_from(self) else {
+            return None;
+        };
+        flatten(&axes, "", &mut |key, value| {
+            let (Value::Array(values), false) = (value, key == "measures") else {
+                return;
+            };
+            let lists: Vec<(&str, &Value)> = match key.as_str() {
+                "together" => (values.iter())
+                    .filter_map(|axis| Some((axis.get("name")?.as_str()?, axis.get("values")?)))
+                    .collect(),
+                key => vec![(key, value)],
+            };
+            for (name, list) in lists {
+                let list = list.as_array().map_or(&[][..], Vec::as_slice);
+                let again = (1..list.len()).find(|k| list[..*k].contains(&list[*k]));
+                if let (Some(k), None) = (again, &found) {
+                    let name = name.strip_prefix("set.").unwrap_or(name);
+                    found = Some((name.to_owned(), shown(&list[k])));
+                }
+            }
+        });
+        found
+    }
+
     /// Scenes and systems, those of variants included.
     pub(super) fn sources(&mut self) -> (Vec<&mut String>, Vec<&mut String>) {
         let mut scenes: Vec<&mut String> = self.scene.iter_mut().collect();
@@ -161,6 +189,14 @@ impl Axes {
             systems.extend(&mut variant.system);
         }
         (scenes, systems)
+    }
+}
+
+/// A value as it is written; of a variant its name.
+fn shown(value: &Value) -> String {
+    match value.get("name").unwrap_or(value) {
+        Value::String(text) => text.clone(),
+        other => other.to_string(),
     }
 }
 

@@ -115,7 +115,8 @@ pub(super) fn figure(
     }
     let plain = section.y.iter().filter(|y| !y.starts_with("published."));
     y.label = plain.map(|y| axis_label(y)).collect::<Vec<_>>().join(", ");
-    let title = facet.map(|value| findings.label(value)).unwrap_or_default();
+    let axis = section.facet.as_deref().unwrap_or_default();
+    let title = facet.map_or(String::new(), |value| named(axis, value, findings));
     // what the clock tells and what a sweep moves to and fro is joined in the order of the rows
     let group = Name::find(&section.x).map(Name::group);
     let is_timed = matches!(group, Some(Group::Clock | Group::Condition));

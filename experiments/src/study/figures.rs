@@ -88,7 +88,7 @@ pub(super) fn figures(study: &Study, findings: &Findings) -> (Vec<Figure>, Vec<S
                         _ => tornado,
                     };
                     let drawn = draw(&id, section, &rows, findings);
-                    let title = facet.map(|value| findings.label(value)).unwrap_or_default();
+                    let title = facet.map_or(String::new(), |value| named(axis, value, findings));
                     figures.extend(drawn.map(|figure| Figure { title, ..figure }));
                 }
                 _ => figures.extend(eigenvalues(&id, section, &rows, findings)),

@@ -177,21 +177,27 @@ impl Study {
         level: Option<&str>,
     ) -> anyhow::Result<Self> {
         let mut study: Self = read_toml(text, name)?;
+        let whole: Table = text.parse()?;
+        let at_level = |(level, other): (&String, &Table)| -> anyhow::Result<(String, Self)> {
+            let mut whole = whole.clone();
+            whole.remove("level");
+            merge(&mut whole, other);
+            whole.insert("at".into(), level.as_str().into());
+            let study = (whole.try_into()).with_context(|| format!("{name}: [level.{level}]"))?;
+            Ok((level.clone(), study))
+        };
+        // a word that no level knows is said at any level
+        let levels = study.level.iter().map(at_level);
+        let mut levels = levels.collect::<anyhow::Result<BTreeMap<_, _>>>()?;
         if let Some(level) = level {
-            let Some(other) = study.level.get(level) else {
-                let known: Vec<&str> = study.level.keys().map(String::as_str).collect();
+            let Some(other) = levels.remove(level) else {
+                let known: Vec<&str> = levels.keys().map(String::as_str).collect();
                 bail!(
                     "{name} has no level `{level}`; there are: {}",
                     known.join(", ")
                 );
             };
-            let mut whole: Table = text.parse()?;
-            whole.remove("level");
-            merge(&mut whole, other);
-            whole.insert("at".into(), level.into());
-            study = whole
-                .try_into()
-                .with_context(|| format!("{name}: [level.{level}]"))?;
+            study = other;
         }
         study.level.clear();
         let resolved = study.resolved(folder);
@@ -210,6 +216,12 @@ impl Study {
     pub(crate) fn resolved(mut self, folder: &Path) -> anyhow::Result<Self> {
         let absolute = |path: &str| -> anyhow::Result<String> {
             let path = std::path::absolute(folder.join(path))?;
+            // without `..`; a link keeps its name
+            let place = path.parent().and_then(|parent| parent.canonicalize().ok());
+            let path = match (place, path.file_name()) {
+                (Some(place), Some(name)) => place.join(name),
+                _ => path,
+            };
             Ok(path.display().to_string())
         };
         let file = |scene: &str| -> anyhow::Result<String> {
@@ -266,6 +278,9 @@ impl Study {
                 axes.has_scenes() || !(sets || refines),
                 "`set` and `refine` have no effect without `scene`"
             );
+            if let Some((axis, value)) = axes.repeated() {
+                bail!("{value} stands twice in the axis `{axis}`: its rows would be the same");
+            }
             if let (true, Some(key)) = (axes.has_systems(), axes.of_scenes()) {
                 bail!(
                     "`{key}` has no effect on a system folder, whose H is in H.mtx; give scenes [[axes]] of their own"

@@ -164,6 +164,15 @@ impl Study {
                 .facet
                 .iter()
                 .try_for_each(|f| judge.name("facet", f))?;
+            let endless = |y: &f64| !y.is_finite();
+            if let Some(line) = figure
+                .line
+                .iter()
+                .find(|line| line.y.as_ref().is_some_and(endless))
+            {
+                let why = format!("`y` of the line \"{}\" is a finite number", line.label);
+                return Err(judge.fail(why));
+            }
             judge.rows(&figure.of_rows)?;
             figure
                 .line

@@ -35,7 +35,7 @@ mod stated;
 
 pub use any_method::analyse_method;
 pub use bounds::{Bounds, Theorem};
-pub use certificate::{Certificate, certificate};
+pub use certificate::{AroundFractures, Certificate, certificate};
 pub use certify::Enclosures;
 pub use explain::{Explanation, Solved};
 pub use field_of_values::FieldOfValues;

@@ -41,14 +41,7 @@ fn state(step: usize) -> State {
 fn onsets() -> Onsets {
     let onset = |begins, before| SlipOnset {
         fracture: 1,
-        begins,
-        before,
-        after: 0.1 + 0.2,
-        face: 7,
-        center: [-0.5, 1.0 / 3.0, 1e300],
-        area: 2.5,
-        drained: [-1e7, 0.0],
-        pressure: 3.0,
+        ..SlipOnset::sample(begins, before)
     };
     Onsets {
         found: vec![onset(Begins::Patch, Some(0.1)), onset(Begins::Face, None)],

@@ -51,12 +51,22 @@ pub(super) fn across(
     let bends = stops(tops, d, ends);
     let bends = &bends[1..bends.len() - 1];
     let finest = lines.count();
-    lines.settle(bends.iter().copied());
+    let inside = |x: &f64| ends[0] < *x && *x < ends[1];
+    let boundary = &mut sections.boundary;
+    let parts = (boundary.iter()).flat_map(|b| [&b.x, &b.y][d].iter().flatten());
+    let parts: Vec<f64> = parts.map(Measure::si).filter(|x| inside(x)).collect();
+    lines.settle(bends.iter().copied().chain(parts));
     for bend in bends {
         lines.place(*bend, || "a point of a top".into());
     }
+    for b in boundary {
+        let what = format!("an end of the part of {}", b.place());
+        let span = [&mut b.x, &mut b.y].into_iter().nth(d);
+        for end in span.into_iter().flatten().flatten() {
+            put(end, &mut lines, &what);
+        }
+    }
     axis.growth.get_or_insert_with(|| Measure::ratio(GROWTH));
-    let inside = |x: &f64| ends[0] < *x && *x < ends[1];
     let mut near: Vec<f64> = lines.points();
     let mut through = near.split_off(finest);
     through.sort_by(f64::total_cmp);

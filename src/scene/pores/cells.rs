@@ -1,5 +1,7 @@
 //! Cells of a file: which of them holds a place, or is the nearest to it.
 
+use crate::scene::box_tree::{Bounds, BoxTree, NOWHERE, union};
+
 /// Corners of cells.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Shapes {
@@ -11,19 +13,6 @@ pub(super) struct Shapes {
     pub(super) ends: Vec<usize>,
     /// Types of VTK; 0 where the file has none.
     pub(super) types: Vec<u8>,
-}
-
-/// Lowest and highest coordinates [m].
-type Bounds = [[f64; 3]; 2];
-
-/// The bounds of nothing.
-const NOWHERE: Bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-
-fn union(a: &Bounds, b: &Bounds) -> Bounds {
-    [
-        [0, 1, 2].map(|d: usize| a[0][d].min(b[0][d])),
-        [0, 1, 2].map(|d: usize| a[1][d].max(b[1][d])),
-    ]
 }
 
 /// Square of the distance of x from a box, 0 inside [m²].
@@ -192,34 +181,9 @@ impl Shapes {
     }
 }
 
-/// Cells in the order of a balanced tree of their centres, and the box around those of every range.
+/// Cells in a tree of their boxes.
 #[derive(Clone, Debug)]
-pub(super) struct CellTree {
-    order: Vec<u32>,
-    /// At the place of the middle one of a range.
-    around: Vec<Bounds>,
-}
-
-/// Puts the middle one of a range in its place along the axis of its largest extent, then of its halves. Where many lie on one plane, as in grids,
-/// the next axes decide, so that boxes of halves overlap in that plane alone.
-fn sort(range: &mut [u32], centers: &[[f64; 3]]) {
-    if range.len() < 2 {
-        return;
-    }
-    let all = range.iter().map(|p| centers[*p as usize]);
-    let [low, high] = all.fold(NOWHERE, |all, x| union(&all, &[x, x]));
-    let extent = [0, 1, 2].map(|d: usize| high[d] - low[d]);
-    let axis = (0..3).fold(0, |axis, d| if extent[d] > extent[axis] { d } else { axis });
-    let middle = range.len() / 2;
-    range.select_nth_unstable_by(middle, |a, b| {
-        let [a, b] = [a, b].map(|p| centers[*p as usize]);
-        let by = |d: usize| a[(axis + d) % 3].total_cmp(&b[(axis + d) % 3]);
-        by(0).then_with(|| by(1)).then_with(|| by(2))
-    });
-    let (low, high) = range.split_at_mut(middle);
-    sort(low, centers);
-    sort(&mut high[1..], centers);
-}
+pub(super) struct CellTree(BoxTree);
 
 /// Cells, their centres and their numbers in `shapes`.
 #[derive(Clone, Copy)]
@@ -235,37 +199,20 @@ impl CellTree {
     /// # Cost
     /// O(n log n).
     pub(super) fn new(cells: Centered<'_>) -> Self {
-        let mut order: Vec<u32> = (0..cells.centers.len() as u32).collect();
-        sort(&mut order, cells.centers);
-        let mut tree = Self {
-            around: vec![NOWHERE; order.len()],
-            order,
-        };
-        tree.enclose(0, tree.order.len(), cells);
-        tree
-    }
-
-    fn enclose(&mut self, from: usize, to: usize, cells: Centered<'_>) -> Bounds {
-        if from >= to {
-            return NOWHERE;
-        }
-        let middle = from + (to - from) / 2;
-        let own = cells.numbers[self.order[middle] as usize];
-        let low = self.enclose(from, middle, cells);
-        let high = self.enclose(middle + 1, to, cells);
-        self.around[middle] = union(&cells.shapes.bounds(own), &union(&low, &high));
-        self.around[middle]
+        let bounds = |p: u32| cells.shapes.bounds(cells.numbers[p as usize]);
+        Self(BoxTree::new(cells.centers, &bounds))
     }
 
     /// The cell that holds x, else the one whose box is nearest; of several the one with the nearest centre. And how far x is from its box [m].
     pub(super) fn at(&self, cells: Centered<'_>, x: [f64; 3]) -> (u32, f64) {
         // outside, squares of distances from box and centre
         let mut best: Option<(bool, f64, f64, u32)> = None;
+        let tree = &self.0;
         let range = |from: usize, to: usize| {
-            let around = self.around[from..to].get((to - from) / 2);
+            let around = tree.around(from..to);
             around.map(|around| (gap(around, x), from, to))
         };
-        let mut ranges: Vec<(f64, usize, usize)> = range(0, self.order.len()).into_iter().collect();
+        let mut ranges: Vec<(f64, usize, usize)> = range(0, tree.len()).into_iter().collect();
         while let Some((beyond, from, to)) = ranges.pop() {
             if best.is_some_and(|(_, least, ..)| beyond > least) {
                 continue;
@@ -277,7 +224,7 @@ impl CellTree {
                 Some((low, high)) if low.0 < high.0 => ranges.extend([high, low]),
                 _ => ranges.extend([low, high].into_iter().flatten()),
             }
-            let p = self.order[middle];
+            let p = tree.at(middle);
             let (own, at) = (cells.numbers[p as usize], cells.centers[p as usize]);
             let beyond = gap(&cells.shapes.bounds(own), x);
             if best.is_none_or(|(_, least, ..)| beyond <= least) {
