@@ -3,6 +3,7 @@
 use super::Status;
 use super::scene::{self, Overrides};
 use clap::Args;
+use fracas::contact::Friction;
 use fracas::memory;
 use fracas::nonlinear::{Simulation, SimulationError, friction_remarks};
 use fracas::run::RunError;
@@ -45,6 +46,7 @@ impl Check {
                 }
                 let audit = body.audit();
                 write!(out, "{audit}{}", body.inventory())?;
+                write_friction(&body, out)?;
                 for remark in friction_remarks(&body) {
                     writeln!(out, "warning     {remark}")?;
                 }
@@ -60,6 +62,48 @@ impl Check {
         }
         Ok(Status::Done)
     }
+}
+
+/// What holds each fracture: values, or the least and the largest on its faces.
+fn write_friction(body: &Body, out: &mut dyn Write) -> anyhow::Result<()> {
+    for (k, name) in body.fractures.names.iter().enumerate() {
+        let own = (body.fractures.faces.iter()).filter(|face| usize::from(face.fracture) == k);
+        let all: Vec<Friction> = own.filter_map(|face| body.friction_of(face)).collect();
+        if all.is_empty() {
+            continue;
+        }
+        let range = |of: &dyn Fn(&Friction) -> Option<f64>, unit: &str| {
+            let values = all.iter().filter_map(of);
+            let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| {
+                (a.min(v), b.max(v))
+            });
+            let [low, high] = [low, high].map(|v| {
+                format!("{:.6}", v)
+                    .trim_end_matches('0')
+                    .trim_end_matches('.')
+                    .to_owned()
+            });
+            match low == high {
+                true => format!("{low} {unit}"),
+                false => format!("{low} to {high} {unit}"),
+            }
+        };
+        let angle = range(&|f| Some(f.angle.to_degrees()), "deg");
+        let cohesion = match all.iter().any(|f| f.cohesion != 0.0) {
+            true => format!(", cohesion {}", range(&|f| Some(1e-6 * f.cohesion), "MPa")),
+            false => String::new(),
+        };
+        let weakening = match all.iter().any(|f| f.weakening.is_some()) {
+            true => format!(
+                ", down to {} over {} of slip",
+                range(&|f| f.weakening.map(|w| w.angle.to_degrees()), "deg"),
+                range(&|f| f.weakening.map(|w| w.distance), "m")
+            ),
+            false => String::new(),
+        };
+        writeln!(out, "friction    \"{name}\": {angle}{cohesion}{weakening}")?;
+    }
+    Ok(())
 }
 
 /// Refuses what `run` refuses before its first step.

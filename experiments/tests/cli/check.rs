@@ -296,6 +296,19 @@ fn remarks_on_friction_are_those_of_a_run() {
     }
     let quiet = with("29.9 deg");
     assert!(!quiet.stdout.contains("warning"), "{}", quiet.stdout);
+    let line = "\": 30 deg, down to 29.9 deg over 0.005 m of slip\n";
+    assert!(quiet.stdout.contains(line), "{}", quiet.stdout);
+}
+
+#[test]
+fn friction_of_a_profile_is_told_with_its_ends_on_the_faces() {
+    // centres of the faces lie between 1 m and 19 m
+    let profile =
+        "fracture.0.profile=[{z=\"0 m\",cohesion=\"0 MPa\"},{z=\"20 m\",cohesion=\"2 MPa\"}]";
+    let ran = fracas(&["check", "cycle", "--set", profile]);
+    assert_eq!(ran.status, 0, "{}", ran.stderr);
+    let told = ran.stdout.contains("\": 30 deg, cohesion 0.1 to 1.9 MPa\n");
+    assert!(told, "{}", ran.stdout);
 }
 
 #[test]
