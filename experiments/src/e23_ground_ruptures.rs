@@ -17,33 +17,6 @@ const MECHANISMS: [(&str, &str); 3] = [
     ("rupture_ridge", "buried ridge"),
 ];
 
-/// What makes a body of a section: bedrock that ends 200 m behind it, in sediments that reach 800 m.
-const BODIES: [(&str, &str); 3] = [
-    (
-        "rupture_bedrock",
-        r#"[{ x = ["0 m", "600 m"], y = ["0 m", "200 m"] }, { z = ["-400 m", "-300 m"] }]"#,
-    ),
-    (
-        "rupture_step",
-        r#"[{ x = ["0 m", "600 m"], y = ["0 m", "200 m"], z = ["-400 m", "-100 m"] }, { z = ["-400 m", "-300 m"] }]"#,
-    ),
-    (
-        "rupture_ridge",
-        r#"[{ x = ["-40 m", "40 m"], y = ["0 m", "200 m"], z = ["-400 m", "-100 m"] }, { z = ["-400 m", "-300 m"] }]"#,
-    ),
-];
-
-/// Cells of the bodies, and where their plane is: a million displacements and more.
-const BODY: [&str; 7] = [
-    r#"mesh.y={ from = "0 m", to = "800 m", size = "5 m", growth = 1.1, largest = "50 m", near = ["0 m", "200 m", "400 m"] }"#,
-    r#"fracture.rupture.y=["0 m", "400 m"]"#,
-    "mesh.x.size=4 m",
-    "mesh.z.size=4 m",
-    "mesh.x.growth=1.06",
-    "mesh.z.growth=1.06",
-    "time.steps=10",
-];
-
 /// Drawdown at the end [MPa].
 const LAST: f64 = 0.2;
 
@@ -75,8 +48,6 @@ struct Row {
     torn_to: f64,
     /// Depth of the highest open face's centre [m].
     open_from: f64,
-    /// Largest y of the centre of an open topmost face; 0 where none is [m].
-    open_along: f64,
 }
 
 impl Run {
@@ -99,7 +70,6 @@ impl Run {
                 open_to: 0.0,
                 torn_to: 0.0,
                 open_from: f64::INFINITY,
-                open_along: 0.0,
             };
             for (f, face) in faces.iter().enumerate() {
                 let depth = -face.center[2];
@@ -112,9 +82,6 @@ impl Run {
                     row.torn_to = row.torn_to.max(depth);
                 }
                 if face.center[2] >= top - TOP {
-                    if open {
-                        row.open_along = row.open_along.max(face.center[1]);
-                    }
                     let up: f64 = (0..3)
                         .map(|k| fields.jump[3 * f + k] * face.frame[k][2])
                         .sum();
@@ -215,7 +182,7 @@ impl Experiment for GroundRuptures {
         "`rupture_bedrock`, `rupture_step`, `rupture_ridge`: sections of 1,200 m × 400 m whose sediments lose 0.2 MPa of pore pressure below 20 m \
          of depth in 40 steps; a vertical plane without cohesion, friction angle 30°, where ruptures are expected. The three mechanisms are printed. Sediments of 35 MPa, ν = 0.25 and \
          21 kN/m³ are public stand-ins; geometry, drawdown, bedrock of 10 GPa and a horizontal stress of 0.5 of the vertical effective one are ours. Cells of 10 m beside the plane, \
-         at paper level 5 m, and 3-D bodies of a million displacements and more in 10 steps."
+         at paper level 5 m."
     }
 
     fn expect(&self) -> &'static str {
@@ -267,9 +234,6 @@ impl Experiment for GroundRuptures {
             ]);
         }
         findings.tables.push(table);
-        if level == Level::Paper {
-            findings.tables.push(bodies(observer)?);
-        }
         findings.figures.push(grown(&runs));
         findings.figures.extend(runs.iter().map(Run::section));
         let [bedrock, step, ridge] = &runs[..] else {
@@ -314,42 +278,6 @@ impl Experiment for GroundRuptures {
         ];
         Ok(findings)
     }
-}
-
-/// The mechanisms in 3-D.
-fn bodies(observer: &mut dyn Observer) -> anyhow::Result<Table> {
-    let mut table = Table::new(
-        "e23_bodies",
-        "The mechanisms in 3-D, at a drawdown of 0.2 MPa: bedrock ends at y = 200 m, the plane at y = 400 m.",
-        &[
-            "mechanism",
-            "n_u",
-            "faces",
-            "first opening [MPa]",
-            "opening at the ground [mm]",
-            "throw at the ground [mm]",
-            "open along the ground to [m]",
-            "open down to [m]",
-        ],
-    );
-    for (name, bedrock) in BODIES {
-        let entry = named(name).ok_or_else(|| anyhow::anyhow!("no scene {name}"))?;
-        let bedrock = format!("material.bedrock.boxes={bedrock}");
-        let mut overrides = BODY.to_vec();
-        overrides.push(&bedrock);
-        let run = Run::of(name, &entry.scene()?.with_overrides(&overrides)?, observer)?;
-        table.push([
-            Cell::from(run.what()),
-            run.body.constraints.free().len().into(),
-            run.body.fractures.faces.len().into(),
-            run.first(|r| r.open_to > 0.0).into(),
-            run.last(|r| r.opening).into(),
-            run.last(|r| (1e3 * r.throw).round() / 1e3 + 0.0).into(),
-            run.last(|r| r.open_along).into(),
-            run.last(|r| r.open_to).into(),
-        ]);
-    }
-    Ok(table)
 }
 
 /// How far down ruptures are open or slip, against drawdown.

@@ -24,7 +24,10 @@ fn beta_squared(blocks: &SaddleBlocks) -> Option<f64> {
             .for_each(|(k, b)| c_0[k] += b * b / blocks.a.get(i, i).unwrap());
     }
     // a traction on displacements that are all held has H alone
-    c_0.iter_mut().filter(|c| **c == 0.0).for_each(|c| *c = 1.0);
+    let own = |k: usize| blocks.h.as_ref().and_then(|h| h.get(k, k).copied());
+    for (k, c) in c_0.iter_mut().enumerate().filter(|(_, c)| **c == 0.0) {
+        *c = own(k).unwrap_or(1.0);
+    }
     let scaled = faer::Mat::from_fn(c_0.len(), c_0.len(), |i, j| {
         sum[(i, j)] / (c_0[i] * c_0[j]).sqrt()
     });

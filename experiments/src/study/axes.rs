@@ -1,6 +1,7 @@
 //! What a study varies.
 
 use super::{Choice, Inner, Load, Name, Setting, State};
+use fracas::units::Quantity;
 use fracas_solvers::krylov::KrylovChoice;
 use fracas_solvers::saddle::{AugmentationChoice, SaddleMethod};
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
@@ -170,7 +171,8 @@ impl Axes {
             };
             for (name, list) in lists {
                 let list = list.as_array().map_or(&[][..], Vec::as_slice);
-                let again = (1..list.len()).find(|k| list[..*k].contains(&list[*k]));
+                let is_again = |k: &usize| list[..*k].iter().any(|v| is_same(v, &list[*k]));
+                let again = (1..list.len()).find(is_again);
                 if let (Some(k), None) = (again, &found) {
                     let name = name.strip_prefix("set.").unwrap_or(name);
                     found = Some((name.to_owned(), shown(&list[k])));
@@ -190,6 +192,18 @@ impl Axes {
         }
         (scenes, systems)
     }
+}
+
+/// Two values of an axis that are one: numbers, or quantities, of one size, and variants of one name.
+fn is_same(a: &Value, b: &Value) -> bool {
+    let number = |v: &Value| v.as_float().or(v.as_integer().map(|i| i as f64));
+    let si = |v: &Value| v.as_str()?.parse::<Quantity>().ok().map(|q| q.si());
+    let equal = |a: Option<f64>, b: Option<f64>| a.is_some() && a == b;
+    let name = |v: &Value| v.get("name").cloned();
+    a == b
+        || equal(number(a), number(b))
+        || equal(si(a), si(b))
+        || (name(a).is_some() && name(a) == name(b))
 }
 
 /// A value as it is written; of a variant its name.

@@ -44,12 +44,15 @@ pub struct AroundFractures<'a> {
     pub diagonal: &'a [f64],
     /// D̃ over the rows of B.
     pub above: &'a [f64],
-    /// Diagonal of C₀; 0 for a traction that displaces nothing, which H alone has to hold.
+    /// Diagonal of C₀; 0 for a traction that displaces nothing, which H alone has to hold: its own entry of H takes the place.
     pub c_0: &'a [f64],
 }
 
-/// Rows up to which a matrix is had dense.
+/// Displacements up to which A is had dense.
 const DENSE: usize = 600;
+
+/// Tractions up to which their matrix is had dense: seconds.
+const FEW: usize = 1500;
 
 /// Chance that an end of a spectrum by Lanczos is not a bound. Unit: 1.
 const CHANCE: f64 = 1e-9;
@@ -66,7 +69,8 @@ const LOSS: f64 = 0.1;
 /// Share of the spectrum below which a smallest eigenvalue is not looked for. Unit: 1.
 const NONE: f64 = 1e-6;
 
-/// Steps of Lanczos times rows beyond which it is not begun again, some ten seconds.
+/// Steps of Lanczos, and the same times rows, beyond which it is not begun again: some ten seconds.
+const STEPS: usize = 6000;
 const MOST: usize = 200_000_000;
 
 /// Rounding of the eigenvalues of a dense matrix of so many rows. Unit: 1.
@@ -86,7 +90,7 @@ fn steps(n: usize, share: f64, ends: Ends) -> LanczosSettings {
 
 /// The bound with `D̃ = ω D`, `ω ≥ λ_max(D⁻¹A)`; `None` without tractions, or where B2, A or H take the system out of the statement.
 ///
-/// Ends of spectra are those of dense matrices up to 600 rows. Of larger ones the largest Ritz value of k steps of Lanczos from a start drawn
+/// Ends of spectra are those of dense matrices up to 600 displacements, or 1500 tractions. Of larger ones the largest Ritz value of k steps of Lanczos from a start drawn
 /// at random is below `(1 − ε) λ_max` at most in `1.648 √n e^{−√ε (2k − 1)}` of all cases, however eigenvalues lie: k and ε are such that
 /// this is 1e-9. The start is one such draw, the same for every matrix. What residuals say is that some eigenvalue is near, not that the
 /// largest is. Sums of rows bound ω, too; the smaller one is taken.
@@ -104,7 +108,7 @@ pub fn certificate(blocks: &SaddleBlocks) -> Result<Option<Certificate>, SetupEr
     let diagonal: Vec<f64> = (0..n_u)
         .map(|i| blocks.a.get(i, i).copied().unwrap_or(0.0))
         .collect();
-    let is_stated = blocks.n_t() > 0 && blocks.b2.is_none();
+    let is_stated = n_u > 0 && blocks.n_t() > 0 && blocks.b2.is_none();
     if !is_stated || diagonal.iter().any(|d| d.is_nan() || *d <= 0.0) {
         return Ok(None);
     }
@@ -156,7 +160,7 @@ fn omega(a: &SparseMatrix<f64>, diagonal: &[f64]) -> Result<f64, SetupError> {
 impl AroundFractures<'_> {
     /// The bound; `None` without tractions.
     ///
-    /// Above 600 tractions it is that of Lanczos, as in [`certificate`], which is begun again with more steps while its share costs more than
+    /// Above 1500 tractions it is that of Lanczos, as in [`certificate`], which is begun again with more steps while its share costs more than
     /// a tenth of β² and the steps are worth their time.
     ///
     /// # Cost
@@ -169,10 +173,15 @@ impl AroundFractures<'_> {
         if n == 0 {
             return Ok(None);
         }
-        let one_for_none = |c: &f64| if *c == 0.0 { 1.0 } else { *c };
-        let weight: Vec<f64> = (self.c_0.iter())
-            .map(|c| one_for_none(c).sqrt().recip())
-            .collect();
+        let scale = |(k, c): (usize, &f64)| match *c == 0.0 {
+            true => self
+                .h
+                .and_then(|h| h.get(k, k).copied())
+                .filter(|h| *h > 0.0),
+            false => Some(*c),
+        };
+        let scales = self.c_0.iter().enumerate().map(scale);
+        let weight: Vec<f64> = scales.map(|c| c.unwrap_or(1.0).sqrt().recip()).collect();
         let h = self.h.map(CsrView::new);
         let (mut t, mut u) = (vec![0.0; n], vec![0.0; self.above.len()]);
         let mut product = |x: &[f64], y: &mut [f64]| {
@@ -186,7 +195,7 @@ impl AroundFractures<'_> {
             }
             y.iter_mut().zip(&weight).for_each(|(y, w)| *y *= w);
         };
-        let least = match n <= DENSE {
+        let least = match n <= FEW {
             true => {
                 let mut matrix = Mat::zeros(n, n);
                 let (mut e, mut column) = (vec![0.0; n], vec![0.0; n]);
@@ -197,7 +206,8 @@ impl AroundFractures<'_> {
                     (0..n).for_each(|i| matrix[(i, k)] = column[i]);
                 }
                 dense::symmetrize(&mut matrix);
-                dense::symmetric_eigenvalues(matrix.as_ref())?[0]
+                let values = dense::symmetric_eigenvalues(matrix.as_ref())?;
+                values[0] - ROUNDING * values[n - 1]
             }
             false => smallest(n, &mut product)?,
         };
@@ -220,7 +230,8 @@ fn smallest(n: usize, product: &mut dyn FnMut(&[f64], &mut [f64])) -> Result<f64
         let least = most - (most - low.value) / (1.0 - share);
         let is_sharp = least >= (1.0 - LOSS) * low.value || low.value <= NONE * most;
         // four times the steps for a sixteenth of the share
-        if is_sharp || 4 * settings.max_steps * n > MOST {
+        let next = 4 * settings.max_steps;
+        if is_sharp || next > STEPS || next * n > MOST {
             return Ok(least);
         }
         share /= 16.0;
@@ -272,6 +283,20 @@ mod tests {
             let found = certificate(&blocks).unwrap().unwrap();
             assert!(found.beta_squared <= truth(&blocks), "{contrast}");
         }
+    }
+
+    #[test]
+    fn nothing_is_stated_without_displacements_and_nothing_proved_of_a_kernel() {
+        let mut blocks = random(8, 3, 0.0, 5);
+        // two tractions that do the same
+        let entry = |i: usize, k: usize| if k < 2 { 1.0 } else { i as f64 };
+        blocks.b1 = crate::saddle::samples::sparse(8, 3, entry);
+        let found = certificate(&blocks).unwrap().unwrap();
+        assert_eq!(found.beta_squared, 0.0);
+        blocks.a = crate::saddle::samples::sparse(0, 0, |_, _| 0.0);
+        blocks.b1 = crate::saddle::samples::sparse(0, 3, |_, _| 0.0);
+        (blocks.rhs_u, blocks.coordinates) = (Vec::new(), None);
+        assert_eq!(certificate(&blocks).unwrap(), None);
     }
 
     #[test]

@@ -62,8 +62,13 @@ pub(super) fn across(
     for b in boundary {
         let what = format!("an end of the part of {}", b.place());
         let span = [&mut b.x, &mut b.y].into_iter().nth(d);
-        for end in span.into_iter().flatten().flatten() {
-            put(end, &mut lines, &what);
+        let Some(span) = span.and_then(Option::as_mut) else {
+            continue;
+        };
+        // a part narrower than cells are told apart is refused where faces are chosen, as it is written
+        let [from, to] = span.each_ref().map(|end| lines.nearest_to(end.si()));
+        if from != to {
+            span.iter_mut().for_each(|end| put(end, &mut lines, &what));
         }
     }
     axis.growth.get_or_insert_with(|| Measure::ratio(GROWTH));

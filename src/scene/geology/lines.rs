@@ -138,6 +138,13 @@ impl<'a> Lines<'a> {
         }
     }
 
+    /// The line that is close to a value, or the value.
+    pub(super) fn nearest_to(&self, value: f64) -> f64 {
+        let line = self.nearest(value);
+        line.filter(|line| self.is_close(*line, value))
+            .unwrap_or(value)
+    }
+
     /// The line that is close to a value that [`settle`](Self::settle) has seen.
     pub(super) fn place(&mut self, value: f64, what: impl FnOnce() -> String) -> f64 {
         let line = self.nearest(value).filter(|line| *line != value);
