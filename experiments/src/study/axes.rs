@@ -194,16 +194,12 @@ impl Axes {
     }
 }
 
-/// Two values of an axis that are one: numbers, or quantities, of one size, and variants of one name.
+/// Two values of an axis that are one: numbers, or quantities, of one size. Variants of one name may differ: a bar or a point for both.
 fn is_same(a: &Value, b: &Value) -> bool {
     let number = |v: &Value| v.as_float().or(v.as_integer().map(|i| i as f64));
     let si = |v: &Value| v.as_str()?.parse::<Quantity>().ok().map(|q| q.si());
     let equal = |a: Option<f64>, b: Option<f64>| a.is_some() && a == b;
-    let name = |v: &Value| v.get("name").cloned();
-    a == b
-        || equal(number(a), number(b))
-        || equal(si(a), si(b))
-        || (name(a).is_some() && name(a) == name(b))
+    a == b || equal(number(a), number(b)) || equal(si(a), si(b))
 }
 
 /// A value as it is written; of a variant its name.
