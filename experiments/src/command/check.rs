@@ -3,7 +3,6 @@
 use super::Status;
 use super::scene::{self, Overrides};
 use clap::Args;
-use fracas::contact::Friction;
 use fracas::memory;
 use fracas::nonlinear::{Simulation, SimulationError, friction_remarks};
 use fracas::run::RunError;
@@ -66,42 +65,45 @@ impl Check {
 
 /// What holds each fracture: values, or the least and the largest on its faces.
 fn write_friction(body: &Body, out: &mut dyn Write) -> anyhow::Result<()> {
-    for (k, name) in body.fractures.names.iter().enumerate() {
-        let own = (body.fractures.faces.iter()).filter(|face| usize::from(face.fracture) == k);
-        let all: Vec<Friction> = own.filter_map(|face| body.friction_of(face)).collect();
-        if all.is_empty() {
+    let names = &body.fractures.names;
+    // per fracture: angle [deg], cohesion [MPa], and with weakening angle [deg] and distance [m]
+    let mut all = vec![[[f64::INFINITY, f64::NEG_INFINITY]; 4]; names.len()];
+    for face in &body.fractures.faces {
+        let Some(friction) = body.friction_of(face) else {
+            continue;
+        };
+        let weakening = friction
+            .weakening
+            .map(|w| [w.angle.to_degrees(), w.distance]);
+        let [dynamic, distance] = weakening.unwrap_or([f64::NAN; 2]);
+        let (angle, cohesion) = (friction.angle.to_degrees(), 1e-6 * friction.cohesion);
+        let values = [angle, cohesion, dynamic, distance];
+        // NaN is neither the least nor the largest
+        for ([low, high], value) in all[usize::from(face.fracture)].iter_mut().zip(values) {
+            (*low, *high) = (low.min(value), high.max(value));
+        }
+    }
+    let is_there = |[low, high]: [f64; 2]| low <= high;
+    let told = |ends: [f64; 2], unit: &str| {
+        let [low, high] = ends.map(|v| (1e6 * v).round() / 1e6);
+        match low == high {
+            true => format!("{low} {unit}"),
+            false => format!("{low} to {high} {unit}"),
+        }
+    };
+    for (name, [angle, cohesion, dynamic, distance]) in names.iter().zip(all) {
+        if !is_there(angle) {
             continue;
         }
-        let range = |of: &dyn Fn(&Friction) -> Option<f64>, unit: &str| {
-            let values = all.iter().filter_map(of);
-            let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| {
-                (a.min(v), b.max(v))
-            });
-            let [low, high] = [low, high].map(|v| {
-                format!("{:.6}", v)
-                    .trim_end_matches('0')
-                    .trim_end_matches('.')
-                    .to_owned()
-            });
-            match low == high {
-                true => format!("{low} {unit}"),
-                false => format!("{low} to {high} {unit}"),
-            }
-        };
-        let angle = range(&|f| Some(f.angle.to_degrees()), "deg");
-        let cohesion = match all.iter().any(|f| f.cohesion != 0.0) {
-            true => format!(", cohesion {}", range(&|f| Some(1e-6 * f.cohesion), "MPa")),
-            false => String::new(),
-        };
-        let weakening = match all.iter().any(|f| f.weakening.is_some()) {
-            true => format!(
-                ", down to {} over {} of slip",
-                range(&|f| f.weakening.map(|w| w.angle.to_degrees()), "deg"),
-                range(&|f| f.weakening.map(|w| w.distance), "m")
-            ),
-            false => String::new(),
-        };
-        writeln!(out, "friction    \"{name}\": {angle}{cohesion}{weakening}")?;
+        write!(out, "friction    \"{name}\": {}", told(angle, "deg"))?;
+        if cohesion != [0.0; 2] {
+            write!(out, ", cohesion {}", told(cohesion, "MPa"))?;
+        }
+        if is_there(dynamic) {
+            let (dynamic, distance) = (told(dynamic, "deg"), told(distance, "m"));
+            write!(out, ", down to {dynamic} over {distance} of slip")?;
+        }
+        writeln!(out)?;
     }
     Ok(())
 }

@@ -27,7 +27,6 @@ struct Point {
 pub(super) fn figure(
     id: &str,
     section: &FigureSection,
-    facet: Option<&str>,
     varying: &[String],
     (rows, findings): (&[&Fields], &Findings),
 ) -> Option<Figure> {
@@ -115,12 +114,10 @@ pub(super) fn figure(
     }
     let plain = section.y.iter().filter(|y| !y.starts_with("published."));
     y.label = plain.map(|y| axis_label(y)).collect::<Vec<_>>().join(", ");
-    let axis = section.facet.as_deref().unwrap_or_default();
-    let title = facet.map_or(String::new(), |value| named(axis, value, findings));
     // what the clock tells and what a sweep moves to and fro is joined in the order of the rows
     let group = Name::find(&section.x).map(Name::group);
     let is_timed = matches!(group, Some(Group::Clock | Group::Condition));
-    let mut figure = Figure::new(id, &title, &caption, x, y);
+    let mut figure = Figure::new(id, "", &caption, x, y);
     let bars = names.is_some() && section.kind == Kind::Curves;
     figure.series = curves(&points, bars, is_timed, section.kind);
     figure.series.extend(lines);

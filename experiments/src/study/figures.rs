@@ -70,9 +70,11 @@ pub(super) fn figures(study: &Study, findings: &Findings) -> (Vec<Figure>, Vec<S
                 !taken && figures.iter().all(|f| f.id != *id)
             };
             let id = (1..).map(again).find(is_free).unwrap_or_default();
+            let title = facet.map_or(String::new(), |value| named(axis, value, findings));
             match section.kind {
                 Kind::Curves | Kind::Points => {
-                    figures.extend(figure(&id, section, *facet, &varying, (&rows, findings)));
+                    let drawn = figure(&id, section, &varying, (&rows, findings));
+                    figures.extend(drawn.map(|figure| Figure { title, ..figure }));
                 }
                 Kind::Residuals => {
                     figures.extend(residuals(&id, section, &rows, findings, &varying))
@@ -88,7 +90,6 @@ pub(super) fn figures(study: &Study, findings: &Findings) -> (Vec<Figure>, Vec<S
                         _ => tornado,
                     };
                     let drawn = draw(&id, section, &rows, findings);
-                    let title = facet.map_or(String::new(), |value| named(axis, value, findings));
                     figures.extend(drawn.map(|figure| Figure { title, ..figure }));
                 }
                 _ => figures.extend(eigenvalues(&id, section, &rows, findings)),
