@@ -161,6 +161,7 @@ mod tests {
     use super::super::sample::{self, Sample};
     use super::super::stiffness;
     use super::*;
+    use fracas_solvers::eigen::dense::symmetric_eigenvalues;
 
     fn rocks() -> [Elastic; 2] {
         [(3.0, 0.2), (1.0, 0.35)].map(|(young, poisson)| Elastic { young, poisson })
@@ -198,7 +199,7 @@ mod tests {
             let scaled = faer::Mat::from_fn(above.len(), above.len(), |i, j| {
                 a.get(i, j).copied().unwrap_or(0.0) / (above[i] * above[j]).sqrt()
             });
-            let values = scaled.self_adjoint_eigenvalues(faer::Side::Lower).unwrap();
+            let values = symmetric_eigenvalues(scaled.as_ref()).unwrap();
             let largest = values[values.len() - 1];
             assert!((0.5..=1.0).contains(&largest), "{distortion}: {largest}");
         }
@@ -237,7 +238,7 @@ mod tests {
             };
             let k = geometry.stiffness(material);
             let scaled = faer::Mat::from_fn(24, 24, |i, j| k[i][j] / (k[i][i] * k[j][j]).sqrt());
-            let values = scaled.self_adjoint_eigenvalues(faer::Side::Lower).unwrap();
+            let values = symmetric_eigenvalues(scaled.as_ref()).unwrap();
             let ratio = largest_ratio(&k) / values[23];
             assert!((1.0..1.021).contains(&ratio), "case {case}: {ratio}");
         }

@@ -9,39 +9,29 @@ use super::hierarchy::hierarchy;
 use super::interpolation::{Interpolation, Owners};
 use super::*;
 use crate::contact::JumpStabilization;
-use crate::scene::{Body, Scene, named};
+use crate::mesh::BoxGrid;
+use crate::scene::Body;
+use crate::scene::sample::{Sample, Side, plane, rock};
 use faer::Mat;
 use fracas_operators::LinearOperator;
-use fracas_solvers::eigen::dense::symmetric_eigenvalues;
+use fracas_solvers::eigen::dense::{multiply, symmetric_eigenvalues};
 use fracas_solvers::multigrid::{Level, Precision, Transfer};
 use fracas_solvers::saddle::{AugmentationMatrix, schur};
 
 /// Fractures on and off the coarse planes, tips inside coarse cells, T and X, odd counts, layers, thin and mapped cells.
-const SCENES: &[(&str, &[&str])] = &[
-    ("crossing", &[]),
-    (
-        "crossing",
-        &[
-            "mesh.x.to='5 m'",
-            "mesh.x.cells=9",
-            "mesh.y.cells=5",
-            "fracture.upright.at='1 m'",
-            "fracture.flat.at='-1 m'",
-        ],
-    ),
-    ("tee", &["mesh.y.cells=5"]),
-    ("inclined", &[]),
-    ("stretched", &[]),
-    ("layered", &["mesh.z.cells=12"]),
-    ("checkerboard", &[]),
-    ("floating", &[]),
-    ("analogue_b", &[]),
-    ("analogue_c", &["mesh.z.cells=12"]),
-];
-
-fn body(scene: &str, overrides: &[&str]) -> Body {
-    let scene = named(scene).unwrap().small_scene().unwrap();
-    scene.with_overrides(overrides).unwrap().build().unwrap()
+fn samples() -> [(&'static str, Sample); 10] {
+    [
+        ("crossing", Sample::crossing([8, 4, 8], [0.0; 2], 4.0)),
+        ("off", Sample::crossing([9, 5, 8], [1.0, -1.0], 5.0)),
+        ("tee", Sample::tee([8, 5, 8])),
+        ("inclined", Sample::inclined([8, 4, 8])),
+        ("stretched", Sample::stretched([6; 3])),
+        ("layered", Sample::layered([6, 6, 12])),
+        ("checkerboard", Sample::checkerboard([6; 3])),
+        ("floating", Sample::floating([9, 4, 4])),
+        ("few", Sample::few([10, 8, 8])),
+        ("dense", Sample::dense([6, 6, 12])),
+    ]
 }
 
 /// A C of the size of S, different for every row.
@@ -90,8 +80,8 @@ fn bodies(grid: &Grid<'_>) -> Vec<usize> {
 
 #[test]
 fn every_body_keeps_its_own_linear_motions_on_every_level() {
-    for (scene, overrides) in SCENES {
-        let body = body(scene, overrides);
+    for (scene, sample) in samples() {
+        let body = sample.body();
         let mut grid = Grid::of_mesh(&body.mesh).unwrap();
         let of = bodies(&grid);
         // one body per element of the level
@@ -155,14 +145,14 @@ fn every_body_keeps_its_own_linear_motions_on_every_level() {
 #[test]
 fn lines_between_stiff_and_soft_rock_are_kept() {
     // layers of 2 m between z = -6 and 6 m, interfaces at -4, -2, 0, 2
-    let body = body("layered", &["mesh.z.cells=24"]);
+    let body = Sample::layered([6, 6, 24]).body();
     let lines = CoarseLines::new(GridLines::default(), &body.mesh, &body.materials);
     let grid = Grid::of_mesh(&body.mesh).unwrap();
     let Some(starts) = lines.next(&grid) else {
         panic!("24 lines can be halved");
     };
     assert_eq!(starts[2], (0..=24).step_by(2).collect::<Vec<_>>());
-    let body = super::tests::body("layered", &["mesh.z.cells=18"]);
+    let body = Sample::layered([6, 6, 18]).body();
     let lines = CoarseLines::new(GridLines::default(), &body.mesh, &body.materials);
     let grid = Grid::of_mesh(&body.mesh).unwrap();
     let Some(starts) = lines.next(&grid) else {
@@ -203,16 +193,16 @@ fn dense_p(level: &Level<f64>, below: &Level<f64>) -> Mat<f64> {
     p
 }
 
-fn largest(m: &Mat<f64>) -> f64 {
-    (0..m.ncols()).fold(0.0, |largest, j| {
-        m.col(j).iter().fold(largest, |a: f64, v| a.max(v.abs()))
-    })
+/// Largest entry of `a − b`.
+fn apart(a: &Mat<f64>, b: &Mat<f64>) -> f64 {
+    let pairs = (0..a.ncols()).flat_map(|j| (0..a.nrows()).map(move |i| (i, j)));
+    pairs.fold(0.0, |most: f64, at| most.max((a[at] - b[at]).abs()))
 }
 
 #[test]
 fn every_operator_is_the_galerkin_product_of_the_assembled_one() {
-    for (scene, overrides) in SCENES {
-        let body = body(scene, overrides);
+    for (scene, sample) in samples() {
+        let body = sample.body();
         let system = body.stick_system(Some(JumpStabilization::default()));
         let c = some_c(&body);
         let settings = Geometric {
@@ -235,23 +225,20 @@ fn every_operator_is_the_galerkin_product_of_the_assembled_one() {
             h.levels()[0].size() - h.levels()[0].fixed().len(),
             free.len()
         );
-        let size = largest(&finest);
         let mut expected = Mat::<f64>::zeros(finest.nrows(), finest.ncols());
+        let size = apart(&finest, &expected);
         for (v, (i, j)) in &s_u {
             expected[(free[i as usize] as usize, free[j as usize] as usize)] = *v;
         }
-        assert!(largest(&(&finest - &expected)) < 1e-11 * size, "{scene}");
+        assert!(apart(&finest, &expected) < 1e-11 * size, "{scene}");
         // and every coarse one PᵀA P
         let mut above = expected;
         for pair in h.levels().windows(2) {
             let p = dense_p(&pair[0], &pair[1]);
-            above = p.transpose() * &above * &p;
+            above = multiply(multiply(p.transpose(), above.as_ref()).as_ref(), p.as_ref());
             let found = dense(pair[1].operator(), pair[1].fixed());
-            let error = largest(&(&found - &above));
-            assert!(
-                error < 1e-10 * size,
-                "{scene} {overrides:?}: {error:e} of {size:e}"
-            );
+            let error = apart(&found, &above);
+            assert!(error < 1e-10 * size, "{scene}: {error:e} of {size:e}");
         }
     }
 }
@@ -261,29 +248,23 @@ fn every_operator_is_the_galerkin_product_of_the_assembled_one() {
 #[test]
 fn beside_held_sides_every_coarse_function_is_independent() {
     for (x, y) in [
-        ("roller", "roller"),
-        ("fixed", "roller"),
-        ("fixed", "fixed"),
+        (Side::Roller, Side::Roller),
+        (Side::Fixed, Side::Roller),
+        (Side::Fixed, Side::Fixed),
     ] {
-        let text = format!(
-            "title = 'held'
-            material = [{{ name = 'rock', young = '25 GPa', poisson = 0.25 }}]
-            fracture = [
-                {{ name = 'a', plane = 'x', at = '1 m', z = ['1 m', '4 m'], friction_angle = '30 deg' }},
-                {{ name = 'b', plane = 'y', at = '7 m', friction_angle = '30 deg' }},
-            ]
-            boundary = [
-                {{ side = 'z-', hold = 'fixed' }}, {{ side = 'x-', hold = '{x}' }}, {{ side = 'y+', hold = '{y}' }},
-            ]
-            [mesh]
-            x = {{ from = '0 m', to = '8 m', cells = 8 }}
-            y = {{ from = '0 m', to = '8 m', cells = 8 }}
-            z = {{ from = '0 m', to = '4 m', cells = 4 }}"
-        );
-        let body = Scene::from_toml(&text, "held.toml")
-            .unwrap()
-            .build()
-            .unwrap();
+        let mut grid = BoxGrid::uniform([0.0; 3], [8.0, 8.0, 4.0], [8, 8, 4]);
+        grid.fractures = vec![
+            plane(0, 1.0, [None, None, Some([1.0, 4.0])]),
+            plane(1, 7.0, [None; 3]),
+        ];
+        let name = format!("{x:?} {y:?}");
+        let body = Sample {
+            grid,
+            rocks: vec![rock(25e9)],
+            sides: vec![(4, Side::Fixed), (0, x), (3, y)],
+            angle: 30.0,
+        };
+        let body = body.body();
         let system = body.stick_system(Some(JumpStabilization::default()));
         let settings = Geometric {
             coarsest: 30,
@@ -294,15 +275,15 @@ fn beside_held_sides_every_coarse_function_is_independent() {
         assert!(h.levels().len() >= 3 && h.left_out().is_none());
         for pair in h.levels().windows(2) {
             let p = dense_p(&pair[0], &pair[1]);
-            let mut gram = p.transpose() * &p;
+            let mut gram = multiply(p.transpose(), p.as_ref());
             // fixed columns are zero
             pair[1]
                 .fixed()
                 .iter()
                 .for_each(|i| gram[(*i as usize, *i as usize)] = 1.0);
             let least = symmetric_eigenvalues(gram.as_ref()).unwrap()[0];
-            println!("{x} {y}: {least:e}");
-            assert!(least > 1e-4, "{x} {y}: {least:e}");
+            println!("{name}: {least:e}");
+            assert!(least > 1e-4, "{name}: {least:e}");
         }
     }
 }

@@ -154,12 +154,13 @@ impl Fallbacks {
 mod tests {
     use super::*;
     use crate::multigrid::GeometricError;
-    use crate::scene::{Body, named};
+    use crate::scene::sample::Sample;
+    use crate::scene::{Body, RunInner};
 
-    fn body(inner: &str) -> Body {
-        let scene = named("patch").unwrap().small_scene().unwrap();
-        let own = format!("solver.inner={inner}");
-        scene.with_overrides(&[&own]).unwrap().build().unwrap()
+    fn body(inner: RunInner) -> Body {
+        let mut body = Sample::patch().body();
+        body.solver.inner = inner;
+        body
     }
 
     fn failure() -> LinearFailure {
@@ -168,7 +169,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_set_up_gives_way_to_all_others_once_and_says_so() {
-        let body = body("auto");
+        let body = body(RunInner::Auto);
         let problem = ContactProblem::new(&body).unwrap();
         for (first, others) in [
             (Racp::geometric(), ["amg", "exact"]),
@@ -199,9 +200,13 @@ mod tests {
     #[test]
     fn what_was_asked_for_by_name_a_factorization_that_served_and_a_stop_give_way_to_nothing() {
         for (inner, settings, failure) in [
-            ("geometric", Racp::geometric(), failure()),
-            ("auto", Racp::geometric(), MatrixFreeError::Stopped.into()),
-            ("auto", Racp::default(), failure()),
+            (RunInner::Geometric, Racp::geometric(), failure()),
+            (
+                RunInner::Auto,
+                Racp::geometric(),
+                MatrixFreeError::Stopped.into(),
+            ),
+            (RunInner::Auto, Racp::default(), failure()),
         ] {
             let body = body(inner);
             let problem = ContactProblem::new(&body).unwrap();
@@ -214,7 +219,7 @@ mod tests {
 
     #[test]
     fn what_gets_nowhere_gives_way_to_a_factorization_that_fits_and_is_not_tried_again() {
-        let auto = body("auto");
+        let auto = body(RunInner::Auto);
         let problem = ContactProblem::new(&auto).unwrap();
         let (geometric, exact) = (Racp::geometric(), Racp::default());
         let mut fallbacks = Fallbacks::default();
@@ -235,7 +240,7 @@ mod tests {
         fallbacks.take_back(geometric);
         assert_eq!(fallbacks.effective(exact), geometric);
         assert_eq!(next(&fallbacks, geometric, None), None);
-        let named = body("geometric");
+        let named = body(RunInner::Geometric);
         let problem = ContactProblem::new(&named).unwrap();
         let asked = Fallbacks::default().without_stagnation(&problem, geometric, None);
         assert_eq!(asked, None);

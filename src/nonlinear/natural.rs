@@ -135,26 +135,7 @@ impl<'s> Natural<'s> {
         (linear, observer): (&mut Linear, &mut dyn Observer),
     ) -> Result<Vec<ContactState>, Failure> {
         let (attempt, problem) = (self.attempt, self.attempt.problem);
-        let layout = problem.saddle().layout();
-        let (stiffness, share) = (&self.stiffness[..], self.share);
-        let point = |x: &Iterate| {
-            let at = [&x.u[..], &x.t];
-            problem.natural((h, stiffness, share), at, attempt.start, attempt.load)
-        };
-        let here = match self.held.take() {
-            Some(held) => NaturalPoint {
-                at: attempt.evaluate(&held, h, x),
-                states: held,
-                merit: f64::INFINITY,
-                size: 0.0,
-            },
-            None => point(x),
-        };
-        let residual = attempt.relative(&here.at);
-        if !residual.is_finite() {
-            let what = "the residual";
-            return Err(Failure::NotFinite { what });
-        }
+        let (here, residual) = self.begin(h, x)?;
         let step = Step::Newton {
             iteration: 0,
             residual,
@@ -162,7 +143,7 @@ impl<'s> Natural<'s> {
         if observer.observe(&step).is_break() {
             return Err(Failure::Stopped);
         }
-        let forcing = FORCING.min(EQUILIBRIUM / residual);
+        let forcing = forcing(residual);
         // J δ = −r
         let jacobian = problem.jacobian(&here.states, h, &here.at, false);
         let solved = linear.solve(
@@ -176,11 +157,53 @@ impl<'s> Natural<'s> {
         if solved.stopped {
             return Err(Failure::Stopped);
         }
+        let (states, length) = self.descend(h, x, &here);
+        let faces = count(&here.states);
+        let record = attempt.record([round, 0], faces, forcing, residual);
+        records.push(record.solved(&solved, length));
+        Ok(states)
+    }
+
+    fn at(&self, h: Option<&Csr<f64>>, x: &Iterate) -> NaturalPoint {
+        let (attempt, with) = (self.attempt, (h, &self.stiffness[..], self.share));
+        let at = [&x.u[..], &x.t];
+        (attempt.problem).natural(with, at, attempt.start, attempt.load)
+    }
+
+    /// Where a step begins, and the relative residual there.
+    fn begin(&mut self, h: Option<&Csr<f64>>, x: &Iterate) -> Result<(NaturalPoint, f64), Failure> {
+        let here = match self.held.take() {
+            Some(held) => NaturalPoint {
+                at: self.attempt.evaluate(&held, h, x),
+                states: held,
+                merit: f64::INFINITY,
+                size: 0.0,
+            },
+            None => self.at(h, x),
+        };
+        self.left = self.attempt.relative(&here.at);
+        match self.left.is_finite() {
+            true => Ok((here, self.left)),
+            false => {
+                let what = "the residual";
+                Err(Failure::NotFinite { what })
+            }
+        }
+    }
+
+    /// As much of the correction as lowers m: the states by trial tractions there, and how much it is.
+    fn descend(
+        &mut self,
+        h: Option<&Csr<f64>>,
+        x: &mut Iterate,
+        here: &NaturalPoint,
+    ) -> (Vec<ContactState>, f64) {
+        let layout = self.attempt.problem.saddle().layout();
         let (from, mut length) = (x.clone(), 1.0);
         let mut halvings = 0;
         let there = loop {
             x.step(&from, length, &layout, &self.correction);
-            let there = point(x);
+            let there = self.at(h, x);
             let lowered = there.merit <= (1.0 - 2.0 * DECREASE * length) * here.merit;
             if lowered {
                 self.stuck = 0;
@@ -193,18 +216,19 @@ impl<'s> Natural<'s> {
             halvings += 1;
             length *= 0.5;
         };
-        let faces = count(&here.states);
-        let record = attempt.record([round, 0], faces, forcing, residual);
-        records.push(record.solved(&solved, length));
         self.steps += 1;
-        self.left = residual;
         self.creeping = match there.merit < (1.0 - CREEP) * here.merit {
             true => 0,
             false => self.creeping + 1,
         };
         self.distance = (there.merit / there.size).sqrt();
-        Ok(there.states)
+        (there.states, length)
     }
+}
+
+/// Accuracy of a linear system, by the relative residual of the equations. Unit: 1.
+fn forcing(residual: f64) -> f64 {
+    FORCING.min(EQUILIBRIUM / residual)
 }
 
 /// Where the natural map stands.
@@ -261,11 +285,13 @@ impl ContactProblem<'_> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::scene::named;
+    use crate::contact::Friction;
+    use crate::scene::Profile;
+    use crate::scene::sample::{Sample, rock};
     use fracas_operators::LinearOperator;
     use fracas_operators::random::{Random, signed};
     use fracas_operators::vector::{axpy, norm2};
-    use fracas_solvers::Silent;
+    use fracas_solvers::direct::{DirectChoice, Kind};
     use fracas_solvers::saddle::{T, U};
 
     fn start(faces: usize) -> Start {
@@ -279,11 +305,14 @@ mod tests {
         }
     }
 
+    fn crossing() -> Sample {
+        Sample::crossing([8, 4, 8], [0.0; 2], 4.0)
+    }
+
     /// `−J δ` is the change of the residual to second order wherever no face changes its state.
     #[test]
     fn the_jacobian_is_the_derivative_of_the_rows() {
-        let body = named("crossing").unwrap().small_scene().unwrap();
-        let body = body.build().unwrap();
+        let body = crossing().body();
         let problem = ContactProblem::new(&body).unwrap();
         let faces = problem.faces().len();
         let (start, load) = (start(faces), problem.loads().at(0.0, 1.0));
@@ -334,12 +363,13 @@ mod tests {
         let random = &mut Random::new(5);
         for seed in 0u64..6 {
             let (angle, ratio) = (random.between(10.0, 70.0), random.scale(1e-3, 1e3));
-            let own = [
-                format!("fracture.0.friction_angle={angle} deg"),
-                format!("material.0.young={} GPa", 10.0 * ratio),
-            ];
-            let scene = named("crossing").unwrap().small_scene().unwrap();
-            let body = scene.with_overrides(&own).unwrap().build().unwrap();
+            let mut sample = crossing();
+            sample.rocks = vec![rock(10e9 * ratio)];
+            let mut body = sample.body();
+            body.friction[0] = Some(Profile::constant(Friction {
+                angle: angle.to_radians(),
+                ..Friction::NONE
+            }));
             let problem = ContactProblem::new(&body).unwrap();
             let faces = problem.faces().len();
             let (start, load) = (start(faces), problem.loads().at(0.0, 1.0));
@@ -367,14 +397,28 @@ mod tests {
             let stick = vec![ContactState::Stick; faces];
             let h = problem.stabilization(&stick);
             let mut natural = Natural::new(&attempt, h.as_ref(), 1.0, Some(stick));
-            let mut linear = Linear::new(&problem);
             let mut distances = Vec::new();
             while !natural.is_over() && natural.distance > 1e-9 {
-                let told = &mut Silent;
-                let with = (&mut linear, told as &mut dyn Observer);
-                natural
-                    .iterate(h.as_ref(), 0, &mut x, &mut Vec::new(), with)
-                    .unwrap();
+                let (here, residual) = natural.begin(h.as_ref(), &x).unwrap();
+                // as far from J⁻¹(−r) as an iteration may leave it
+                let mut rhs = here.at.residual.clone();
+                let left: Vec<f64> = rhs.iter().map(|_| random.between(-1.0, 1.0)).collect();
+                axpy(
+                    forcing(residual) * norm2(&rhs) / norm2(&left),
+                    &left,
+                    &mut rhs,
+                );
+                let unit = problem.saddle().unit();
+                let stick = problem.stick_blocks().unwrap().into_traction_unit(unit);
+                let with = (&here.states[..], h.as_ref());
+                let blocks = problem.linearized((stick, unit), with.0, with.1, &here.at, false);
+                let j = blocks.assembled();
+                let solver = DirectChoice::default().solver().unwrap();
+                let factors = solver.analyze(&j, Kind::General).unwrap();
+                let factors = factors.factor(&j).unwrap();
+                let mut work = vec![0.0; factors.work_len()];
+                factors.solve(&rhs, &mut natural.correction, &mut work);
+                natural.descend(h.as_ref(), &mut x, &here);
                 distances.push(natural.distance);
             }
             assert!(natural.is_close(), "seed {seed}: {distances:?}");

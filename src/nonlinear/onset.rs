@@ -284,12 +284,14 @@ impl Simulation<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::named;
+    use crate::scene::Onset;
+    use crate::scene::sample::Sample;
 
-    fn body(onset: &str) -> Body {
-        let scene = named("cycle").unwrap().small_scene().unwrap();
-        let scene = scene.with_overrides(&[&format!("time.onset={onset}")]);
-        scene.unwrap().build().unwrap()
+    fn body(patch: Option<f64>) -> Body {
+        let mut body = Sample::cycle().body();
+        body.time = Some(Sample::CYCLE);
+        body.onset = Some(Onset { within: 0.1, patch });
+        body
     }
 
     fn known(begins: Begins) -> SlipOnset {
@@ -298,7 +300,7 @@ mod tests {
 
     #[test]
     fn an_interval_is_halved_until_it_is_short_and_taken_whole_where_no_shorter_step_settles() {
-        let body = body("{within=\"0.1 s\"}");
+        let body = body(None);
         let simulation = Simulation::new(&body).unwrap();
         let mut state = simulation.initial_state();
         (state.step, state.time, state.loaded, state.next) = (3, 1.0, 1.0, 0.8);
@@ -318,7 +320,7 @@ mod tests {
 
     #[test]
     fn another_patch_is_looked_for_anew_and_what_had_begun_is_told_without_a_time_before() {
-        let body = body("{within=\"0.1 s\",patch=\"16 m2\"}");
+        let body = body(Some(16.0));
         let simulation = Simulation::new(&body).unwrap();
         let mut state = simulation.initial_state();
         (state.step, state.time, state.loaded) = (3, 1.0, 1.0);

@@ -122,22 +122,43 @@ impl Raising {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::scene::{Body, Scene};
+    use crate::elasticity::Elastic;
+    use crate::flow::{Channel, Given, Place, Source};
+    use crate::mesh::{BoxGrid, PlaneFracture};
+    use crate::scene::sample::{Sample, Side, fluid};
+    use crate::scene::{Body, TimeTable};
 
-    /// A closed plane with a pressure on one of its faces.
-    fn body(given: &str) -> Body {
-        let mut toml = String::from("title = 't'\n[mesh]\n");
-        for axis in ["x", "y", "z"] {
-            toml += &format!("{axis} = {{ from = '0 m', to = '2 m', cells = 2 }}\n");
-        }
-        toml += "[[material]]\nname = 'r'\nyoung = '1 GPa'\npoisson = 0.2\n[[fracture]]\nname = 'f'\nplane = 'z'\nat = '1 m'\n";
-        toml += "friction_angle = '30 deg'\nconductivity = '1e-13 m3'\nstorage = '1e-12 m/Pa'\n[fluid]\nviscosity = '1 cP'\n";
-        toml += "[time]\nend = '1 s'\nsteps = 1\n[[source]]\nfracture = 'f'\nat = ['0.5 m', '0.5 m', '1 m']\n";
-        toml += given;
-        for side in ["x-", "y-", "z-"] {
-            toml += &format!("\n[[boundary]]\nside = '{side}'\nhold = 'roller'");
-        }
-        Scene::from_toml(&toml, "s.toml").unwrap().build().unwrap()
+    /// A closed plane with a pressure or a rate on one of its faces.
+    fn body(given: Given) -> Body {
+        let mut grid = BoxGrid::uniform([0.0; 3], [2.0; 3], [2; 3]);
+        grid.fractures = vec![PlaneFracture::through("f", 2, 1.0)];
+        let sample = Sample {
+            grid,
+            rocks: vec![Elastic {
+                young: 1e9,
+                poisson: 0.2,
+            }],
+            sides: [0, 2, 4].map(|side| (side, Side::Roller)).into(),
+            angle: 30.0,
+        };
+        let mut body = sample.body();
+        let channel = Channel {
+            conductivity: 1e-13,
+            storage: 1e-12,
+            initial_pressure: 0.0,
+        };
+        let mut fluid = fluid(&body, 1e-3, channel);
+        let mut faces = body.fractures.faces.iter();
+        let face = faces.position(|f| f.center == [0.5, 0.5, 1.0]).unwrap();
+        fluid.sources.push(Source {
+            place: Place::Faces(vec![face as u32]),
+            given,
+            level: None,
+            history: Body::ALWAYS,
+        });
+        body.fluid = Some(fluid);
+        body.time = Some(TimeTable { end: 1.0, steps: 1 });
+        body
     }
 
     fn failure() -> Failure {
@@ -152,7 +173,7 @@ mod tests {
 
     /// Ways that are tried where those fail that `fails`, and how it ends.
     fn tried(
-        given: &str,
+        given: Given,
         fails: impl Fn(f64, bool) -> bool,
     ) -> (Vec<Way>, Result<Option<Event>, Failure>) {
         let body = body(given);
@@ -181,7 +202,7 @@ mod tests {
 
     #[test]
     fn a_step_that_fails_holds_faces_then_goes_parts_of_the_way_and_says_so() {
-        let pressure = "pressure = '1 MPa'";
+        let pressure = Given::Pressure(1e6);
         let (ways, end) = tried(pressure, |_, _| false);
         assert_eq!((&ways[..], end.unwrap()), (&[(1.0, false)][..], None));
         let (ways, end) = tried(pressure, |_, holds| !holds);
@@ -213,11 +234,11 @@ mod tests {
     #[test]
     fn a_step_that_fails_in_every_part_fails_with_its_own_reason_after_a_bounded_number_of_attempts()
      {
-        let (ways, end) = tried("pressure = '1 MPa'", |_, _| true);
+        let (ways, end) = tried(Given::Pressure(1e6), |_, _| true);
         assert_eq!(end.unwrap_err().to_string(), failure().to_string());
         assert_eq!((ways.len(), ways.last()), (12, Some(&(SMALLEST, true))));
         // rates are not raised
-        let (ways, end) = tried("rate = '1e-9 m3/s'", |_, _| true);
+        let (ways, end) = tried(Given::Rate(1e-9), |_, _| true);
         assert_eq!(
             (ways, end.is_err()),
             (vec![(1.0, false), (1.0, true)], true)

@@ -194,12 +194,12 @@ mod tests {
     use super::super::active_set::Log;
     use super::super::{Failure, StepFailure};
     use super::*;
-    use crate::scene::named;
+    use crate::scene::sample::Sample;
 
     #[test]
     fn a_step_that_halvings_before_have_shortened_knows_what_was_planned() {
-        let scene = named("cycle").unwrap().small_scene().unwrap();
-        let body = scene.build().unwrap();
+        let mut body = Sample::cycle().body();
+        body.time = Some(Sample::CYCLE);
         let simulation = Simulation::new(&body).unwrap();
         let mut state = simulation.initial_state();
         let nominal = simulation.times.table().1;

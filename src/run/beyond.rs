@@ -87,12 +87,11 @@ impl Beyond {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::scene::named;
+    use crate::scene::sample::Sample;
 
     #[test]
     fn a_jump_through_h_beyond_slip_and_opening_is_told_once() {
-        let body = named("cycle").unwrap().small_scene().unwrap();
-        let fractures = body.build().unwrap().fractures;
+        let fractures = Sample::cycle().body().fractures;
         let n = fractures.faces.len();
         let fields = |through: f64, slip: f64, opening: f64| {
             let mut fields = FaceFields {

@@ -274,7 +274,10 @@ fn unique<'a>(
 }
 
 /// Of several values for one displacement the last one counts, with its history.
-fn constraints(n: usize, mut prescribed: Vec<(u32, f64, usize)>) -> (Constraints, Vec<usize>) {
+pub(super) fn constraints(
+    n: usize,
+    mut prescribed: Vec<(u32, f64, usize)>,
+) -> (Constraints, Vec<usize>) {
     prescribed.reverse();
     prescribed.sort_by_key(|(dof, ..)| *dof);
     prescribed.dedup_by_key(|(dof, ..)| *dof);

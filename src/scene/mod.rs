@@ -30,6 +30,8 @@ mod pores;
 mod profile;
 mod rocks;
 mod rounds;
+#[cfg(test)]
+pub(crate) mod sample;
 mod sections;
 mod sides;
 mod size;

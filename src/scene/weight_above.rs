@@ -175,21 +175,28 @@ impl Patch {
 mod tests {
     use super::*;
     use crate::mesh::jacobian::CORNERS;
-    use crate::scene::Scene;
+    use crate::mesh::{BoxGrid, BoxRegion, Distort, PlaneFracture};
     use fracas_operators::random::Random;
 
     /// A cube of bricks of two weights in turn, moved at random.
     fn mesh(seed: u64, amplitude: f64) -> HexMesh {
-        let toml = format!(
-            "title = 'w'\n[mesh]\nx = {{ from = '0 m', to = '4 m', cells = 4 }}\ny = {{ from = '0 m', to = '3 m', cells = 3 }}\n\
-             z = {{ from = '0 m', to = '5 m', cells = 5 }}\n[mesh.map.distort]\namplitude = {amplitude}\nseed = {seed}\n\
-             [[material]]\nname = 'a'\nyoung = '1 GPa'\npoisson = 0.2\n\
-             [[material]]\nname = 'b'\nyoung = '1 GPa'\npoisson = 0.2\nboxes = [{{ x = ['1 m', '3 m'], z = ['1 m', '3 m'] }}, {{ y = ['2 m', '3 m'], z = ['4 m', '5 m'] }}]\n\
-             [[fracture]]\nname = 'f'\nplane = 'x'\nat = '2 m'\nfriction_angle = '30 deg'\n\
-             [[boundary]]\nside = 'z-'\nhold = 'fixed'\n"
-        );
-        let scene = Scene::from_toml(&toml, "w.toml").unwrap();
-        scene.build().unwrap().mesh.clone()
+        let mut grid = BoxGrid::uniform([0.0; 3], [4.0, 3.0, 5.0], [4, 3, 5]);
+        let whole = [f64::NEG_INFINITY, f64::INFINITY];
+        grid.regions.push(BoxRegion {
+            name: "b".into(),
+            boxes: vec![
+                [[1.0, 3.0], whole, [1.0, 3.0]],
+                [whole, [2.0, 3.0], [4.0, 5.0]],
+            ],
+        });
+        grid.fractures = vec![PlaneFracture::through("f", 0, 2.0)];
+        grid.warps = vec![Box::new(Distort {
+            amplitude,
+            seed,
+            smooth: false,
+            planar: true,
+        })];
+        grid.build().unwrap().mesh
     }
 
     const WEIGHTS: [f64; 2] = [-2.0, -5.0];

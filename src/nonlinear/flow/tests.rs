@@ -1,25 +1,29 @@
 use super::*;
+use crate::flow::{Channel, Fluid};
 use crate::nonlinear::Start;
 use crate::nonlinear::coupled::of_open;
 use crate::nonlinear::factorized::through_pressure;
 use crate::nonlinear::pressed::{CoupledJacobian, Pressed, PressureSolver, of_contact};
-use crate::scene::{Body, named};
+use crate::scene::Body;
+use crate::scene::sample::{Sample, fluid};
 use fracas_operators::LinearOperator;
 use fracas_operators::random::Random;
 use fracas_solvers::direct::{DirectChoice, Kind};
 use fracas_solvers::saddle::{T, U};
 
-/// The scene `tee` with a fluid.
+/// A tee with a fluid.
 fn body() -> Body {
-    let scene = named("tee").unwrap();
-    let mut toml = scene.toml.replace(
-        "friction_angle",
-        "conductivity = \"1e-12 m3\"\nstorage = \"1e-12 m/Pa\"\ninitial_pressure = \"1 MPa\"\nfriction_angle",
-    );
-    toml += "\n[fluid]\nviscosity = \"1e-3 Pa*s\"\ncompressibility = \"4e-10 1/Pa\"\n";
-    let scene = crate::scene::Scene::from_toml(&toml, "tee.toml").unwrap();
-    let sets = ["mesh.x.cells=8", "mesh.y.cells=2", "mesh.z.cells=8"];
-    scene.with_overrides(&sets).unwrap().build().unwrap()
+    let mut body = Sample::tee([8, 2, 8]).body();
+    let channel = Channel {
+        conductivity: 1e-12,
+        storage: 1e-12,
+        initial_pressure: 1e6,
+    };
+    body.fluid = Some(Fluid {
+        compressibility: 4e-10,
+        ..fluid(&body, 1e-3, channel)
+    });
+    body
 }
 
 #[test]
@@ -151,20 +155,13 @@ fn the_jacobian_of_three_fields_is_the_derivative_in_every_state() {
 #[test]
 fn a_checkerboard_of_pressure_moves_no_rock_and_is_held_as_stiffly_as_one_of_traction() {
     // a closed square inside a body: its tips are not split
-    let scene = named("checkerboard").unwrap();
-    let mut toml = scene.toml.replace(
-        "friction_angle",
-        "conductivity = \"1e-30 m3\"\nfriction_angle",
-    );
-    if !toml.contains("conductivity") {
-        toml = toml.replace(
-            "[[fracture]]\n",
-            "[[fracture]]\nconductivity = \"1e-30 m3\"\nfriction_angle = \"30 deg\"\n",
-        );
-    }
-    toml += "\n[fluid]\nviscosity = \"1 Pa*s\"\n";
-    let scene = crate::scene::Scene::from_toml(&toml, "checkerboard.toml").unwrap();
-    let body = scene.build().unwrap();
+    let mut body = Sample::checkerboard([12; 3]).body();
+    let channel = Channel {
+        conductivity: 1e-30,
+        storage: 0.0,
+        initial_pressure: 0.0,
+    };
+    body.fluid = Some(fluid(&body, 1.0, channel));
     let problem = ContactProblem::new(&body).unwrap();
     let faces = problem.faces().len();
     let open = vec![ContactState::Open; faces];

@@ -58,17 +58,12 @@ impl LinearOperator<f64> for SpringJacobian<'_> {
 mod tests {
     use super::*;
     use crate::nonlinear::ContactProblem;
-    use crate::scene::named;
+    use crate::scene::sample::Sample;
     use fracas_operators::sparse::SparseMatrix;
 
     #[test]
     fn the_product_is_that_of_the_assembled_blocks() {
-        let body = named("patch")
-            .unwrap()
-            .small_scene()
-            .unwrap()
-            .build()
-            .unwrap();
+        let body = Sample::patch().body();
         let problem = ContactProblem::new(&body).unwrap();
         let blocks = problem.stick_blocks().unwrap();
         let (n_u, n_t) = (blocks.n_u(), blocks.n_t());

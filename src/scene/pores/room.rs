@@ -105,14 +105,23 @@ mod tests {
         std::fs::write(folder.join("a.vtu"), grid).unwrap();
         let table = "\n\"x [m]\",y [m],z [m],0 day [bar],1 day [bar]\n0,0,0,1,2\n";
         std::fs::write(folder.join("a.csv"), table).unwrap();
-        let of = |form: &str| {
-            let section: PorePressureSection = toml::from_str(form).unwrap();
-            PoreRoom::default().with(&section, &folder)
-        };
-        let fields = of("fields = [['0 day', 'a.vtu'], ['1 day', 'a.vtu'], ['2 day', 'gone.vtu']]");
+        let of = |section: PorePressureSection| PoreRoom::default().with(&section, &folder);
+        let fields = [
+            ("0 day", "a.vtu"),
+            ("1 day", "a.vtu"),
+            ("2 day", "gone.vtu"),
+        ];
+        let fields = fields.map(|(time, file)| (time.parse().unwrap(), file.into()));
+        let fields = of(PorePressureSection {
+            fields: Some(fields.into()),
+            ..PorePressureSection::default()
+        });
         assert_eq!(fields.per_element, 56.0);
         assert_eq!(fields.reading, grid.len() as f64 + 33_000.0);
-        let grid = of("grid = 'a.csv'");
+        let grid = of(PorePressureSection {
+            grid: Some("a.csv".into()),
+            ..PorePressureSection::default()
+        });
         assert_eq!(grid.per_element, 48.0);
         assert_eq!(grid.reading, 4.0 * table.len() as f64);
         std::fs::remove_dir_all(folder).unwrap();
