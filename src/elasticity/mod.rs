@@ -20,6 +20,8 @@ pub use diagonal::diagonal;
 pub(crate) use diagonal::diagonals_at;
 pub use error::ElasticityError;
 pub use material::Elastic;
-pub use matrix_free::{Bricks, FreeStiffness, Hexes, Restricted, matrix_free, strain_norm};
+pub use matrix_free::{
+    Bricks, FreeStiffness, Hexes, Restricted, matrix_free, matrix_free_with_level, strain_norm,
+};
 pub use pores::pore_forces;
 pub use stress::element_stress;

@@ -1,6 +1,5 @@
 //! What every fracture did in a step: rows of `fault.csv`.
 
-use super::energy::slip_work;
 use super::{Simulation, State};
 use crate::contact::ContactState;
 use crate::mesh::FractureFace;
@@ -60,7 +59,7 @@ impl Simulation<'_> {
             let of = |e: u32| body.materials[usize::from(body.mesh.regions[e as usize])].shear();
             0.5 * (of(face.minus.element) + of(face.plus.element))
         };
-        let dissipated = slip_work(self, before, after);
+        let dissipated = self.slip_work(before, after);
         for ((f, face), dissipated) in problem.faces().iter().enumerate().zip(dissipated) {
             let fracture = usize::from(face.fracture);
             let (record, (force, area)) = (&mut records[fracture], &mut sums[fracture]);

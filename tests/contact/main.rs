@@ -3,16 +3,20 @@
 
 mod accuracy;
 mod arrested;
+mod asked_onset;
 mod consistency;
 mod healing;
 mod jacobian;
 mod known;
+mod newton_systems;
 mod onset;
 mod patch;
 mod profiles;
+mod remarks;
 mod robust;
 mod scenes;
 mod slip;
+mod slip_work;
 mod springs;
 mod store;
 mod unstable;

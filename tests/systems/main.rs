@@ -1,6 +1,8 @@
 //! Claims about linear systems: accuracy, spectra, units, imports, the library.
 #![allow(clippy::unwrap_used)]
 
+use fracas::mesh;
+
 mod accuracy;
 mod exact_schur;
 mod foreign_accuracy;
@@ -9,5 +11,9 @@ mod giving_way;
 mod inf_sup;
 mod library;
 mod reference;
+#[path = "../../src/elasticity/sample.rs"]
+mod sample;
+mod settings;
+mod stiffness_products;
 mod theorems;
 mod traction_unit;

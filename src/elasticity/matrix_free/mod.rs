@@ -10,8 +10,6 @@ mod modes;
 mod pipeline;
 mod restricted;
 mod sweep;
-#[cfg(test)]
-mod tests;
 
 pub use bricks::Bricks;
 pub use hexes::Hexes;
@@ -19,6 +17,7 @@ pub use restricted::{FreeStiffness, Restricted, strain_norm};
 
 use super::{Elastic, ElasticityError};
 use crate::mesh::HexMesh;
+use fracas_operators::simd::Level;
 use fracas_operators::{AdjointOperator, Make, Real};
 
 /// The stiffness of a body in full numbering, without a matrix: [`Bricks`] on an axis-aligned grid, else [`Hexes`].
@@ -29,12 +28,29 @@ pub fn matrix_free<R: Real>(
     mesh: &HexMesh,
     materials: &[Elastic],
 ) -> Result<Box<dyn AdjointOperator<R>>, ElasticityError> {
-    R::make(Stiffness { mesh, materials })
+    matrix_free_with_level(mesh, materials, Level::best())
+}
+
+/// The same with a chosen instruction set.
+///
+/// # Errors
+/// As [`matrix_free`].
+pub fn matrix_free_with_level<R: Real>(
+    mesh: &HexMesh,
+    materials: &[Elastic],
+    level: Level,
+) -> Result<Box<dyn AdjointOperator<R>>, ElasticityError> {
+    R::make(Stiffness {
+        mesh,
+        materials,
+        level,
+    })
 }
 
 struct Stiffness<'a> {
     mesh: &'a HexMesh,
     materials: &'a [Elastic],
+    level: Level,
 }
 
 impl Make for Stiffness<'_> {
@@ -49,10 +65,16 @@ impl Make for Stiffness<'_> {
     }
 
     fn other<R: Real>(self) -> Self::Made<R> {
-        let Self { mesh, materials } = self;
+        let Self {
+            mesh,
+            materials,
+            level,
+        } = self;
         match &mesh.grid {
-            Some(grid) if grid.axis_aligned => Ok(Box::new(Bricks::new(mesh, materials)?)),
-            _ => Ok(Box::new(Hexes::new(mesh, materials)?)),
+            Some(grid) if grid.axis_aligned => {
+                Ok(Box::new(Bricks::with_level(mesh, materials, level)?))
+            }
+            _ => Ok(Box::new(Hexes::with_level(mesh, materials, level)?)),
         }
     }
 }
