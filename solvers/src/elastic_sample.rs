@@ -1,6 +1,7 @@
 //! Elasticity on a box of trilinear bricks, for the tests of preconditioners.
 
 use crate::DofCoordinate;
+use fracas_operators::laws::probe;
 use fracas_operators::sparse::{SparseMatrix, Triplets};
 
 /// Poisson's ratio of the samples.
@@ -89,4 +90,35 @@ fn brick(h: [f64; 3]) -> [[f64; 24]; 24] {
         }
     }
     k
+}
+
+/// A name, a matrix and where its unknowns are.
+pub(crate) type Sample = (&'static str, SparseMatrix<f64>, Vec<DofCoordinate>);
+
+/// Cubes of cells: alike, in layers, flat, of random stiffness, far away.
+pub(crate) fn bodies(cells: usize) -> Vec<Sample> {
+    let name = |name, (a, coordinates)| (name, a, coordinates);
+    let layers = |c: [usize; 3]| {
+        if (c[2] / 3).is_multiple_of(2) {
+            1.0
+        } else {
+            1e3
+        }
+    };
+    let noise: Vec<f64> = probe(cells * cells * cells, 5);
+    let random = |c: [usize; 3]| 10f64.powf(4.0 * noise[c[0] + cells * (c[1] + cells * c[2])]);
+    vec![
+        name("cube", cube(cells)),
+        name("layers", clamped_box([cells; 3], [1.0; 3], layers)),
+        name(
+            "flat elements",
+            clamped_box([cells; 3], [1.0, 1.0, 0.1], |_| 1.0),
+        ),
+        name("random contrast", clamped_box([cells; 3], [1.0; 3], random)),
+        name("far from the origin", {
+            let (a, mut coordinates) = cube(cells);
+            coordinates.iter_mut().for_each(|c| c.position[0] += 300.0);
+            (a, coordinates)
+        }),
+    ]
 }

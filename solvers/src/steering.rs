@@ -145,9 +145,9 @@ mod tests {
             #[serde(deserialize_with = "in_range")]
             pair: Pair,
         }
-        let read = |text: &str| toml::from_str::<Tree>(text).map(|tree| tree.pair);
-        assert_eq!(read("pair = {}").unwrap(), Pair::default());
-        let mut pair = read("pair = { count = 7 }").unwrap();
+        let read = |text: &str| serde_json::from_str::<Tree>(text).map(|tree| tree.pair);
+        assert_eq!(read(r#"{"pair": {}}"#).unwrap(), Pair::default());
+        let mut pair = read(r#"{"pair": {"count": 7}}"#).unwrap();
         assert_eq!((pair.share, pair.count), (0.5, 7));
         for (setting, value, name) in [(0, 1.5, "share"), (1, 0.4, "count"), (0, f64::NAN, "share")]
         {
@@ -157,7 +157,7 @@ mod tests {
             assert_eq!(refused.name, name);
             pair = before;
         }
-        let refused = read("pair = { share = 2.0 }").unwrap_err().to_string();
+        let refused = read(r#"{"pair": {"share": 2.0}}"#).unwrap_err().to_string();
         assert!(
             refused.contains("share = 2: expected a number from 0 to 1"),
             "{refused}"

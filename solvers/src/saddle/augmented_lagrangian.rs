@@ -144,6 +144,3 @@ impl SaddleSettings for AugmentedLagrangian {
         Some(&mut self.inner)
     }
 }
-
-#[cfg(test)]
-mod tests;

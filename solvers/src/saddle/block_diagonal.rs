@@ -117,6 +117,3 @@ impl SaddleSettings for BlockDiagonal {
         Some(&mut self.inner)
     }
 }
-
-#[cfg(test)]
-mod tests;

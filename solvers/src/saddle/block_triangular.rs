@@ -100,6 +100,3 @@ impl SaddleSettings for BlockTriangular {
         Some(&mut self.inner)
     }
 }
-
-#[cfg(test)]
-mod tests;

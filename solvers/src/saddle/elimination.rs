@@ -211,6 +211,3 @@ fn symmetric_part(matrix: &SparseMatrix<f64>) -> (SparseMatrix<f64>, bool) {
     let symmetric = largest(&skew) <= ROUNDING * largest(matrix);
     ((matrix + &transpose).map(|v| 0.5 * v), symmetric)
 }
-
-#[cfg(test)]
-mod tests;

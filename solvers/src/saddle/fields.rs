@@ -31,6 +31,3 @@ impl SaddleBlocks {
         }
     }
 }
-
-#[cfg(test)]
-mod tests;

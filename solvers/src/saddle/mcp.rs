@@ -179,7 +179,10 @@ impl SaddleSettings for Mcp {
 }
 
 /// `γ = λ_max(A) / geometric mean of the positive diag(BBᵀ)`; 1 where B has no entries.
-fn published_gamma(blocks: &SaddleBlocks) -> Result<f64, SetupError> {
+///
+/// # Errors
+/// [`SetupError`] where the largest eigenvalue of A is not found.
+pub fn published_gamma(blocks: &SaddleBlocks) -> Result<f64, SetupError> {
     let a = Csr::new(blocks.a.clone());
     let mut product = |x: &[f64], y: &mut [f64]| a.apply(x, y, &mut []);
     let settings = LanczosSettings::one_sided();
@@ -212,6 +215,3 @@ fn on_a(error: SetupError, gamma: f64) -> SetupError {
         named => named,
     }
 }
-
-#[cfg(test)]
-mod tests;

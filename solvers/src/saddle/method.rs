@@ -433,6 +433,3 @@ impl JsonSchema for SaddleMethod {
         })
     }
 }
-
-#[cfg(test)]
-mod tests;

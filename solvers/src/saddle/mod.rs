@@ -22,8 +22,6 @@ pub mod method;
 pub mod monolithic;
 mod of_tractions;
 pub mod operator;
-#[cfg(test)]
-pub(crate) mod oracle;
 mod probe;
 pub mod racp;
 pub mod relaxation;
@@ -57,7 +55,7 @@ pub use fields::{P, T, U};
 pub use halved::{HalvedBlocks, HalvedSystem};
 pub use inner::{InnerChoice, InnerSolver, PartCost, Ready};
 pub use iterated::{Iterated, NotReached};
-pub use mcp::{Mcp, McpInverse};
+pub use mcp::{Mcp, McpInverse, published_gamma};
 pub use method::{CustomMethod, NoSuchPart, SaddleMethod, SaddleSettings, UnknownSaddleMethod};
 pub use monolithic::Direct;
 pub use operator::SaddleOperator;

@@ -337,6 +337,3 @@ impl Prepare<SaddleBlocks, f64> for Racp {
         Ok(self.ready(blocks)?.inverse)
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -4,7 +4,7 @@ mod polynomial;
 
 use crate::multigrid::lambda::largest_generalized;
 use fracas_operators::{LinearOperator, Preconditioner};
-use polynomial::{POLYNOMIALS, Polynomial};
+pub use polynomial::{POLYNOMIALS, Polynomial};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -152,6 +152,3 @@ pub(crate) fn polynomial_of_degree(degree: usize) -> (f64, &'static [f64]) {
     let p = &POLYNOMIALS[degree - 1];
     (p.end, p.coefficients)
 }
-
-#[cfg(test)]
-mod tests;

@@ -152,6 +152,3 @@ impl SaddleSettings for Simple {
         Some(&mut self.inner)
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -196,3 +196,73 @@ impl Coupling {
 fn real(values: Vec<f64>) -> Vec<c64> {
     values.into_iter().map(|v| c64::new(v, 0.0)).collect()
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::direct::DirectChoice;
+    use crate::saddle::AugmentationChoice;
+    use crate::saddle::samples::{random, sparse};
+
+    #[test]
+    fn with_c_equal_to_h_all_eigenvalues_are_one_and_general_c_gives_the_pencil() {
+        let mut blocks = random(20, 6, 0.0, 3);
+        let diagonal = |i: usize| 0.3 + 0.1 * i as f64;
+        blocks.h = Some(sparse(6, 6, |i, j| if i == j { diagonal(i) } else { 0.0 }));
+        let c = AugmentationMatrix::from_diagonal((0..6).map(diagonal).collect()).unwrap();
+        let coupling = Coupling::dense(&blocks, &c, true).unwrap();
+        assert!(
+            coupling
+                .eigenvalues()
+                .unwrap()
+                .iter()
+                .all(|v| (v - 1.0).norm() < 1e-12)
+        );
+
+        // eig(S+H, S+C) by Cholesky of S+C, S = BᵀA⁻¹B.
+        let direct = DirectChoice::Faer.solver().unwrap();
+        let c = AugmentationChoice::Local
+            .compute(&blocks, direct.as_ref())
+            .unwrap()
+            .matrix;
+        let s = AugmentationChoice::Exact
+            .compute(&blocks, direct.as_ref())
+            .unwrap()
+            .matrix
+            .to_dense();
+        let l = dense::cholesky(&s + c.to_dense()).unwrap();
+        let mut k = &s + dense::to_dense(blocks.h.as_ref().unwrap());
+        dense::solve_lower(l.as_ref(), &mut k);
+        let mut k = k.transpose().to_owned();
+        dense::solve_lower(l.as_ref(), &mut k);
+        dense::symmetrize(&mut k);
+        let pencil = dense::symmetric_eigenvalues(k.as_ref()).unwrap();
+        let inverse = schur::exact_inverse(&blocks, &c, direct.as_ref()).unwrap();
+        for coupling in [
+            Coupling::dense(&blocks, &c, true).unwrap(),
+            Coupling::sparse(&blocks, &c, true, inverse.as_ref()).unwrap(),
+        ] {
+            for (a, b) in coupling.eigenvalues().unwrap().iter().zip(&pencil) {
+                assert!((a - b).norm() < 1e-11);
+            }
+        }
+    }
+
+    #[test]
+    fn two_springs_of_either_sign_have_the_eigenvalue_of_the_formula() {
+        // A = diag(2, −½), B = (1 1)ᵀ, C = 1: S_u = [3 1; 1 ½], GᵀG = 3, λ = 1 − (1 − H)(1 − 3) = 3 − 2H
+        for (h, expected) in [(Some(5.0), -7.0), (None, 3.0), (Some(1.0), 1.0)] {
+            let blocks = SaddleBlocks {
+                a: sparse(2, 2, |i, j| if i == j { [2.0, -0.5][i] } else { 0.0 }),
+                b1: sparse(2, 1, |_, _| 1.0),
+                h: h.map(|h| sparse(1, 1, |_, _| h)),
+                ..random(2, 1, 0.0, 1)
+            };
+            let c = AugmentationMatrix::from_diagonal(vec![1.0]).unwrap();
+            let coupling = Coupling::dense(&blocks, &c, false).unwrap();
+            let found = coupling.eigenvalues().unwrap();
+            assert!((found[0] - expected).norm() < 1e-14, "{h:?}: {found:?}");
+        }
+    }
+}

@@ -439,6 +439,3 @@ fn note_accuracy(notes: &mut Vec<String>, what: &str, error: f64) {
         notes.push(format!("{what} is known to a relative {error:.1e} only"));
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -33,7 +33,7 @@ pub struct Eigenvalues {
 
 impl Eigenvalues {
     /// Sorted by real, then imaginary part.
-    pub(super) fn sorted(mut values: Vec<c64>) -> Self {
+    pub fn sorted(mut values: Vec<c64>) -> Self {
         values.sort_by(|a, b| a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im)));
         Self {
             re: values.iter().map(|v| v.re).collect(),

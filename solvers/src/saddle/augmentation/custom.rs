@@ -248,6 +248,3 @@ pub(super) fn face_blocks(c: &SparseMatrix<f64>) -> Vec<Block> {
     }
     blocks
 }
-
-#[cfg(test)]
-mod tests;

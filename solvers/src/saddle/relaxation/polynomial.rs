@@ -6,15 +6,15 @@
 /// and up to a factor (Chebyshev); the factor is such that p(0) = 1. On (0, end] p is between zero and
 /// one; from zero to 0.63, `x p² ≤ ½`. The first is 1 − 4x/27.
 #[derive(Debug)]
-pub(super) struct Polynomial {
+pub struct Polynomial {
     /// Unit: 1.
-    pub(super) end: f64,
+    pub end: f64,
     /// c₁, …, c_d. Unit: 1.
-    pub(super) coefficients: &'static [f64],
+    pub coefficients: &'static [f64],
 }
 
 /// Degrees one to four. Source: derived here, from the d + 2 conditions above by Newton's method in 40 digits; tested.
-pub(super) const POLYNOMIALS: [Polynomial; 4] = [
+pub const POLYNOMIALS: [Polynomial; 4] = [
     Polynomial {
         end: 4.5,
         coefficients: &[-4.0 / 27.0],
@@ -44,18 +44,18 @@ pub(super) const POLYNOMIALS: [Polynomial; 4] = [
 
 impl Polynomial {
     /// The lowest degree whose end is not below `end`, otherwise the last.
-    pub(super) fn up_to(end: f64) -> &'static Self {
+    pub fn up_to(end: f64) -> &'static Self {
         let last = &POLYNOMIALS[POLYNOMIALS.len() - 1];
         POLYNOMIALS.iter().find(|p| p.end >= end).unwrap_or(last)
     }
 
     /// p(x).
-    pub(super) fn at(&self, x: f64) -> f64 {
+    pub fn at(&self, x: f64) -> f64 {
         1.0 + x * self.coefficients.iter().rev().fold(0.0, |v, c| c + x * v)
     }
 
     /// d.
-    pub(super) fn degree(&self) -> usize {
+    pub fn degree(&self) -> usize {
         self.coefficients.len()
     }
 }

@@ -184,6 +184,3 @@ impl ThreeFields {
         *self == Self::default()
     }
 }
-
-#[cfg(test)]
-mod tests;

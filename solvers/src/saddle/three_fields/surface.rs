@@ -85,8 +85,9 @@ impl Surface {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::eigen::dense::to_dense;
+    use crate::eigen::factors::inverse;
     use crate::saddle::PressureFactors;
-    use crate::saddle::oracle::{full, inverse};
     use faer::Mat;
     use fracas_operators::Preconditioner;
     use fracas_operators::random::signed;
@@ -130,10 +131,10 @@ mod tests {
                 true => number(400 + 10 * i + j) + f64::from(u8::from(i == j)),
                 false => 0.0,
             });
-            let (w, n) = (full(&surface.volume), surface.area.len());
+            let (w, n) = (to_dense(&surface.volume), surface.area.len());
             let mut p = Mat::<f64>::zeros(n, n);
             for (sigma, c) in poles(surface.interval) {
-                let solved = inverse(&full(&surface.shifted(sigma)));
+                let solved = inverse(to_dense(&surface.shifted(sigma)).as_ref()).unwrap();
                 for a in 0..n {
                     for b in 0..n {
                         let d = (surface.compliance[a] * surface.compliance[b]).sqrt();
@@ -141,7 +142,7 @@ mod tests {
                     }
                 }
             }
-            let s_p = full(&t) + full(&k) * (&w * p * w.transpose());
+            let s_p = to_dense(&t) + to_dense(&k) * (&w * p * w.transpose());
             let factors = PressureFactors::default()
                 .factor(&surface.system(&t, &k))
                 .unwrap();

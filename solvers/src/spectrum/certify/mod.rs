@@ -9,6 +9,8 @@
 //!   `(diag(0, C − H), M)`.
 //! * All others: discs of Gershgorin for `1 + eig(K)` (`discs`).
 
+#[cfg(test)]
+mod cases;
 mod discs;
 mod inertia;
 mod pencil;
@@ -97,7 +99,7 @@ pub(super) fn refuse(
 }
 
 /// Proves what can be proved of the eigenvalues that the report has found, in (u, t).
-pub(super) fn enclosures(
+pub fn enclosures(
     blocks: &SaddleBlocks,
     c: &AugmentationMatrix,
     report: &SpectrumReport,

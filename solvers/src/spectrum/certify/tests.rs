@@ -1,142 +1,13 @@
 //! Claims: enclosures hold eigenvalues that are known exactly, also of clustered and badly conditioned systems, and an end that is moved into
 //! the spectrum is never proved.
 
+use super::cases::{Case, KINDS, Kind, LAST, sparse, with_one_traction};
 use super::discs::discs;
 use super::pencil::Pencil;
 use super::*;
-use crate::Named;
-use crate::Silent;
-use crate::direct::{DirectChoice, DirectSolver};
 use crate::eigen::{dense, factors};
-use crate::saddle::{AugmentationChoice, AugmentationRule};
-use crate::spectrum::analyse;
 use faer::Mat;
 use fracas_operators::random::Random;
-use fracas_operators::sparse::{SparseMatrix, Triplets};
-
-fn sparse(m: &Mat<f64>) -> SparseMatrix<f64> {
-    let mut triplets = Triplets::new((m.nrows(), m.ncols()));
-    for i in 0..m.nrows() {
-        (0..m.ncols()).for_each(|j| triplets.add_triplet(i, j, m[(i, j)]));
-    }
-    triplets.to_csr()
-}
-
-/// Hadamard's matrix, `H Hᵀ = n I`: with a power of two as n, products with whole numbers round nothing.
-fn hadamard(n: usize) -> Mat<f64> {
-    Mat::from_fn(n, n, |i, j| match (i & j).count_ones() % 2 {
-        0 => 1.0,
-        _ => -1.0,
-    })
-}
-
-/// How the pieces of a case are drawn.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
-    Plain,
-    /// Eigenvalues that agree, or all but.
-    Clustered,
-    /// Stiffness and compliance over many powers of two.
-    Stretched,
-    /// A with a kernel.
-    Singular,
-    /// B2 is not B1ᵀ.
-    Unsymmetric,
-}
-
-/// `[a b₁; b₂ −h]` and `[a b₁; b₁ −c]` side by side, in a basis that hides them: λ = (a h + b₁b₂)/(a c + b₁²), and 1.
-struct Case {
-    blocks: SaddleBlocks,
-    c: AugmentationMatrix,
-    /// The n_t eigenvalues beside 1.
-    values: Vec<f64>,
-}
-
-impl Case {
-    fn new(seed: u64, kind: Kind) -> Self {
-        let dice = &mut Random::new(seed);
-        let n_t = 1 << dice.below(4);
-        let n_u = n_t << dice.below(3);
-        let whole = |dice: &mut Random, low: u32, high: u32| f64::from(dice.whole(low, high));
-        let (mut a, mut c, mut h) = (vec![0.0; n_u], vec![0.0; n_t], vec![0.0; n_t]);
-        let (mut b1, mut b2) = (vec![0.0; n_t], vec![0.0; n_t]);
-        for i in 0..n_u {
-            a[i] = whole(dice, 1, 9);
-        }
-        for k in 0..n_t {
-            (c[k], h[k], b1[k]) = (whole(dice, 1, 9), whole(dice, 0, 9), whole(dice, 1, 5));
-            b2[k] = b1[k];
-            match kind {
-                Kind::Plain => {}
-                Kind::Clustered => {
-                    // the last digits of h tell them apart, or nothing does
-                    (a[k], b1[k], b2[k], c[k]) = (2.0, 3.0, 3.0, 8.0);
-                    h[k] = 4.0 + whole(dice, 0, 1) * (-30.0_f64).exp2();
-                }
-                Kind::Stretched => {
-                    a[k] *= (-whole(dice, 0, 16)).exp2();
-                    (c[k], h[k]) = (c[k] * 0.25, h[k] * 0.0625);
-                }
-                Kind::Singular => {
-                    if dice.once_in(3) {
-                        a[k] = 0.0;
-                    }
-                }
-                Kind::Unsymmetric => b2[k] = whole(dice, 0, 9),
-            }
-        }
-        let values = (0..n_t)
-            .map(|k| (a[k] * h[k] + b1[k] * b2[k]) / (a[k] * c[k] + b1[k] * b1[k]))
-            .collect();
-        let (p, q) = (hadamard(n_u), hadamard(n_t));
-        let diagonal = |d: &[f64], p: &Mat<f64>| {
-            let n = d.len();
-            let scaled = Mat::from_fn(n, n, |i, j| p[(i, j)] * d[j] / n as f64);
-            &scaled * p.transpose()
-        };
-        let coupling = |b: &[f64]| {
-            let scaled = Mat::from_fn(n_u, n_t, |i, k| p[(i, k)] * b[k] / n_t as f64);
-            &scaled * q.transpose()
-        };
-        let a = diagonal(&a, &p);
-        let b1 = coupling(&b1);
-        let b2 = coupling(&b2);
-        // B = P diag(b) Qᵀ/n_t, and with P = √n_u U, Q = √n_t V: b √(n_u/n_t); C and H take the square
-        let ratio = (n_u / n_t) as f64;
-        let times = |m: Mat<f64>| m * ratio;
-        Self {
-            blocks: SaddleBlocks {
-                a: sparse(&a),
-                b1: sparse(&b1),
-                b2: (kind == Kind::Unsymmetric).then(|| sparse(&b2.transpose().to_owned())),
-                h: Some(sparse(&times(diagonal(&h, &q)))),
-                rhs_u: vec![0.0; n_u],
-                rhs_t: vec![0.0; n_t],
-                coordinates: None,
-                flow: None,
-            },
-            c: AugmentationMatrix::from_dense(times(diagonal(&c, &q))).unwrap(),
-            values,
-        }
-    }
-
-    fn ends(&self) -> (f64, f64) {
-        let all = self.values.iter().chain([&1.0]);
-        let none = (f64::INFINITY, f64::NEG_INFINITY);
-        all.fold(none, |(a, b), v| (a.min(*v), b.max(*v)))
-    }
-}
-
-/// One rounding of the quotient that is known.
-const LAST: f64 = 4.0 * f64::EPSILON;
-
-const KINDS: [Kind; 5] = [
-    Kind::Plain,
-    Kind::Clustered,
-    Kind::Stretched,
-    Kind::Singular,
-    Kind::Unsymmetric,
-];
 
 #[test]
 fn signs_enclose_spectra_that_are_known_and_prove_no_end_inside() {
@@ -203,75 +74,6 @@ fn discs_hold_spectra_that_are_known_whatever_the_kind() {
         }
     }
     assert!(10 * sharp > 9 * all, "{sharp} of {all}");
-}
-
-/// C of the case that is asked about.
-#[derive(Debug)]
-struct Given(std::sync::Mutex<Option<AugmentationMatrix>>);
-
-static GIVEN: Given = Given(std::sync::Mutex::new(None));
-
-impl Named for Given {
-    fn name(&self) -> &'static str {
-        "given_by_the_certified_case"
-    }
-}
-
-impl AugmentationRule for Given {
-    fn is_local(&self) -> bool {
-        false
-    }
-
-    fn compute(
-        &self,
-        _: &SaddleBlocks,
-        _: &dyn DirectSolver,
-    ) -> Result<AugmentationMatrix, SetupError> {
-        Ok(self.0.lock().unwrap().clone().unwrap())
-    }
-}
-
-#[test]
-fn a_report_is_certified_where_it_is_true_and_says_why_where_it_is_not() {
-    AugmentationChoice::register(&GIVEN).unwrap();
-    let (mut certified, mut all) = (0, 0);
-    for kind in KINDS {
-        for seed in 100..130 {
-            let case = Case::new(seed, kind);
-            *GIVEN.0.lock().unwrap() = Some(case.c.clone());
-            let request = SpectrumRequest {
-                augmentation: "given_by_the_certified_case".parse().unwrap(),
-                inner: InnerChoice::Exact {
-                    backend: DirectChoice::Faer,
-                },
-                conditions: false,
-                certify: true,
-                ..SpectrumRequest::default()
-            };
-            // S_u may be singular to rounding, which factorizations refuse
-            let Ok(report) = analyse(&case.blocks, &request, &mut Silent) else {
-                continue;
-            };
-            all += 1;
-            let enclosures = report.enclosures.unwrap();
-            assert_eq!(report.certified, enclosures.is_complete());
-            assert!(report.certified || enclosures.reason.is_some());
-            certified += usize::from(report.certified);
-            let (low, high) = case.ends();
-            for (end, found) in [(low, enclosures.real_min), (high, enclosures.real_max)] {
-                let Some((a, b)) = found else { continue };
-                let room = LAST * end.abs();
-                assert!(
-                    a - room <= end && end <= b + room,
-                    "{kind:?} {seed}: {end} in [{a}, {b}]"
-                );
-            }
-        }
-    }
-    assert!(
-        all > 100 && 10 * certified > 9 * all,
-        "{certified} of {all}"
-    );
 }
 
 #[test]
@@ -350,27 +152,6 @@ fn no_end_is_proved_on_the_wrong_side_by_one_unit_in_the_last_place_or_more() {
             }
         }
     }
-}
-
-/// `𝒜 = [A b; bᵀ −h]` and c.
-fn with_one_traction(
-    a: &Mat<f64>,
-    b: &[f64],
-    c: f64,
-    h: f64,
-) -> (SaddleBlocks, AugmentationMatrix) {
-    let n_u = a.nrows();
-    let blocks = SaddleBlocks {
-        a: sparse(a),
-        b1: sparse(&Mat::from_fn(n_u, 1, |i, _| b[i])),
-        b2: None,
-        h: Some(sparse(&Mat::from_fn(1, 1, |_, _| h))),
-        rhs_u: vec![0.0; n_u],
-        rhs_t: vec![0.0],
-        coordinates: None,
-        flow: None,
-    };
-    (blocks, AugmentationMatrix::from_diagonal(vec![c]).unwrap())
 }
 
 #[test]
@@ -468,34 +249,4 @@ fn nothing_is_proved_of_what_is_no_number_or_infinite() {
             }
         }
     }
-}
-
-#[test]
-fn a_verdict_that_the_proof_contradicts_is_not_certified_nor_is_a_system_without_displacements() {
-    let a = Mat::from_fn(2, 2, |i, j| [[2.0, 0.5], [0.5, 2.0]][i][j]);
-    let (mut blocks, _) = with_one_traction(&a, &[1.0, 1.0], 1.0, 0.5);
-    let request = SpectrumRequest {
-        inner: InnerChoice::Exact {
-            backend: DirectChoice::Faer,
-        },
-        conditions: false,
-        relaxation: 0.0,
-        certify: true,
-        ..SpectrumRequest::default()
-    };
-    let solver = DirectChoice::Faer.solver().unwrap();
-    let c = request
-        .augmentation
-        .compute(&blocks, solver.as_ref())
-        .unwrap()
-        .matrix;
-    let mut report = analyse(&blocks, &request, &mut Silent).unwrap();
-    assert!(report.certified && report.contained == Some(true));
-    report.contained = Some(false);
-    let found = enclosures(&blocks, &c, &report);
-    assert_eq!(found.contained, Some(true));
-    assert!(!found.is_complete() && found.reason.is_some());
-    // λ = h/c alone, and not 1
-    (blocks.a, blocks.b1) = (sparse(&Mat::zeros(0, 0)), sparse(&Mat::zeros(0, 1)));
-    assert_eq!(enclosures(&blocks, &c, &report).real_max, None);
 }

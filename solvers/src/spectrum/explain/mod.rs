@@ -141,6 +141,3 @@ impl Explanation {
         Ok(explanation)
     }
 }
-
-#[cfg(test)]
-mod tests;

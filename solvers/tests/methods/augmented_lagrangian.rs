@@ -1,12 +1,18 @@
-use super::*;
-use crate::saddle::oracle::{
+//! Claim: the augmented Lagrangian is the product that its formula says, and its spectrum the known one.
+
+use crate::oracle::{
     DenseInverse, Full, assert_spectrum, full, inverse, operator, real_eigenvalues, spectrum,
     stacked, unsymmetric,
 };
-use crate::saddle::samples::{random, trusses, two_chains};
+use crate::samples::{random, trusses, two_chains};
 use faer::Mat;
-use fracas_operators::Counted;
 use fracas_operators::laws::check_preconditioner;
+use fracas_operators::{Counted, Preconditioner};
+use fracas_solvers::direct::DirectChoice;
+use fracas_solvers::saddle::{
+    AugmentationChoice, AugmentationMatrix, AugmentedLagrangian, AugmentedLagrangianInverse,
+    SaddleBlocks, SaddleSettings,
+};
 
 fn choose(blocks: &SaddleBlocks, choice: AugmentationChoice) -> AugmentationMatrix {
     let direct = DirectChoice::Faer.solver().unwrap();

@@ -1,17 +1,24 @@
+//! Claim: spectra, their bounds and what they say of a system are those of the general solver.
+
+mod bounds;
 mod indefinite;
 
-use super::*;
-use crate::Silent;
-use crate::direct::DirectChoice;
-use crate::saddle::samples::{random, sparse, trusses, two_chains};
-use crate::saddle::schur;
-use crate::smoothers::{Jacobi, Ssor};
-use crate::spectrum::bounds::Ingredients;
-use crate::spectrum::similarity::Similarity;
-use crate::spectrum::{Bounds, Theorem, Verdict};
+use crate::samples::{random, sparse, trusses, two_chains};
 use faer::Mat;
-use fracas_operators::Dense;
-use fracas_operators::Properties;
+use fracas_operators::{LinearOperator, Preconditioner, Properties};
+use fracas_solvers::direct::DirectChoice;
+use fracas_solvers::eigen::dense;
+use fracas_solvers::saddle::{
+    AugmentationChoice, AugmentationMatrix, InnerChoice, RacpInverse, SaddleBlocks, SaddleOperator,
+    schur,
+};
+use fracas_solvers::smoothers::{Jacobi, Ssor};
+use fracas_solvers::spectrum::bounds::Ingredients;
+use fracas_solvers::spectrum::report::{Eigenvalues, Method};
+use fracas_solvers::spectrum::{
+    Bounds, ModeTarget, SpectrumReport, SpectrumRequest, Theorem, Verdict, analyse, analyse_around,
+};
+use fracas_solvers::{SetupError, Silent};
 
 fn request(augmentation: AugmentationChoice, inner: &str) -> SpectrumRequest {
     SpectrumRequest {
@@ -34,11 +41,22 @@ fn oracle(blocks: &SaddleBlocks, augmentation: AugmentationChoice, inner: &str) 
         .matrix;
     let inner: InnerChoice = inner.parse().unwrap();
     let s_u = inner.prepare(blocks, &c).unwrap().inverse;
-    let scales = energy_scales(blocks, &c.diagonal_entries());
+    // scales in which u and t have the same unit
+    let s = schur::primal_schur(&blocks.a, &blocks.b1, &c).unwrap();
+    let of_u = (0..s.rows()).map(|i| s.get(i, i).copied().unwrap_or(0.0));
+    let scales: Vec<f64> = of_u.chain(c.diagonal_entries()).map(f64::sqrt).collect();
     let racp = RacpInverse::new(blocks.b1.clone(), c, s_u);
-    let dense = Dense::of_operator(&Preconditioned::new(blocks, &racp));
-    let n = scales.len();
-    let scaled = Mat::from_fn(n, n, |i, j| scales[i] * dense.entry(i, j) / scales[j]);
+    let (saddle, n) = (SaddleOperator::new(blocks), scales.len());
+    let (mut work, mut inner_work) = (vec![0.0; saddle.work_len()], vec![0.0; racp.work_len()]);
+    let columns = (0..n).flat_map(|j| {
+        let (mut x, mut y, mut z) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+        x[j] = 1.0;
+        saddle.apply(&x, &mut y, &mut work);
+        racp.solve(&y, &mut z, &mut inner_work);
+        z
+    });
+    let dense: Vec<f64> = columns.collect();
+    let scaled = Mat::from_fn(n, n, |i, j| scales[i] * dense[n * j + i] / scales[j]);
     Eigenvalues::sorted(dense::general_eigenvalues(scaled.as_ref()).unwrap())
 }
 
@@ -107,242 +125,6 @@ fn the_reduced_spectrum_is_that_of_the_general_solver() {
     let check = oracle(&blocks, AugmentationChoice::Local, "exact");
     assert!(distance(&check, &report.eigenvalues) < 1e-7);
     assert_eq!((report.cond_A, report.kernel_A), (None, Some(1)));
-}
-
-#[test]
-fn with_c_equal_to_h_all_eigenvalues_are_one_and_general_c_gives_the_pencil() {
-    let mut blocks = random(20, 6, 0.0, 3);
-    let diagonal = |i: usize| 0.3 + 0.1 * i as f64;
-    blocks.h = Some(sparse(6, 6, |i, j| if i == j { diagonal(i) } else { 0.0 }));
-    let c = AugmentationMatrix::from_diagonal((0..6).map(diagonal).collect()).unwrap();
-    let coupling = Coupling::dense(&blocks, &c, true).unwrap();
-    assert!(
-        coupling
-            .eigenvalues()
-            .unwrap()
-            .iter()
-            .all(|v| (v - 1.0).norm() < 1e-12)
-    );
-
-    // eig(S+H, S+C) by Cholesky of S+C, S = BᵀA⁻¹B.
-    let direct = DirectChoice::Faer.solver().unwrap();
-    let c = AugmentationChoice::Local
-        .compute(&blocks, direct.as_ref())
-        .unwrap()
-        .matrix;
-    let s = AugmentationChoice::Exact
-        .compute(&blocks, direct.as_ref())
-        .unwrap()
-        .matrix
-        .to_dense();
-    let l = dense::cholesky(&s + c.to_dense()).unwrap();
-    let mut k = &s + dense::to_dense(blocks.h.as_ref().unwrap());
-    dense::solve_lower(l.as_ref(), &mut k);
-    let mut k = k.transpose().to_owned();
-    dense::solve_lower(l.as_ref(), &mut k);
-    dense::symmetrize(&mut k);
-    let pencil = dense::symmetric_eigenvalues(k.as_ref()).unwrap();
-    let inverse = schur::exact_inverse(&blocks, &c, direct.as_ref()).unwrap();
-    for coupling in [
-        Coupling::dense(&blocks, &c, true).unwrap(),
-        Coupling::sparse(&blocks, &c, true, inverse.as_ref()).unwrap(),
-    ] {
-        for (a, b) in coupling.eigenvalues().unwrap().iter().zip(&pencil) {
-            assert!((a - b).norm() < 1e-11);
-        }
-    }
-}
-
-/// S̃_u of different quality: damped Jacobi and SSOR.
-fn inner_of(seed: u64) -> InnerChoice {
-    let omega = 0.15 + 1.7 * (seed % 97) as f64 / 97.0;
-    if seed.is_multiple_of(2) {
-        InnerChoice::Jacobi(Jacobi {
-            omega,
-            ..Jacobi::default()
-        })
-    } else {
-        InnerChoice::Ssor(Ssor { omega })
-    }
-}
-
-#[test]
-fn bounds_and_disc_hold_on_800_random_systems() {
-    let (mut with_complex, mut printed_fails) = (0, 0);
-    for seed in 0..800 {
-        let n_u = 4 + (seed % 7) as usize;
-        let n_t = 1 + (seed % 5) as usize;
-        let h = if seed % 3 == 0 {
-            0.0
-        } else {
-            0.05 * (seed % 41) as f64
-        };
-        let mut blocks = random(n_u, n_t, h, 31 + seed);
-        if seed % 4 == 0 {
-            // A singular: its last unknown floats.
-            blocks.a = sparse(n_u, n_u, |i, j| {
-                if i.max(j) + 1 == n_u {
-                    0.0
-                } else {
-                    *blocks.a.get(i, j).unwrap()
-                }
-            });
-        }
-        let request = SpectrumRequest {
-            augmentation: if seed % 5 == 0 {
-                AugmentationChoice::Global
-            } else {
-                AugmentationChoice::LocalH
-            },
-            inner: inner_of(seed),
-            ..SpectrumRequest::default()
-        };
-        let report = analyse(&blocks, &request, &mut Silent).unwrap();
-        let theorem = if blocks.h.is_some() {
-            Theorem::WithH
-        } else {
-            Theorem::WithoutH
-        };
-        assert_eq!(report.bounds.theorem, theorem);
-        assert_eq!(
-            report.contained,
-            Some(true),
-            "seed {seed}: {:?}",
-            report.outside
-        );
-        with_complex += usize::from(report.n_complex > 0);
-        printed_fails += usize::from(!report.printed.unwrap().outside.is_empty());
-    }
-    // The sample is not trivial.
-    assert!(with_complex > 200, "{with_complex}");
-    assert!(printed_fails > 50, "{printed_fails}");
-}
-
-#[test]
-fn the_printed_complex_bound_fails_for_h_not_zero() {
-    // A = B = C = 1, S_u = 2, S̃_u = 4, H = ½: T = [5/8 1/4; −1/4 1/2], λ = 9/16 ± i√15/16, printed Re λ = K/2 = 3/8.
-    let one = || sparse(1, 1, |_, _| 1.0);
-    let mut blocks = random(1, 1, 0.0, 1);
-    (blocks.a, blocks.b1, blocks.h) = (one(), one(), Some(sparse(1, 1, |_, _| 0.5)));
-    let request = SpectrumRequest {
-        augmentation: AugmentationChoice::Global,
-        inner: InnerChoice::Jacobi(Jacobi {
-            omega: 0.5,
-            ..Jacobi::default()
-        }),
-        ..SpectrumRequest::default()
-    };
-    let report = analyse(&blocks, &request, &mut Silent).unwrap();
-    for (re, im) in report.eigenvalues.iter() {
-        assert!((re - 9.0 / 16.0).abs() < 1e-14);
-        assert!((im.abs() - 15f64.sqrt() / 16.0).abs() < 1e-14);
-    }
-    let printed = report.printed.unwrap();
-    assert!(!printed.applies);
-    assert_eq!(printed.outside.len(), 2);
-    assert!(
-        printed
-            .outside
-            .iter()
-            .all(|o| o.verdict == Verdict::RealPart)
-    );
-    assert_eq!(printed.bounds.re_high, Some(0.375));
-    assert_eq!(report.contained, Some(true));
-}
-
-#[test]
-fn when_beta_u_is_below_twice_alpha_t_no_real_eigenvalue_lies_below_alpha_u() {
-    // One spring: K = k̃, G = g; λ² − kλ + g² = 0 has no real root when k < 2g.
-    let ingredients = Ingredients {
-        k: (0.5, 0.9),
-        g: (0.6, 0.7),
-        h_hat: (0.0, 0.0),
-        k_h: (0.5, 0.9),
-        coupling: 0.7,
-        sigma: (0.5, 0.9),
-        h: (0.0, 0.0),
-    };
-    let bounds = Bounds::printed(&ingredients);
-    assert_eq!(bounds.real_low, Some(0.5));
-    let narrow = Ingredients {
-        g: (0.1, 0.7),
-        ..ingredients
-    };
-    let expected = 2.0 * 0.01 / (0.9 + (0.81f64 - 0.04).sqrt());
-    assert!((Bounds::printed(&narrow).real_low.unwrap() - expected).abs() < 1e-15);
-    let real = Ingredients {
-        g: (0.1, 0.2),
-        ..ingredients
-    };
-    assert_eq!(Bounds::printed(&real).im_max, Some(0.0));
-}
-
-/// `f M⁻¹`.
-struct Scaled<'a>(f64, &'a dyn Preconditioner<f64>);
-
-impl Preconditioner<f64> for Scaled<'_> {
-    fn size(&self) -> usize {
-        self.1.size()
-    }
-    fn solve(&self, r: &[f64], z: &mut [f64], work: &mut [f64]) {
-        self.1.solve(r, z, work);
-        z.iter_mut().for_each(|z| *z *= self.0);
-    }
-    fn work_len(&self) -> usize {
-        self.1.work_len()
-    }
-    fn flops(&self) -> u64 {
-        self.1.flops() + self.size() as u64
-    }
-    fn properties(&self) -> Properties {
-        self.1.properties()
-    }
-}
-
-#[test]
-fn when_alpha_u_is_at_least_two_the_spectrum_is_real() {
-    // H = 0: a non-real λ has |λ|² ≤ Re λ = k/2 and hence k < 2.
-    let direct = DirectChoice::Faer.solver().unwrap();
-    let mut non_real_below = 0;
-    for seed in 0..60 {
-        let blocks = random(
-            6 + seed as usize % 5,
-            1 + seed as usize % 4,
-            0.0,
-            400 + seed,
-        );
-        let c = AugmentationChoice::Local
-            .compute(&blocks, direct.as_ref())
-            .unwrap()
-            .matrix;
-        let choice = inner_of(seed);
-        let inner = choice.prepare(&blocks, &c).unwrap().inverse;
-        let scaled = |factor: f64| {
-            let inner = Scaled(factor, inner.as_ref());
-            let similarity = Similarity::new(&blocks, &c, choice, &inner).unwrap();
-            let values = dense::general_eigenvalues(similarity.matrix().as_ref()).unwrap();
-            let non_real = values
-                .iter()
-                .any(|v| super::super::region::is_non_real(v.re, v.im));
-            (
-                similarity
-                    .form(&|_| 1.0)
-                    .unwrap()
-                    .statements()
-                    .unwrap()
-                    .ingredients
-                    .k
-                    .0,
-                non_real,
-            )
-        };
-        let (alpha_u, _) = scaled(1.0);
-        let (two, non_real) = scaled(2.0 / alpha_u);
-        assert!((two - 2.0).abs() < 1e-9 && !non_real, "seed {seed}");
-        non_real_below += usize::from(scaled(0.5 / alpha_u).1);
-    }
-    // Not so below: the threshold separates.
-    assert!(non_real_below > 30, "{non_real_below}");
 }
 
 #[test]

@@ -1,15 +1,16 @@
-use super::*;
-use crate::Silent;
-use crate::krylov::{Criteria, Gmres, Outcome, System};
-use crate::saddle::oracle::{DenseInverse, Full, inverse, stacked};
-use crate::saddle::samples::{random, sparse};
-use crate::saddle::{
-    Assembled, BlockDiagonalInverse, EnergyNorms, FlowBlocks, Measure, SaddleOperator,
-    SaddleSystem, solve_accurately,
-};
+//! Claim: fields by name go through every preconditioner.
+
+use crate::oracle::{DenseInverse, Full, inverse, stacked};
+use crate::samples::{random, sparse};
 use fracas_operators::laws::{check_operator, probe};
 use fracas_operators::sparse::Csr;
-use fracas_operators::{BlockOperator, Dense, LinearOperator, Preconditioner, Properties};
+use fracas_operators::{BlockOperator, Dense, Layout, LinearOperator, Preconditioner, Properties};
+use fracas_solvers::Silent;
+use fracas_solvers::krylov::{Criteria, Gmres, Outcome, System};
+use fracas_solvers::saddle::{
+    Assembled, BlockDiagonalInverse, EnergyNorms, FlowBlocks, Measure, P, SaddleBlocks,
+    SaddleOperator, SaddleSystem, T, U, solve_accurately,
+};
 use std::borrow::Cow;
 
 /// Blocks of u and t beside flow in four pressures, Q2 = −Q1ᵀ.
@@ -55,7 +56,7 @@ fn a_third_field_goes_by_its_name_through_products_iteration_judge_and_precondit
     // diag(A, H + BᵀA⁻¹B, T + Q1ᵀA⁻¹Q1)
     let full = Full::new(&blocks);
     let a = inverse(&full.a);
-    let dense = crate::eigen::dense::to_dense;
+    let dense = fracas_solvers::eigen::dense::to_dense;
     let (q1, q2) = (dense(&flow.q1), dense(&flow.q2));
     let m = BlockDiagonalInverse::new(vec![
         (U, Box::new(DenseInverse::of(&full.a))),

@@ -1,12 +1,12 @@
 //! Dense oracles of saddle points, for tests.
 
-use super::{SaddleBlocks, SaddleOperator};
-use crate::SetupError;
-use crate::eigen::dense;
 use faer::linalg::solvers::{FullPivLu, Solve};
 use faer::{Mat, c64};
 use fracas_operators::sparse::SparseMatrix;
 use fracas_operators::{Dense, LinearOperator, Preconditioner, Properties};
+use fracas_solvers::SetupError;
+use fracas_solvers::eigen::dense;
+use fracas_solvers::saddle::{SaddleBlocks, SaddleOperator};
 
 /// With all its zeros.
 pub(crate) fn full(m: &SparseMatrix<f64>) -> Mat<f64> {
@@ -144,7 +144,7 @@ pub(crate) fn unsymmetric(mut blocks: SaddleBlocks) -> SaddleBlocks {
     let (n_u, n_t) = (blocks.n_u(), blocks.n_t());
     let other: Vec<f64> = fracas_operators::laws::probe(n_u * n_t, 77);
     let b1 = &blocks.b1;
-    let b2 = super::samples::sparse(n_t, n_u, |i, j| {
+    let b2 = crate::samples::sparse(n_t, n_u, |i, j| {
         b1.get(j, i).unwrap_or(&0.0) + 0.1 * other[i * n_u + j]
     });
     blocks.b2 = Some(b2);

@@ -1,12 +1,17 @@
-use super::*;
-use crate::registry::Named;
-use crate::saddle::augmentation::AugmentationRule;
-use crate::saddle::samples::{random, sparse};
-use crate::saddle::{AugmentationChoice, InnerChoice, Racp, SaddleBlocks};
-use crate::{Prepare, direct::DirectSolver};
+//! Claim: a C of any kind serves like one in full.
+
+use crate::samples::{random, sparse};
 use fracas_operators::laws::{check_operator, check_preconditioner, probe};
 use fracas_operators::random::Random;
-use fracas_operators::{Dense, Shape};
+use fracas_operators::sparse::SparseMatrix;
+use fracas_operators::{Dense, LinearOperator, Preconditioner, Properties, Shape};
+use fracas_solvers::registry::Named;
+use fracas_solvers::saddle::augmentation::AugmentationRule;
+use fracas_solvers::saddle::{
+    AugmentationChoice, AugmentationMatrix, CustomAugmentation, InnerChoice, Racp, SaddleBlocks,
+};
+use fracas_solvers::{Prepare, SetupError, direct::DirectSolver};
+use std::sync::Arc;
 
 /// Tridiagonal, symmetric, positive definite, over six decades.
 fn tridiagonal(n: usize, seed: u64) -> SparseMatrix<f64> {
@@ -32,7 +37,7 @@ fn dense(c: &AugmentationMatrix) -> Dense<f64> {
 fn a_sparse_c_is_the_dense_one_with_the_same_entries() {
     for seed in 0..40 {
         let entries = tridiagonal(3 + (seed % 11) as usize, seed);
-        let full = crate::eigen::dense::to_dense(&entries);
+        let full = fracas_solvers::eigen::dense::to_dense(&entries);
         let mut c = AugmentationMatrix::from_sparse(entries).unwrap();
         let mut oracle = AugmentationMatrix::from_dense(full).unwrap();
         if seed % 2 == 1 {

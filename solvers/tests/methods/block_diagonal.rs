@@ -1,15 +1,20 @@
-use super::*;
-use crate::Prepare;
-use crate::krylov::oracle::{solve, until};
-use crate::krylov::{Minres, Outcome};
-use crate::saddle::oracle::{
+//! Claim: block-diagonal preconditioners are the formulas, and give the known spectra.
+
+use crate::iterations::{solve, until};
+use crate::oracle::{
     DenseInverse, Full, assert_spectrum, inverse, operator, real_eigenvalues, spectrum, stacked,
 };
-use crate::saddle::samples::{random, trusses, two_chains};
-use crate::saddle::{SaddleMethod, SaddleOperator};
+use crate::samples::{random, trusses, two_chains};
 use faer::Mat;
-use fracas_operators::Counted;
 use fracas_operators::laws::{check_preconditioner, probe};
+use fracas_operators::{Counted, Preconditioner};
+use fracas_solvers::direct::DirectChoice;
+use fracas_solvers::krylov::{Minres, Outcome};
+use fracas_solvers::saddle::{
+    AugmentationChoice, BlockDiagonal, BlockDiagonalInverse, SaddleMethod, SaddleOperator,
+    SaddleSettings, T, U,
+};
+use fracas_solvers::{Prepare, SetupError};
 
 fn on(augmentation: Option<AugmentationChoice>) -> BlockDiagonal {
     BlockDiagonal {

@@ -1,13 +1,18 @@
-use super::*;
-use crate::saddle::oracle::{
+//! Claim: MCP is the product of its formula, and fails where the theory says.
+
+use crate::oracle::{
     DenseInverse, Full, assert_spectrum, inverse, operator, real_eigenvalues, spectrum, stacked,
     unsymmetric,
 };
-use crate::saddle::samples::{random, trusses, two_chains};
-use crate::saddle::{Cost, SaddleMethod, SaddleOperator};
+use crate::samples::{random, trusses, two_chains};
 use faer::Mat;
-use fracas_operators::Counted;
 use fracas_operators::laws::{check_preconditioner, probe};
+use fracas_operators::{Counted, Preconditioner};
+use fracas_solvers::SetupError;
+use fracas_solvers::fsai::Fsai;
+use fracas_solvers::saddle::{
+    Cost, Mcp, McpInverse, SaddleMethod, SaddleOperator, SaddleSettings, published_gamma,
+};
 
 /// A + γBBᵀ and H + T, T = BᵀPB, dense.
 fn parts(full: &Full, gamma: f64) -> (Mat<f64>, Mat<f64>, Mat<f64>) {
@@ -141,8 +146,8 @@ fn a_floating_block_needs_the_augmentation() {
 #[test]
 fn an_empty_column_of_b_without_h_is_named() {
     let mut blocks = trusses(2, 1.0, false);
-    let b = crate::saddle::oracle::full(&blocks.b1);
-    blocks.b1 = crate::saddle::samples::sparse(48, 12, |i, j| if j == 4 { 0.0 } else { b[(i, j)] });
+    let b = crate::oracle::full(&blocks.b1);
+    blocks.b1 = crate::samples::sparse(48, 12, |i, j| if j == 4 { 0.0 } else { b[(i, j)] });
     let error = Mcp::default().ready(&blocks).err().unwrap();
     assert!(
         matches!(
@@ -163,7 +168,7 @@ fn the_flops_are_those_of_the_parts_as_often_as_they_run() {
     let nnz = blocks.b1.nnz() as u64;
     for (gamma, products) in [(0.0, 2), (2.0, 3)] {
         let p = Counted::new(
-            crate::smoothers::JacobiInverse::new(&blocks.a, Default::default()).unwrap(),
+            fracas_solvers::smoothers::JacobiInverse::new(&blocks.a, Default::default()).unwrap(),
         );
         let s = Counted::new(fracas_operators::Identity { n: blocks.n_t() });
         let m = McpInverse::new(blocks.b1.clone(), gamma, &p, &s);

@@ -1,15 +1,19 @@
-use super::*;
-use crate::direct::DirectChoice;
-use crate::eigen::dense;
-use crate::krylov::oracle::{solve, until};
-use crate::krylov::{Gmres, KrylovMethod, Outcome, Sqmr, System};
-use crate::saddle::samples::{random, sparse, trusses};
-use crate::saddle::{AugmentationChoice, InnerChoice, Racp, SaddleMethod, SaddleOperator};
-use crate::{Prepare, Silent};
+//! Claim: elimination of the rows of slip and opening is exact.
+
+use crate::iterations::{solve, until};
+use crate::samples::{random, sparse, trusses};
 use faer::Mat;
 use fracas_operators::laws::{check_preconditioner, probe};
+use fracas_operators::sparse::SparseMatrix;
 use fracas_operators::vector::norm2;
 use fracas_operators::{Dense, LinearOperator, Preconditioner, Shape};
+use fracas_solvers::direct::DirectChoice;
+use fracas_solvers::eigen::dense;
+use fracas_solvers::krylov::{Gmres, KrylovMethod, Outcome, Sqmr, System};
+use fracas_solvers::saddle::{
+    AugmentationChoice, Elimination, InnerChoice, Racp, SaddleBlocks, SaddleMethod, SaddleOperator,
+};
+use fracas_solvers::{Prepare, Silent};
 
 /// What the rows of a face do: (state of the face, tan φ).
 #[derive(Clone, Copy)]
@@ -91,7 +95,7 @@ fn oracle(blocks: &SaddleBlocks, choice: AugmentationChoice) -> Dense<f64> {
         .to_dense();
     let (n_u, n_t) = (blocks.n_u(), blocks.n_t());
     let (b2, h) = (blocks.b2.as_ref().unwrap(), blocks.h.as_ref().unwrap());
-    let local = marks(elimination.rows(), n_t);
+    let local: Vec<bool> = (0..n_t).map(|k| elimination.rows().contains(&k)).collect();
     Dense::from_fn(Shape::square(n_u + n_t), |i, j| match (i < n_u, j < n_u) {
         (true, true) => entry(&blocks.a, i, j),
         (true, false) => {

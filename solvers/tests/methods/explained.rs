@@ -1,7 +1,9 @@
-use super::*;
-use crate::saddle::samples::two_chains;
-use crate::saddle::{AugmentationChoice, InnerChoice, Racp};
+//! Claim: an explanation names what costs iterations, and advises it away.
+
+use crate::samples::two_chains;
 use fracas_operators::laws::probe;
+use fracas_solvers::saddle::{AugmentationChoice, InnerChoice, Racp, SaddleBlocks, SaddleMethod};
+use fracas_solvers::spectrum::{Explanation, Solved};
 
 fn explained(blocks: &SaddleBlocks, racp: Racp) -> Explanation {
     let method = SaddleMethod::Racp(racp);

@@ -1,12 +1,16 @@
-use super::*;
-use crate::saddle::SaddleOperator;
-use crate::saddle::oracle::{
+//! Claim: block-triangular preconditioners are the formulas, and give the known spectra.
+
+use crate::oracle::{
     DenseInverse, Full, assert_spectrum, inverse, operator, spectrum, stacked, unsymmetric,
 };
-use crate::saddle::samples::{random, trusses};
+use crate::samples::{random, trusses};
 use faer::Mat;
-use fracas_operators::Counted;
 use fracas_operators::laws::{check_preconditioner, probe};
+use fracas_operators::{Counted, LinearOperator, Preconditioner};
+use fracas_solvers::SetupError;
+use fracas_solvers::saddle::{
+    BlockTriangular, BlockTriangularInverse, SaddleOperator, SaddleSettings,
+};
 
 #[test]
 fn the_settings_invert_the_dense_formula() {
@@ -77,9 +81,8 @@ fn the_flops_are_those_of_the_parts_as_often_as_they_run() {
 #[test]
 fn a_row_of_a_without_a_diagonal_is_named() {
     let mut blocks = random(6, 2, 0.0, 3);
-    let a = crate::saddle::oracle::full(&blocks.a);
-    blocks.a =
-        crate::saddle::samples::sparse(6, 6, |i, j| if (i, j) == (3, 3) { 0.0 } else { a[(i, j)] });
+    let a = crate::oracle::full(&blocks.a);
+    blocks.a = crate::samples::sparse(6, 6, |i, j| if (i, j) == (3, 3) { 0.0 } else { a[(i, j)] });
     let error = BlockTriangular::default().ready(&blocks).err().unwrap();
     assert!(
         matches!(

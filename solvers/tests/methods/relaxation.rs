@@ -1,15 +1,17 @@
-use super::*;
-use crate::Prepare;
-use crate::eigen::dense;
-use crate::saddle::samples::{random, sparse};
-use crate::saddle::{
-    AugmentationChoice, AugmentationMatrix, InnerChoice, Racp, RacpInverse, SaddleBlocks,
-    SaddleOperator,
-};
-use crate::smoothers::JacobiInverse;
+//! Claim: the relaxation of H is the polynomial that the bounds ask for.
+
+use crate::samples::{random, sparse};
 use faer::Mat;
 use fracas_operators::sparse::Csr;
-use fracas_operators::{Dense, Properties};
+use fracas_operators::{Dense, Preconditioner, Properties};
+use fracas_solvers::Prepare;
+use fracas_solvers::eigen::dense;
+use fracas_solvers::saddle::relaxation::{POLYNOMIALS, Polynomial};
+use fracas_solvers::saddle::{
+    AugmentationChoice, AugmentationMatrix, InnerChoice, REACH, RELAXATION, Racp, RacpInverse,
+    Relaxation, SaddleBlocks, SaddleOperator,
+};
+use fracas_solvers::smoothers::JacobiInverse;
 
 /// A random system with an H of entries beside its diagonal.
 fn blocks() -> SaddleBlocks {
@@ -33,7 +35,7 @@ fn inverse(racp: Racp, blocks: &SaddleBlocks) -> Dense<f64> {
 fn it_is_w_from_both_sides() {
     let blocks = blocks();
     let (n_u, n) = (blocks.n_u(), blocks.n_u() + blocks.n_t());
-    let direct = crate::direct::DirectChoice::Faer.solver().unwrap();
+    let direct = fracas_solvers::direct::DirectChoice::Faer.solver().unwrap();
     let choice = AugmentationChoice::LocalH;
     let c = choice.compute(&blocks, direct.as_ref()).unwrap().matrix;
     let c = c.diagonal_entries();

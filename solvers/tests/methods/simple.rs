@@ -1,12 +1,15 @@
-use super::*;
-use crate::saddle::SaddleOperator;
-use crate::saddle::oracle::{
+//! Claim: SIMPLE is the product of its formula, and gives the known spectra.
+
+use crate::oracle::{
     DenseInverse, Full, assert_spectrum, inverse, operator, spectrum, stacked, unsymmetric,
 };
-use crate::saddle::samples::{random, trusses};
+use crate::samples::{random, trusses};
 use faer::Mat;
 use fracas_operators::laws::check_preconditioner;
-use fracas_operators::{Counted, Dense};
+use fracas_operators::{Counted, Dense, Preconditioner};
+use fracas_solvers::saddle::{
+    Correction, SaddleBlocks, SaddleOperator, SaddleSettings, Simple, SimpleInverse,
+};
 
 fn systems() -> [SaddleBlocks; 3] {
     [

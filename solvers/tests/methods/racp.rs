@@ -1,9 +1,15 @@
-use super::*;
-use crate::direct::DirectChoice;
-use crate::saddle::Cost;
-use crate::saddle::samples::{random, two_chains};
+//! Claim: RACP is the inverse that its formula says, and counts its operations.
+
+use crate::samples::{random, two_chains};
 use fracas_operators::laws::{check_preconditioner, probe};
-use fracas_operators::{BlockOperator, Counted, Dense, Shape};
+use fracas_operators::sparse::{Csr, SparseMatrix};
+use fracas_operators::{BlockOperator, Counted, Dense, Preconditioner, Shape};
+use fracas_solvers::Prepare;
+use fracas_solvers::direct::DirectChoice;
+use fracas_solvers::saddle::{
+    AugmentationChoice, AugmentationMatrix, Cost, InnerChoice, Racp, RacpInverse, SaddleBlocks, T,
+    U,
+};
 
 fn settings(augmentation: AugmentationChoice) -> Racp {
     Racp {
@@ -70,8 +76,8 @@ fn the_three_factors_are_the_formula() {
     let blocks = random(7, 3, 0.0, 5);
     let c: Vec<f64> = vec![0.5, 2.0, 3.0];
     let matrix = AugmentationMatrix::from_diagonal(c.clone()).unwrap();
-    let s_u = super::super::schur::primal_schur(&blocks.a, &blocks.b1, &matrix).unwrap();
-    let inner = crate::smoothers::JacobiInverse::new(&s_u, Default::default()).unwrap();
+    let s_u = fracas_solvers::saddle::schur::primal_schur(&blocks.a, &blocks.b1, &matrix).unwrap();
+    let inner = fracas_solvers::smoothers::JacobiInverse::new(&s_u, Default::default()).unwrap();
     let inner = Counted::new(inner);
     let m = RacpInverse::new(blocks.b1.clone(), matrix, &inner);
     let b = |i: usize, k: usize| *blocks.b1.get(i, k).unwrap();
@@ -114,7 +120,7 @@ fn its_cost_is_counted_in_products_with_the_saddle_point() {
 #[test]
 fn settings_are_read_by_name_or_in_full() {
     let read = |json: &str| serde_json::from_str::<Racp>(json);
-    let ssor = |omega: f64| InnerChoice::Ssor(crate::smoothers::Ssor { omega });
+    let ssor = |omega: f64| InnerChoice::Ssor(fracas_solvers::smoothers::Ssor { omega });
     assert_eq!(read("{}").unwrap(), Racp::default());
     let named = read(r#"{"augmentation": "face_block", "inner": "ssor"}"#).unwrap();
     assert_eq!(

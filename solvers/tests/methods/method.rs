@@ -1,18 +1,22 @@
-use super::*;
-use crate::amg::Amg;
+//! Claim: methods are plain data, prepare what they say, and tell what they cost.
+
 use crate::elastic_sample::cube;
-use crate::krylov::oracle::{solve, until};
-use crate::krylov::{KrylovChoice, Outcome};
-use crate::multigrid::{Cycle, Precision};
-use crate::saddle::oracle::unsymmetric;
-use crate::saddle::samples::{random, sparse, trusses};
-use crate::saddle::{
-    AugmentationMatrix, AugmentedLagrangianInverse, BlockDiagonalInverse, BlockTriangularInverse,
-    Cost, FlowBlocks, McpInverse, RacpInverse, SaddleOperator, SimpleInverse, T, U,
-};
+use crate::iterations::{solve, until};
+use crate::oracle::unsymmetric;
+use crate::samples::{random, sparse, trusses};
 use fracas_operators::laws::{check_parts, check_preconditioner, probe};
 use fracas_operators::sparse::Triplets;
-use fracas_operators::{Counted, LinearOperator, Properties};
+use fracas_operators::{Counted, LinearOperator, Preconditioner, Properties};
+use fracas_solvers::amg::Amg;
+use fracas_solvers::krylov::{KrylovChoice, Outcome};
+use fracas_solvers::multigrid::{Cycle, Precision};
+use fracas_solvers::saddle::{
+    AugmentationChoice, AugmentationMatrix, AugmentedLagrangianInverse, BlockDiagonalInverse,
+    BlockTriangularInverse, Cost, EliminatedInverse, Elimination, FlowBlocks, InnerChoice,
+    McpInverse, RacpInverse, SaddleBlocks, SaddleMethod, SaddleOperator, SimpleInverse, T, U,
+};
+use fracas_solvers::{Prepare, SetupError};
+use serde::{Deserialize, Serialize};
 
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 struct Study {
