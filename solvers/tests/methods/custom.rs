@@ -106,7 +106,13 @@ fn racp_around_it_inverts_the_augmented_matrix_and_is_known_by_its_name() {
         chain
     );
     let unknown = "chain".parse::<AugmentationChoice>().unwrap_err();
-    assert!(unknown.to_string().ends_with("face_block, chain_of_tests"));
+    let said = unknown.to_string();
+    // names of other claims may stand beside it
+    let (_, registered) = said.rsplit_once("face_block, ").unwrap();
+    assert!(
+        registered.split(", ").any(|name| name == "chain_of_tests"),
+        "{said}"
+    );
     AugmentationChoice::register(&Chain).unwrap_err();
     chain.require_local().unwrap_err();
     for (seed, h) in [(3, 0.0), (4, 0.7), (5, 0.3)] {
