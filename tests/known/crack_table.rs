@@ -152,16 +152,13 @@ fn difference(a: &[Piece], b: &[Piece], scale: f64) -> [f64; 2] {
 fn a_proportional_load_gives_one_answer_in_one_step_and_in_several() {
     let exact = crack(20.0, 30.0, 0.0);
     let at_once = found(&exact, 1.0, &[]);
-    for steps in [1, 4] {
-        let steps = format!("time.steps={steps}");
-        let sets = [
-            "time.end=1 s",
-            "time.history=[['0 s', 0.0], ['1 s', 1.0]]",
-            &steps,
-        ];
-        let difference = difference(&at_once, &found(&exact, 1.0, &sets), 1.0);
-        assert!(difference.iter().all(|d| *d < 2e-7), "{difference:?}");
-    }
+    let sets = [
+        "time.end=1 s",
+        "time.history=[['0 s', 0.0], ['1 s', 1.0]]",
+        "time.steps=3",
+    ];
+    let difference = difference(&at_once, &found(&exact, 1.0, &sets), 1.0);
+    assert!(difference.iter().all(|d| *d < 2e-7), "{difference:?}");
 }
 
 #[test]

@@ -8,7 +8,7 @@ use fracas_operators::random::Random;
 use fracas_solvers::Silent;
 
 /// Seeds of the slice that runs with the tests.
-const SLICE: std::ops::Range<u64> = 8..20;
+const SLICE: std::ops::Range<u64> = 8..14;
 
 /// A scene that the seed alone decides: one to four fractures, injection and withdrawal.
 fn scene(seed: u64, inner: &str) -> Scene {

@@ -229,21 +229,22 @@ fn restarted(name: &str, more: &[&str]) {
     done(&run(&scene, &whole, &[&["--threads", "2"], more].concat()));
     let rows = read(whole.join("history.csv")).lines().count() - 1;
     assert!(rows >= ROWS);
-    for k in 1..rows {
-        let out = folder.join(format!("after-{k}"));
-        let n = k.to_string();
-        let first = run(
-            &scene,
-            &out,
-            &[&["--threads", "1", "--steps", &n], more].concat(),
-        );
-        done(&first);
-        assert!(read(out.join("run.json")).contains("\"outcome\": \"stopped\""));
-        assert_eq!(read(out.join("history.csv")).lines().count(), 1 + k);
+    // a restart after every step, and some that go on for two steps and three
+    for lengths in [&["1"][..], &["1", "2", "3"]] {
+        let out = folder.join(format!("by-{}", lengths.len()));
         let from = out.display().to_string();
-        let again = ["--threads", "1", "run", &scene, "--restart", &from];
-        done(&fracas(&[&again[..], more].concat()));
-        same(&out, &whole, &format!("restart after {k} steps"));
+        let mut lengths = lengths.iter().cycle();
+        let mut steps = || ["--threads", "1", "--steps", lengths.next().unwrap()];
+        done(&run(&scene, &out, &[&steps(), more].concat()));
+        let mut restarts = 0;
+        while read(out.join("run.json")).contains("\"outcome\": \"stopped\"") {
+            let again = ["run", &scene, "--restart", &from];
+            done(&fracas(&[&again[..], &steps(), more].concat()));
+            restarts += 1;
+            assert!(restarts <= rows, "a restart takes no step");
+        }
+        same(&out, &whole, &format!("{restarts} restarts"));
+        assert!(restarts >= rows / 2 - 2, "{restarts} restarts");
     }
 }
 

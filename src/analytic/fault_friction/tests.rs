@@ -137,7 +137,7 @@ fn slip_runs_away_at_the_universal_length() {
         residual: 2e6,
         critical_slip: 20e-3,
     };
-    let n = 800;
+    let n = 400;
     let (length, plane) = (6.0 * expected, plane(n, 6.0 * expected));
     for curvature in [0.5e6, 2e6] {
         let shear = |load: f64| -> Vec<f64> {

@@ -95,7 +95,7 @@ fn network(seed: u64) -> (BuiltMesh, Fluid, f64) {
 #[test]
 fn wells_with_limits_do_what_all_other_choices_of_their_states_contradict() {
     let (mut seen, mut refused, mut most) = ([0; 3], 0, 0);
-    for seed in 0..800 {
+    for seed in 0..200 {
         let (built, fluid, dt) = network(seed);
         let balance = balance(&fluid, &built);
         let n = built.fractures.faces.len();
@@ -170,7 +170,7 @@ fn wells_with_limits_do_what_all_other_choices_of_their_states_contradict() {
         }
     }
     assert!(
-        seen.iter().all(|count| *count > 50) && refused > 20 && most <= 40,
+        seen.iter().all(|count| *count > 12) && refused > 5 && most <= 40,
         "{seen:?} {refused} {most}"
     );
 }

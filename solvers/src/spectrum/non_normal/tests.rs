@@ -118,7 +118,7 @@ fn discs_about_eigenvalues_lie_in_pseudospectra_and_are_them_for_a_normal_matrix
 #[test]
 fn gmres_never_lies_above_its_bounds() {
     let (mut by_resolvent, mut by_field) = (0, 0);
-    for seed in 0..40 {
+    for seed in 0..16 {
         let t = case(seed);
         let n = t.nrows();
         let request = NonNormalRequest {
@@ -144,7 +144,7 @@ fn gmres_never_lies_above_its_bounds() {
         }
     }
     assert!(
-        by_resolvent > 50 && by_field > 20,
+        by_resolvent > 20 && by_field > 8,
         "{by_resolvent} {by_field}"
     );
 }
