@@ -1,10 +1,11 @@
 //! The local certificate of the inf-sup constant, without an assembled A.
 
-use super::PiecesError;
+use super::pieces::{PiecesError, nodes_of};
 use crate::contact::Coupling;
 use crate::elasticity::diagonals_at;
 use crate::mesh::Places;
 use crate::system::StickSystem;
+use fracas_operators::sparse::SparseMatrix;
 use fracas_solvers::saddle::SaddleBlocks;
 use fracas_solvers::spectrum::{AroundFractures, Certificate, certificate};
 
@@ -18,18 +19,22 @@ impl StickSystem<'_> {
     /// # Errors
     /// [`PiecesError`] of an element without stiffness, or for NaN.
     pub fn certificate(&self) -> Result<Option<Certificate>, PiecesError> {
-        let sides = self.fractures.faces.iter().flat_map(|f| [f.minus, f.plus]);
-        let of_faces = sides.flat_map(|side| side.nodes);
-        let nodes = Places::new(self.mesh.nodes.len(), of_faces);
+        self.certificate_with(self.stabilization().as_ref())
+    }
+
+    fn certificate_with(
+        &self,
+        h: Option<&SparseMatrix<f64>>,
+    ) -> Result<Option<Certificate>, PiecesError> {
+        let nodes = Places::new(self.mesh.nodes.len(), nodes_of(&self.fractures.faces));
         let [diagonal, above] = diagonals_at(&nodes, self.mesh, self.materials)?;
         let b = Coupling::on(&nodes, self.fractures, self.constraints);
         let inverse: Vec<f64> = diagonal.iter().map(|d| d.recip()).collect();
         let mut c_0 = vec![0.0; 3 * self.fractures.faces.len()];
         b.add_weighted_squares(&inverse, &mut c_0);
-        let h = self.stabilization();
         let around = AroundFractures {
             b: &b,
-            h: h.as_ref(),
+            h,
             diagonal: &diagonal,
             above: &above,
             c_0: &c_0,
@@ -47,6 +52,7 @@ impl StickSystem<'_> {
         blocks: &SaddleBlocks,
     ) -> Result<Option<Certificate>, PiecesError> {
         let of_matrix = certificate(blocks)?;
-        Ok(self.certificate()?.map(|own| own.or(of_matrix)))
+        let own = self.certificate_with(blocks.h.as_ref())?;
+        Ok(own.map(|own| own.or(of_matrix)))
     }
 }

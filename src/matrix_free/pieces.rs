@@ -86,7 +86,7 @@ struct Around {
 }
 
 /// Nodes of both sides of some faces.
-fn nodes_of(faces: &[FractureFace]) -> impl Iterator<Item = u32> {
+pub(super) fn nodes_of(faces: &[FractureFace]) -> impl Iterator<Item = u32> {
     let sides = faces.iter().flat_map(|f| [f.minus.nodes, f.plus.nodes]);
     sides.flatten()
 }

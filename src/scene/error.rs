@@ -100,7 +100,7 @@ pub enum Problem {
         /// Its name.
         name: String,
     },
-    /// Weight that has no direction, or layers that are not level.
+    /// Weight that has no direction.
     #[error("the initial stress of weight needs [gravity] along z alone")]
     NoWeight,
     /// Rock that gravity asks for a density of.

@@ -147,10 +147,10 @@ impl<'a> Lines<'a> {
 
     /// The line that is close to a value that [`settle`](Self::settle) has seen.
     pub(super) fn place(&mut self, value: f64, what: impl FnOnce() -> String) -> f64 {
-        let line = self.nearest(value).filter(|line| *line != value);
-        let Some(line) = line.filter(|line| self.is_close(*line, value)) else {
-            return value;
-        };
+        let line = self.nearest_to(value);
+        if line == value {
+            return line;
+        }
         let moved = Moved {
             what: what(),
             axis: self.axis,
