@@ -83,7 +83,7 @@ impl<'a> Balance<'a> {
                 _ => None,
             });
         let held_edges: Vec<[u32; 2]> = held_edges.flatten().copied().collect();
-        let network = Network::new(faces, mesh, &held_edges, &fluid.wells);
+        let network = Network::new(faces, mesh, &held_edges, fluid);
         let mut held_middles = vec![[f64::NAN; 3]; held_edges.len()];
         for (number, middle) in network.held_middles() {
             held_middles[number] = middle;

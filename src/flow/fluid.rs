@@ -1,13 +1,16 @@
 //! The fluid in fractures, what lets it through and what drives it.
 
+use super::Directed;
 use crate::contact::ContactState;
 use crate::mesh::FractureFace;
 
 /// How a fracture takes fluid up and lets it through.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Channel {
-    /// C_f0, that of the closed fracture [m³].
+    /// C_f0, that of the closed fracture, a geometric mean where it depends on the direction [m³].
     pub conductivity: f64,
+    /// How it depends on the direction, if it does.
+    pub directed: Option<Directed>,
     /// Volume taken up per area and pressure, whatever the state [m/Pa].
     pub storage: f64,
     /// Pressure before anything flows, at the level [`Fluid::reference`] [Pa].

@@ -6,6 +6,7 @@
 //! | the same where faces are no rectangles: multi-point fluxes | `vertex` |
 //! | what goes from face to face, and its derivatives | `edge_flow` |
 //! | `C_f = C_f0 + g_N³/12` where open | [`Fluid::conductivity`] |
+//! | `C_f0` that depends on the direction | [`Directed`] |
 //! | volume per face: aperture, compression, flux, sources | `balance` |
 //! | what of it is rounding | `point` |
 //! | wells, `2π/ln(r_e/r_w)` | `well` |
@@ -17,6 +18,7 @@
 
 mod balance;
 mod control;
+mod directed;
 mod edge_flow;
 mod fluid;
 mod front;
@@ -33,6 +35,7 @@ mod vertex;
 mod well;
 
 pub use balance::{Balance, FlowTangent};
+pub use directed::Directed;
 pub use fluid::{Channel, Fluid, Given, Place, Source};
 pub use network::Network;
 pub(crate) use network::ends as edge_ends;

@@ -1,8 +1,8 @@
 //! The graph that fluid flows along: faces that meet on edges.
 
-use super::Well;
+use super::Fluid;
 use super::edge_flow::EdgeFlow;
-use super::vertex::{Vertex, leans};
+use super::vertex::{Vertex, flat, leans};
 use super::well::Driven;
 use crate::mesh::{FractureFace, HexMesh};
 use std::ops::Range;
@@ -12,8 +12,40 @@ use std::ops::Range;
 pub(super) struct Arm {
     /// The face.
     pub(super) face: u32,
-    /// Length of the edge, or of its half, over its distance from the centre of the face: `τ = C_f shape/μ`.
+    /// Length of the edge, or of its half, over its distance from the centre of the face: `τ = C_f shape/μ + directed`.
     pub(super) shape: f64,
+    /// What the direction of the closed conductivity adds, of either sign; τ stays positive [m³/(Pa s)].
+    pub(super) directed: f64,
+}
+
+impl Arm {
+    /// To the local edge a of a face.
+    pub(super) fn new(
+        (f, face): (u32, &FractureFace),
+        (fluid, mesh): (&Fluid, &HexMesh),
+        a: usize,
+        share: f64,
+    ) -> Self {
+        let line = ends(face, mesh, a).map(|node| mesh.nodes[node as usize]);
+        let shape = shape(face.center, line);
+        let channel = fluid.channel(face);
+        let directed = channel.directed.map_or(0.0, |directed| {
+            let y = directed.evened(face, mesh);
+            let (p, q) = (y[a], y[(a + 1) % 4]);
+            let (length, off) = ((q[0] - p[0]).hypot(q[1] - p[1]), p[0] * q[1] - p[1] * q[0]);
+            channel.conductivity / fluid.viscosity * (length * length / off.abs() - shape)
+        });
+        Self {
+            face: f,
+            shape: share * shape,
+            directed: share * directed,
+        }
+    }
+
+    /// τ at these conductivities over viscosity per face [m³/(Pa s)].
+    pub(super) fn tau(&self, mobility: &[f64]) -> f64 {
+        mobility[self.face as usize] * self.shape + self.directed
+    }
 }
 
 /// An edge of the network.
@@ -39,6 +71,8 @@ struct Edge {
 /// ```
 /// An edge of prescribed pressure has its own Φ_e and takes `τ_k (Φ_k − Φ_e)`. Nothing flows across other edges of one face.
 ///
+/// Where the conductivity depends on the direction ([`Directed`](super::Directed)), ℓ/d of the closed face is that of its evened corners.
+///
 /// This is exact for linear potentials where the normals through the centres of faces meet edges in their middles, as in rectangles.
 /// Elsewhere it does not converge: faces that lean by θ let 1/cos² θ times too much through. A vertex where a face is such decides on the
 /// halves of edges that end there, with fluxes of all faces around it (`vertex`).
@@ -55,8 +89,8 @@ pub struct Network {
 
 impl Network {
     /// The edges that faces share; `held` are those of prescribed pressure, by their end nodes before splitting.
-    pub fn new(faces: &[FractureFace], mesh: &HexMesh, held: &[[u32; 2]], wells: &[Well]) -> Self {
-        Self::deciding(faces, mesh, held, wells, &leaning(faces, mesh))
+    pub fn new(faces: &[FractureFace], mesh: &HexMesh, held: &[[u32; 2]], fluid: &Fluid) -> Self {
+        Self::deciding(faces, mesh, held, fluid, &leaning(faces, mesh, fluid))
     }
 
     /// The same where these nodes decide on what flows around them, each with the faces that meet there and their local nodes.
@@ -64,7 +98,7 @@ impl Network {
         faces: &[FractureFace],
         mesh: &HexMesh,
         held: &[[u32; 2]],
-        wells: &[Well],
+        fluid: &Fluid,
         nodes: &[(u32, Vec<(u32, usize)>)],
     ) -> Self {
         // (ends, face, local end)
@@ -86,9 +120,9 @@ impl Network {
             let share = if decided == 1 { 0.5 } else { 1.0 };
             let [p, q] = list[0].0.map(|node| mesh.nodes[node as usize]);
             let first = arms.len();
-            arms.extend(list.iter().map(|(_, f, _)| Arm {
-                face: *f,
-                shape: share * shape(faces[*f as usize].center, [p, q]),
+            arms.extend(list.iter().map(|(_, f, a)| {
+                let face = (*f, &faces[*f as usize]);
+                Arm::new(face, (fluid, mesh), *a, share)
             }));
             keys.push(list[0].0);
             edges.push(Edge {
@@ -100,12 +134,17 @@ impl Network {
             });
         }
         let edge = |ends: [u32; 2]| keys.binary_search(&ends).ok();
-        let vertex = |(_, corners): &(u32, Vec<_>)| Vertex::new(corners, faces, mesh, edge);
+        let vertex =
+            |(_, corners): &(u32, Vec<_>)| Vertex::new(corners, faces, (fluid, mesh), edge);
         let vertices = nodes.iter().map(vertex).collect();
-        for (number, well) in wells.iter().enumerate() {
+        for (number, well) in fluid.wells.iter().enumerate() {
             let first = arms.len();
             let cuts = well.cuts.iter();
-            arms.extend(cuts.map(|&(face, shape)| Arm { face, shape }));
+            arms.extend(cuts.map(|&(face, shape)| Arm {
+                face,
+                shape,
+                directed: 0.0,
+            }));
             edges.push(Edge {
                 arms: first..arms.len(),
                 two_point: true,
@@ -165,9 +204,8 @@ impl Network {
     ) {
         let mut tau = Vec::new();
         let fill = |tau: &mut Vec<f64>, arms: &[Arm]| {
-            let of = |arm: &Arm| mobility[arm.face as usize] * arm.shape;
             tau.clear();
-            tau.extend(arms.iter().map(of));
+            tau.extend(arms.iter().map(|arm| arm.tau(mobility)));
         };
         for edge in self.edges.iter().filter(|edge| edge.two_point) {
             let arms = &self.arms[edge.arms.clone()];
@@ -224,11 +262,15 @@ impl Network {
     }
 }
 
-/// Nodes, before splitting, where faces are no rectangles, each with the faces that meet there and their local nodes.
-fn leaning(faces: &[FractureFace], mesh: &HexMesh) -> Vec<(u32, Vec<(u32, usize)>)> {
+/// Nodes, before splitting, where faces are no rectangles, or none once evened, each with the faces that meet there and their local nodes.
+fn leaning(faces: &[FractureFace], mesh: &HexMesh, fluid: &Fluid) -> Vec<(u32, Vec<(u32, usize)>)> {
     let mut places: Vec<u32> = Vec::new();
     for face in faces {
-        let leans = leans(face, mesh);
+        let mut leans = leans(flat(face, mesh));
+        if let Some(directed) = fluid.channel(face).directed {
+            let evened = super::vertex::leans(directed.evened(face, mesh));
+            leans = [0, 1, 2, 3].map(|a: usize| leans[a] || evened[a]);
+        }
         let beside = |a: &usize| leans[*a] || leans[(a + 3) % 4];
         let node = |a: usize| mesh.origin[face.minus.nodes[a] as usize];
         places.extend((0..4).filter(beside).map(node));

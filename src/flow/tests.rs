@@ -5,6 +5,7 @@ use crate::mesh::{Axis, BoxGrid, BuiltMesh, Grading, Incline, PlaneFracture};
 use fracas_operators::random::Random;
 use fracas_solvers::direct::{DirectChoice, Kind};
 
+mod directed;
 mod front;
 mod leaning;
 mod limits;
@@ -27,6 +28,7 @@ fn grid(cells: [usize; 3], fractures: Vec<PlaneFracture>) -> BoxGrid {
 fn fluid(conductivities: &[f64], sources: Vec<Source>) -> Fluid {
     let channel = |c: &f64| Channel {
         conductivity: *c,
+        directed: None,
         storage: 0.0,
         initial_pressure: 0.0,
     };
@@ -272,6 +274,10 @@ fn case(seed: u64, ended: bool) -> Case {
             .into_iter()
             .map(|channel| Channel {
                 storage: 1e-12,
+                directed: (seed % 2 == 1).then_some(Directed {
+                    along: [1.0, 2.0, -3.0],
+                    ratio: 10f64.powi((seed / 2 % 5) as i32 - 2),
+                }),
                 ..channel
             })
             .collect(),

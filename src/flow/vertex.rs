@@ -1,6 +1,7 @@
 //! Flow around a vertex at which faces that are no rectangles meet.
 
-use super::network::{Arm, ends, shape};
+use super::Fluid;
+use super::network::{Arm, ends};
 use crate::mesh::{FractureFace, HexMesh};
 use std::cell::OnceCell;
 use std::ops::Range;
@@ -22,6 +23,23 @@ struct Corner {
     halves: [usize; 2],
     /// W. Unit: 1.
     by: [[f64; 2]; 2],
+    /// `C_f0/μ (Ŵ − W)` where the closed conductivity depends on the direction [m³/(Pa s)].
+    directed: Option<[[f64; 2]; 2]>,
+}
+
+impl Corner {
+    /// `λ W`, with the direction of the closed conductivity [m³/(Pa s)].
+    fn at(&self, mobility: &[f64]) -> [[f64; 2]; 2] {
+        let directed = self.directed.unwrap_or_default();
+        let entry = |i: usize, j: usize| mobility[self.face] * self.by[i][j] + directed[i][j];
+        [0, 1].map(|i| [0, 1].map(|j| entry(i, j)))
+    }
+
+    /// Sum of a row of it [m³/(Pa s)].
+    fn whole(&self, mobility: &[f64], side: usize) -> f64 {
+        let [a, b] = self.at(mobility)[side];
+        a + b
+    }
 }
 
 /// The half of an edge that ends in a vertex.
@@ -39,6 +57,9 @@ pub(super) struct Half {
 /// ```
 /// with the outward normal N_i as long as the half-edge, its middle x_j and the centre x_k of the face. What the arms of a half-edge bring
 /// adds to nothing, which eliminates π. W is symmetric in parallelograms, and diagonal in rectangles.
+///
+/// Where the closed conductivity depends on the direction, Ŵ of the evened corners takes the place of W in its share C_f0 of C_f:
+/// `λ W + C_f0/μ (Ŵ − W)`.
 ///
 /// A flow that loses energy in every corner does so in all, whatever the conductivities. In corners of faces that are flat and far from
 /// parallelograms W does not, and as little as it takes of `P_ij = N_i·N_j/‖N_1 × N_2‖`, the W of the parallelogram of the half-edges, comes
@@ -71,8 +92,10 @@ pub(super) struct Around<'v> {
     halves: Vec<f64>,
     /// Half-edges whose potential is prescribed.
     held: Vec<bool>,
-    /// `F/λ` per arm [Pa].
+    /// `W (Φ − π)` per arm [Pa].
     driven: Vec<f64>,
+    /// `C_f0/μ (Ŵ − W) (Φ − π)` per arm [m³/s].
+    directed: Vec<f64>,
     slopes: OnceCell<Slopes>,
 }
 
@@ -97,9 +120,8 @@ fn middle(p: [f64; 2], q: [f64; 2]) -> [f64; 2] {
     [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])]
 }
 
-/// Whether the normal through the centre of a face meets an edge beside its middle, for each of its edges.
-pub(super) fn leans(face: &FractureFace, mesh: &HexMesh) -> [bool; 4] {
-    let x = flat(face, mesh);
+/// Whether the normal through the centre of a face with these corners meets an edge beside its middle, for each of its edges.
+pub(super) fn leans(x: [[f64; 2]; 4]) -> [bool; 4] {
     [0, 1, 2, 3].map(|a: usize| {
         let (p, q) = (x[a], x[(a + 1) % 4]);
         let (along, to) = ([q[0] - p[0], q[1] - p[1]], middle(p, q));
@@ -149,7 +171,7 @@ impl Vertex {
     pub(super) fn new(
         meeting: &[(u32, usize)],
         faces: &[FractureFace],
-        mesh: &HexMesh,
+        (fluid, mesh): (&Fluid, &HexMesh),
         edge: impl Fn([u32; 2]) -> Option<usize>,
     ) -> Self {
         // (ends, corner, side)
@@ -159,24 +181,28 @@ impl Vertex {
             let face = &faces[f as usize];
             users.push((ends(face, mesh, a), corner, 0));
             users.push((ends(face, mesh, (a + 3) % 4), corner, 1));
+            let by = weights(flat(face, mesh), a);
+            let channel = fluid.channel(face);
             corners.push(Corner {
                 face: f as usize,
                 halves: [0; 2],
-                by: weights(flat(face, mesh), a),
+                by,
+                directed: channel.directed.map(|directed| {
+                    let evened = weights(directed.evened(face, mesh), a);
+                    let closed = channel.conductivity / fluid.viscosity;
+                    [0, 1].map(|i: usize| [0, 1].map(|j: usize| closed * (evened[i][j] - by[i][j])))
+                }),
             });
         }
         users.sort_unstable();
         let (mut halves, mut arms, mut sides) = (Vec::new(), Vec::new(), Vec::new());
         for list in users.chunk_by(|a, b| a.0 == b.0) {
-            let line = list[0].0.map(|node| mesh.nodes[node as usize]);
             let first = arms.len();
             for &(_, corner, side) in list {
-                let f = corners[corner].face;
                 corners[corner].halves[side] = halves.len();
-                arms.push(Arm {
-                    face: f as u32,
-                    shape: 0.5 * shape(faces[f].center, line),
-                });
+                let (f, a) = meeting[corner];
+                let a = [a, (a + 3) % 4][side];
+                arms.push(Arm::new((f, &faces[f as usize]), (fluid, mesh), a, 0.5));
                 sides.push((corner, side));
             }
             halves.push(Half {
@@ -215,6 +241,7 @@ impl Vertex {
             halves: Vec::new(),
             held: given.iter().map(Option::is_some).collect(),
             driven: Vec::new(),
+            directed: Vec::new(),
             slopes: OnceCell::new(),
         };
         let mut right: Vec<f64> = given.iter().map(|p| p.map_or(0.0, |p| p - base)).collect();
@@ -222,20 +249,30 @@ impl Vertex {
             let corner = &self.corners[*corner];
             let half = corner.halves[*side];
             if !around.held[half] {
-                let [a, b] = corner.by[*side];
-                right[half] += mobility[corner.face] * (a + b) * (potential[corner.face] - base);
+                right[half] += corner.whole(mobility, *side) * (potential[corner.face] - base);
             }
         }
         solve(&mut around.matrix(), &mut right);
         around.halves = right;
-        let driven = self.sides.iter().map(|(corner, side)| {
-            let corner = &self.corners[*corner];
-            let above = potential[corner.face] - base;
-            let of = |j: usize| corner.by[*side][j] * (above - around.halves[corner.halves[j]]);
-            of(0) + of(1)
-        });
-        around.driven = driven.collect();
-        around
+        let through = |w: fn(&Corner) -> [[f64; 2]; 2]| -> Vec<f64> {
+            let arms = self.sides.iter().map(|(corner, side)| {
+                let corner = &self.corners[*corner];
+                let above = potential[corner.face] - base;
+                let row = w(corner)[*side];
+                let of = |j: usize| row[j] * (above - around.halves[corner.halves[j]]);
+                of(0) + of(1)
+            });
+            arms.collect()
+        };
+        let (driven, directed) = (
+            through(|corner| corner.by),
+            through(|corner| corner.directed.unwrap_or_default()),
+        );
+        Around {
+            driven,
+            directed,
+            ..around
+        }
     }
 }
 
@@ -248,10 +285,10 @@ impl Around<'_> {
             matrix[half * n + half] = if *held { 1.0 } else { 0.0 };
         }
         for corner in &self.vertex.corners {
-            for (half, row) in corner.halves.iter().zip(corner.by) {
+            for (half, row) in corner.halves.iter().zip(corner.at(self.mobility)) {
                 if !self.held[*half] {
                     for (other, w) in corner.halves.iter().zip(row) {
-                        matrix[half * n + other] += self.mobility[corner.face] * w;
+                        matrix[half * n + other] += w;
                     }
                 }
             }
@@ -278,12 +315,14 @@ impl Around<'_> {
     pub(super) fn drop(&self, arm: usize) -> [f64; 2] {
         let (corner, side) = self.vertex.sides[arm];
         let corner = &self.vertex.corners[corner];
-        let shape = self.vertex.arms[arm].shape;
+        let whole = self.vertex.arms[arm].tau(self.mobility);
+        let mobility = self.mobility[corner.face];
         let of = |j: usize| {
             let sizes = self.potential[corner.face].abs() + self.half(corner.halves[j]).abs();
-            corner.by[side][j].abs() * sizes
+            corner.at(self.mobility)[side][j].abs() * sizes
         };
-        [self.driven[arm] / shape, (of(0) + of(1)) / shape]
+        let flux = mobility * self.driven[arm] + self.directed[arm];
+        [flux / whole, (of(0) + of(1)) / whole]
     }
 
     /// Derivatives of the fluxes: with π eliminated, `dF = ∂F − λ W A⁻¹ Σ ∂F` over the arms of each half-edge, ∂ at a given π.
@@ -293,9 +332,8 @@ impl Around<'_> {
             let sides = &self.vertex.sides;
             let apart = |arm: usize| {
                 let (corner, side) = sides[arm];
-                let [a, b] = self.vertex.corners[corner].by[side];
-                let mobility = self.mobility[self.face(corner)];
-                [mobility * (a + b), self.driven[arm]]
+                let corner = &self.vertex.corners[corner];
+                [corner.whole(self.mobility, side), self.driven[arm]]
             };
             // potentials of half-edges by potentials, then by mobilities
             let mut right = vec![0.0; n * 2 * count];
@@ -311,16 +349,16 @@ impl Around<'_> {
             let rows = |k: usize| {
                 let mut slopes = Vec::with_capacity(sides.len() * count);
                 for (arm, (corner, side)) in sides.iter().enumerate() {
-                    let Corner { face, halves, by } = &self.vertex.corners[*corner];
+                    let own = &self.vertex.corners[*corner];
+                    let by = own.at(self.mobility)[*side];
                     for column in 0..count {
-                        let of =
-                            |j: usize| by[*side][j] * right[(halves[j] * 2 + k) * count + column];
+                        let of = |j: usize| by[j] * right[(own.halves[j] * 2 + k) * count + column];
                         let own = if column == *corner {
                             apart(arm)[k]
                         } else {
                             0.0
                         };
-                        slopes.push(own - self.mobility[*face] * (of(0) + of(1)));
+                        slopes.push(own - (of(0) + of(1)));
                     }
                 }
                 slopes

@@ -1,13 +1,13 @@
 //! From sections to a fluid: channels, and the faces and edges of sources.
 
-use super::flow_sections::SourceSection;
+use super::flow_sections::{AlongSection, SourceSection};
 use super::history::Histories;
 use super::located::{Located, at};
 use super::outline::Outline;
 use super::sections::{SceneSections, SideName};
 use super::wells::wells;
 use super::{FlowProblem, Problem};
-use crate::flow::{Channel, Fluid, Given, Place, Source, edge_ends};
+use crate::flow::{Channel, Directed, Fluid, Given, Place, Source, edge_ends};
 use crate::mesh::{BuiltMesh, FractureFace, dot, minus};
 use crate::nearest::nearest;
 use crate::units::Measure;
@@ -48,8 +48,18 @@ pub(super) fn fluid(
             let key = "conductivity";
             return Err(at(&path, Problem::MissingKey { what, key }));
         };
+        let directed = match &fracture.conductivity_along {
+            Some(along) => Some(directed(
+                (along, conductivity.si()),
+                (&fracture.name, channels.len()),
+                built,
+                &path,
+            )?),
+            None => None,
+        };
         channels.push(Channel {
-            conductivity: conductivity.si(),
+            conductivity: conductivity.si() * directed.map_or(1.0, |d: Directed| d.ratio.sqrt()),
+            directed,
             storage: fracture.storage.as_ref().map_or(0.0, Measure::si),
             initial_pressure: fracture.initial_pressure.as_ref().map_or(0.0, Measure::si),
         });
@@ -100,6 +110,38 @@ pub(super) fn fluid(
         sources,
         wells,
     }))
+}
+
+/// Sine of the angle to the normal of a face below which a direction is none in its plane: half a degree. Unit: 1.
+const IN_PLANE: f64 = 1e-2;
+
+/// How the conductivity of a fracture, and of its faces by their number of a fracture, depends on the direction.
+fn directed(
+    (along, across): (&AlongSection, f64),
+    (name, number): (&str, usize),
+    built: &BuiltMesh,
+    path: &[&str],
+) -> Result<Directed, Located> {
+    let name = || name.to_string();
+    let path = [path[0], path[1], "conductivity_along", "direction"];
+    let length = along.direction.iter().map(|a| a * a).sum::<f64>();
+    if !(length > 0.0 && length.is_finite()) {
+        return Err(at(&path, FlowProblem::ZeroDirection { name: name() }));
+    }
+    let directed = Directed {
+        along: along.direction,
+        ratio: along.conductivity.si() / across,
+    };
+    let own = |face: &&FractureFace| usize::from(face.fracture) == number;
+    let mut faces = built.fractures.faces.iter().filter(own);
+    match faces.find(|face| directed.lies_in(face) < IN_PLANE) {
+        Some(face) => {
+            let center = face.center;
+            let name = name();
+            Err(at(&path, FlowProblem::NoDirection { name, center }))
+        }
+        None => Ok(directed),
+    }
 }
 
 /// Faces or edges of a source.

@@ -19,6 +19,25 @@ pub enum FlowProblem {
         /// Its name.
         name: String,
     },
+    /// A direction that the plane of a face does not have.
+    #[error(
+        "fracture \"{name}\" has no `direction` in its face at ({:.6}, {:.6}, {:.6}) m, which the given one meets at a right angle; give one that lies in the fracture",
+        center[0], center[1], center[2]
+    )]
+    NoDirection {
+        /// Its name.
+        name: String,
+        /// Centre of the face [m].
+        center: [f64; 3],
+    },
+    /// Not a direction.
+    #[error(
+        "fracture \"{name}\" has a `direction` of zero length or of what is no number; give e.g. [0.0, 0.0, 1.0]"
+    )]
+    ZeroDirection {
+        /// Its name.
+        name: String,
+    },
     /// A source of a fracture that is not there.
     #[error("no fracture is named \"{name}\"{}; there are: {}", nearest.as_ref().map_or(String::new(), |n| format!(", did you mean \"{n}\"?")), known.join(", "))]
     UnknownFracture {

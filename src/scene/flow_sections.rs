@@ -4,7 +4,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::sections::SideName;
-use crate::units::{Compressibility, Density, Duration, Length, Measure, Rate, Stress, Viscosity};
+use crate::units::{
+    Compressibility, Conductivity, Density, Duration, Length, Measure, Rate, Stress, Viscosity,
+};
 
 /// A fluid that flows in every fracture; each needs a `conductivity`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -83,4 +85,14 @@ impl SourceSection {
     pub(super) fn name(&self) -> String {
         format!("[[source]] of fracture \"{}\"", self.fracture)
     }
+}
+
+/// A conductivity along a direction.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AlongSection {
+    /// As `[x, y, z]`, of any length; its part in the plane of a face counts.
+    pub direction: [f64; 3],
+    /// Conductivity there.
+    pub conductivity: Measure<Conductivity>,
 }

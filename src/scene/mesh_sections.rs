@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::flow_sections::AlongSection;
 use super::group_names::GroupNames;
 use super::one_or_many::OneOrMany;
 use super::profile::LevelSection;
@@ -326,6 +327,9 @@ pub struct FractureSection {
     /// Conductivity C_f0 of the closed fracture for the [fluid], `w³/12` of a width w; where open, `g_N³/12` is added.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub conductivity: Option<Measure<Conductivity>>,
+    /// Another conductivity of the closed fracture along a direction in its plane; `conductivity` is that across it then.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub conductivity_along: Option<AlongSection>,
     /// Volume of [fluid] taken up per area and pressure, closed or open; 0 if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub storage: Option<Measure<Storage>>,

@@ -137,6 +137,7 @@ fn require_flow(sections: &SceneSections) -> Result<(), Located> {
             for (i, f) in sections.fracture.iter().enumerate() {
                 let given = [
                     ("conductivity", f.conductivity.is_some()),
+                    ("conductivity_along", f.conductivity_along.is_some()),
                     ("storage", f.storage.is_some()),
                     ("initial_pressure", f.initial_pressure.is_some()),
                 ];

@@ -67,6 +67,29 @@ fn the_scene_itself_is_fine() {
 }
 
 #[test]
+fn a_conductivity_along_a_direction_is_read_with_that_across_it() {
+    let along = "conductivity_along = { direction = [0.0, 3.0, 3.0], conductivity = \"4e-12 m3\" }";
+    let text = SCENE.replace("\"1e-12 m3\"", &format!("\"1e-12 m3\"\n{along}"));
+    let body = built(&text).unwrap();
+    let channel = body.fluid.as_ref().unwrap().channels[0];
+    assert!(
+        (channel.conductivity / 2e-12 - 1.0).abs() < 1e-12,
+        "geometric mean"
+    );
+    let directed = channel.directed.unwrap();
+    assert!((directed.ratio - 4.0).abs() < 1e-12);
+    assert!((directed.lies_in(&body.fractures.faces[0]) - 1.0).abs() < 1e-12);
+    // the run carries it: more goes through along it
+    let finished = |text: &str| {
+        let body = built(text).unwrap();
+        let mut simulation = Simulation::new(&body).unwrap();
+        simulation.run(&mut Silent, |_, _, _| {}).unwrap()
+    };
+    let pressure = |text: &str| finished(text).p.iter().fold(0.0f64, |m, p| m.max(*p));
+    assert!(pressure(&text) < 0.9 * pressure(SCENE));
+}
+
+#[test]
 fn each_slip_has_its_sentence() {
     let place = "at = [\"2 m\", \"0.5 m\", \"0.5 m\"]";
     let fluid = "[fluid]\nviscosity = \"1 cP\"\n";
@@ -83,6 +106,25 @@ fn each_slip_has_its_sentence() {
         (
             "conductivity = \"1e-12 m3\"\n",
             "",
+            &["fracture \"F\"", "needs `conductivity`"],
+        ),
+        (
+            "\"1e-12 m3\"",
+            "\"1e-12 m3\"\nconductivity_along = { direction = [1.0, 0.0, 0.0], conductivity = \"1e-10 m3\" }",
+            &[
+                "fracture \"F\"",
+                "right angle",
+                "(2.000000, 0.500000, 0.500000)",
+            ],
+        ),
+        (
+            "\"1e-12 m3\"",
+            "\"1e-12 m3\"\nconductivity_along = { direction = [0.0, 0.0, 0.0], conductivity = \"1e-10 m3\" }",
+            &["fracture \"F\"", "zero length"],
+        ),
+        (
+            "conductivity = \"1e-12 m3\"",
+            "conductivity_along = { direction = [0.0, 0.0, 1.0], conductivity = \"1e-10 m3\" }",
             &["fracture \"F\"", "needs `conductivity`"],
         ),
         (

@@ -9,13 +9,13 @@ use fracas_operators::random::{signed, splitmix64};
 /// Moves nodes of the planes z = const along them and, where `junction` stands, those of the plane with that index of x along it; then
 /// an affine map.
 #[derive(Clone, Debug)]
-struct Skewed {
-    seed: u64,
+pub(super) struct Skewed {
+    pub(super) seed: u64,
     /// Of a cell; below ¼ every face stays convex.
-    amplitude: f64,
-    junction: Option<usize>,
+    pub(super) amplitude: f64,
+    pub(super) junction: Option<usize>,
     /// Rows of the affine map.
-    map: [[f64; 3]; 3],
+    pub(super) map: [[f64; 3]; 3],
 }
 
 impl Warp for Skewed {
@@ -77,18 +77,18 @@ fn rim(built: &BuiltMesh) -> Vec<[u32; 2]> {
     alone.map(|list| list[0]).collect()
 }
 
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|i| a[i] * b[i]).sum()
 }
 
 /// Largest size of a potential at the centres of faces [Pa].
-fn highest(faces: &[FractureFace], potential: impl Fn([f64; 3]) -> f64) -> f64 {
+pub(super) fn highest(faces: &[FractureFace], potential: impl Fn([f64; 3]) -> f64) -> f64 {
     let sizes = faces.iter().map(|face| potential(face.center).abs());
     sizes.fold(0.0, f64::max)
 }
 
 /// Potentials at centres of faces and flow per width, where the rim has this potential in the middles of its edges.
-fn driven(
+pub(super) fn driven(
     built: &BuiltMesh,
     fluid: Fluid,
     potential: impl Fn([f64; 3]) -> f64,
@@ -122,7 +122,7 @@ fn all_exact(built: &BuiltMesh) -> bool {
 }
 
 /// Shear in the plane z = const by up to 60°, cells of up to 1:`flat`, and the plane turned.
-fn affine(r: &mut Random, flat: f64) -> [[f64; 3]; 3] {
+pub(super) fn affine(r: &mut Random, flat: f64) -> [[f64; 3]; 3] {
     let slope = |r: &mut Random, most: f64| r.between(-most, most).to_radians().tan();
     let (lean, stretch) = (slope(r, 60.0), r.scale(1.0 / flat, flat));
     let (a, b) = (slope(r, 50.0), slope(r, 50.0));
@@ -208,7 +208,7 @@ fn rectangles_have_two_point_fluxes_whoever_decides() {
             nodes.sort_unstable();
             nodes.dedup();
             let nodes = meeting(faces, mesh, nodes.into_iter().step_by(every).collect());
-            balance.network = Network::deciding(faces, mesh, &edges, &case.fluid.wells, &nodes);
+            balance.network = Network::deciding(faces, mesh, &edges, &case.fluid, &nodes);
             assert!(balance.network.around().count() > 10);
             let point = balance.evaluate(&case.states, &case.jumps, &case.p, &step);
             for (a, b) in two_point.residual.iter().zip(&point.residual) {
