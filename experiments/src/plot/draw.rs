@@ -17,7 +17,6 @@ const PANEL: f64 = 318.0;
 const TICK_SPACE: f64 = 60.0;
 const TICK_SIZE: f64 = 10.0;
 const LABEL_SIZE: f64 = 11.0;
-const TITLE_SIZE: f64 = 12.0;
 /// Longest name that stands upright below a horizontal axis, in points; longer ones have smaller letters.
 const LONGEST_NAME: f64 = 150.0;
 const GRID: RGBColor = RGBColor(226, 226, 226);
@@ -114,7 +113,7 @@ impl Figure {
             widen(&mut y, (x[1] - x[0]) * height / (self.stretch * width));
             widen(&mut x, (y[1] - y[0]) * self.stretch * width / height);
         }
-        let top = if self.title.is_empty() { 12.0 } else { 34.0 };
+        let top = self.heading_height();
         let frame = Frame {
             figure: self,
             left,
@@ -137,12 +136,7 @@ impl Figure {
         frame.slopes(&over);
         frame.all_series(&over);
         frame.border(&over);
-        if !self.title.is_empty() {
-            let middle = left + 0.5 * width;
-            let room = 2.0 * middle.min(page_width - middle) - 8.0;
-            let size = fitting_size(&self.title, TITLE_SIZE, room);
-            over.text([middle, 18.0], &self.title, size, Anchor::Center);
-        }
+        self.draw_heading(&over, left + 0.5 * width, page_width);
         legend.draw(&over, 0.5 * page_width, top + height + below);
         Page {
             size,

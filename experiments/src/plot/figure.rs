@@ -12,6 +12,8 @@ pub struct Figure {
     pub id: String,
     /// Heading inside the figure; may be empty.
     pub title: String,
+    /// A line below the title that whoever reads the figure has to know; may be empty.
+    pub note: String,
     /// A sentence or two below the figure.
     pub caption: String,
     /// Horizontal axis.
@@ -40,6 +42,7 @@ impl Figure {
         Self {
             id: id.into(),
             title: title.into(),
+            note: String::new(),
             caption: caption.into(),
             x,
             y,

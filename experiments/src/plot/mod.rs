@@ -6,6 +6,7 @@ mod canvas;
 mod cells;
 mod draw;
 mod figure;
+mod heading;
 mod indices;
 mod legend;
 mod marks;

@@ -178,6 +178,9 @@ pub struct Spectrum {
     /// These are not all of them.
     #[serde(default)]
     pub is_partial: bool,
+    /// Whether all that were found lie inside; nothing where nothing is proved.
+    #[serde(default)]
+    pub contained: Option<bool>,
     /// Corners of the field of values.
     pub field: Option<Vec<[f64; 2]>>,
     /// Boundaries of pseudospectra.
@@ -207,6 +210,7 @@ impl From<&SpectrumReport> for Spectrum {
             complex: region.re.zip(region.im_max),
             circles: region.parts().iter().filter_map(Circle::of).collect(),
             is_partial: report.method == Method::Iterative,
+            contained: report.contained,
             field: match &report.non_normal {
                 Some(found) => Some(corners(&found.field_of_values)),
                 None => report.field_of_values.as_ref().map(corners),
@@ -238,6 +242,21 @@ impl Spectrum {
         }
     }
 
+    /// What a figure of a part of the spectrum says beside its title; empty where all eigenvalues are there.
+    pub fn note(&self) -> String {
+        let n = self.re.len();
+        match (self.is_partial, self.contained) {
+            (false, _) => String::new(),
+            (true, Some(true)) => {
+                format!("A part of the spectrum: every one of the {n} found lies inside")
+            }
+            (true, Some(false)) => {
+                format!("A part of the spectrum: not every one of the {n} found lies inside")
+            }
+            (true, None) => format!("A part of the spectrum: {n} eigenvalues were found"),
+        }
+    }
+
     fn is_real(&self) -> bool {
         self.points().all(|[re, im]| !is_non_real(re, im))
     }
@@ -266,7 +285,11 @@ impl Spectrum {
                 !drop
             });
             values.push(1.0);
-            (name.clone(), values)
+            let name = match spectrum.is_partial {
+                false => name.clone(),
+                true => format!("{name} ({} found)", spectrum.re.len()),
+            };
+            (name, values)
         };
         let rows: Vec<_> = sets.iter().map(values).collect();
         let mut figure = Figure::rows(id, "", caption, Axis::log("λ"), &rows);
@@ -305,7 +328,11 @@ impl Spectrum {
             let caption = format!("Sorted: {}", self.which());
             let sets = [("eigenvalues".into(), self.re.clone())];
             let mut figure = Figure::sorted(id, &title, &caption, axis, &sets);
+            figure.note = self.note();
             figure.x = figure.x.range(-0.02, 1.02);
+            if self.is_partial {
+                figure.x.label = "place among those found".into();
+            }
             if let Some((low, high)) = self.real {
                 // a band from zero reaches the lower end of a logarithmic axis
                 let mut band = [low, high];
@@ -332,6 +359,7 @@ impl Spectrum {
             ("real eigenvalues", points(true)),
         ];
         let mut figure = Figure::complex_plane(id, &title, &self.which(), &sets);
+        figure.note = self.note();
         self.window(&mut figure);
         let none_complex = self.is_real() && !self.levels.is_empty();
         if let Some(((low, high), im)) = self.complex.filter(|_| !none_complex) {

@@ -214,6 +214,47 @@ fn the_complex_plane_has_equal_units() {
     assert!(svg.contains("disc") && svg.contains("Im λ"));
 }
 
+/// Eigenvalues at half and one, and what stands between them.
+fn spectrum(between: [f64; 2], is_partial: bool) -> Spectrum {
+    Spectrum {
+        augmentation: "local".into(),
+        inner: "ssor".into(),
+        n_u: 24,
+        n_t: 6,
+        re: vec![0.02, between[0], between[0], 1.0],
+        im: vec![0.0, between[1], -between[1], 0.0],
+        real: Some((0.01, 1.0)),
+        complex: None,
+        circles: Vec::new(),
+        is_partial,
+        contained: Some(true),
+        field: None,
+        levels: Vec::new(),
+        gmres: None,
+    }
+}
+
+#[test]
+fn a_part_of_a_spectrum_says_so_on_the_page() {
+    let seen = |spectrum: &Spectrum| {
+        let svg = spectrum.figure("s").to_svg().unwrap();
+        svg.split_once("</desc>").unwrap().1.to_owned()
+    };
+    let says = "every one of the 4 found lies inside";
+    for between in [[0.5, 0.0], [0.5, 0.3]] {
+        assert!(seen(&spectrum(between, true)).contains(says));
+        assert!(!seen(&spectrum(between, false)).contains("found"));
+    }
+    let unknown = Spectrum {
+        contained: None,
+        ..spectrum([0.5, 0.0], true)
+    };
+    let svg = seen(&unknown);
+    assert!(svg.contains("4 eigenvalues were found") && !svg.contains("inside"));
+    let strips = [("a".to_owned(), &unknown)];
+    assert!((Spectrum::strips("t", "", &strips).to_svg().unwrap()).contains("a (4 found)"));
+}
+
 #[test]
 fn rows_count_what_a_logarithm_cannot_show() {
     let rows = [

@@ -140,8 +140,12 @@ fn eigenvalues(
             let axes = (Axis::linear("Re λ"), Axis::linear("Im λ"));
             let mut figure = Figure::new(id, "", "", axes.0, axes.1);
             for (name, spectrum) in &spectra {
-                let points = spectrum.points().collect();
-                figure = figure.with(Series::new(name, Mark::Points, points));
+                let points: Vec<_> = spectrum.points().collect();
+                let name = match spectrum.is_partial {
+                    false => name.clone(),
+                    true => format!("{name} ({} found)", points.len()),
+                };
+                figure = figure.with(Series::new(&name, Mark::Points, points));
             }
             figure
         }

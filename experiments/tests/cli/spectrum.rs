@@ -129,11 +129,21 @@ fn a_name_means_one_method_and_multigrid_works_in_f64() {
 
 #[test]
 fn a_partial_spectrum_speaks_of_what_was_found() {
-    let report = crossing(&["--inner", "ssor", "--dense-limit", "10"]);
+    let folder = scratch("partial");
+    let plot = folder.join("part.svg");
+    let figure = plot.to_str().unwrap();
+    let report = crossing(&["--inner", "ssor", "--dense-limit", "10", "--plot", figure]);
     let n = report["eigenvalues"]["re"].as_array().unwrap().len();
     let verdict = format!("every one of the {n} found lies inside");
     assert_eq!(report["verdict"], verdict);
     assert_eq!(report["method"], "iterative");
+    let seen = |file: &std::path::Path| {
+        let svg = std::fs::read_to_string(file).unwrap();
+        svg.split_once("</desc>").unwrap().1.to_owned()
+    };
+    assert!(seen(&plot).contains(&verdict));
+    crossing(&["--inner", "ssor", "--plot", figure]);
+    assert!(!seen(&plot).contains("found"));
 }
 
 #[test]
