@@ -214,6 +214,9 @@ measures! {
     BetaU "beta_u" Spectrum "β_u" |m| bound(m, |b| b.beta_u);
     AlphaT "alpha_t" Spectrum "α_t" |m| bound(m, |b| b.alpha_t);
     BetaT "beta_t" Spectrum "β_t" |m| bound(m, |b| b.beta_t);
+    DeltaMin "delta_min" Spectrum "δ = λ_min(S̃_u⁻¹S_u)" |m| spectrum(m, |s| s.delta);
+    DeltaMax "delta_max" Spectrum "Δ = λ_max(S̃_u⁻¹S_u)" |m| spectrum(m, |s| s.Delta);
+    Eta "eta" Spectrum "η = λ_max(C⁻¹H)" |m| spectrum(m, |s| s.eta);
     ErrorBar "error_bar" Spectrum "error bar of α and β, relative" |m| spectrum(m, |s| s.error_bar);
     ProvedLow "proved_low" Spectrum "proved lower end" |m| spectrum(m, |s| interval(s).map(|i| i.0));
     ProvedHigh "proved_high" Spectrum "proved upper end" |m| spectrum(m, |s| interval(s).map(|i| i.1));

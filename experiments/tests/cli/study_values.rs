@@ -166,6 +166,31 @@ fn parts_measure_what_they_ask_for() {
 }
 
 #[test]
+fn the_quality_of_both_approximations_is_what_spectrum_prints() {
+    let study = r#"
+measures = ["delta_min", "delta_max", "eta"]
+[axes]
+scene = ["block.toml"]
+inner = ["exact", "ssor", "amg"]
+"#;
+    let rows = ran("study-quality", study);
+    let found = ["delta_min", "delta_max", "eta"].map(|name| numbers(&rows, name));
+    assert!(found[0][1] < found[1][1] && found[2][1] > 0.0, "{found:?}");
+    let (folder, _) = study_of_block("study-quality-beside", study);
+    let scene = folder.join("block.toml");
+    for (k, inner) in ["exact", "ssor", "amg"].iter().enumerate() {
+        let scene = scene.to_str().unwrap();
+        let ran = fracas(&["spectrum", scene, "--inner", inner, "--json", "-"]);
+        assert_eq!(ran.status, 0, "{}", ran.stderr);
+        let report: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
+        for (of, key) in found.iter().zip(["delta", "Delta", "eta"]) {
+            let printed = report[key].as_f64().unwrap();
+            assert!((of[k] - printed).abs() <= 1e-12 * printed, "{inner} {key}");
+        }
+    }
+}
+
+#[test]
 fn nothing_is_outside_or_inside_where_nothing_is_proved() {
     let study = r#"
 measures = ["outside", "outside_printed", "contained"]
