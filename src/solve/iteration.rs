@@ -160,12 +160,9 @@ impl Solver {
             observer.say(&finding);
             findings.push(finding);
         }
-        let explain = match self.equations.blocks().filter(|_| settings.explain) {
-            Some(blocks) => {
-                observer.say(&"explaining");
-                Some(self.explained(blocks, solve_s)?)
-            }
-            None => None,
+        let explain = match settings.explain {
+            true => self.explained(entries.as_ref(), solve_s, observer)?,
+            false => None,
         };
         let cost = Cost::new(operator, self.inverse(&double));
         let sharp = norms.entries().filter(|_| refinements > 0);
@@ -240,8 +237,23 @@ impl Solver {
         }
     }
 
-    fn explained(&self, blocks: &SaddleBlocks, solve_s: f64) -> Result<Explanation, SolveError> {
-        Ok(Explanation::new(&Explained {
+    /// From the blocks that are there, or else made for it; `None` where no process has all of them.
+    fn explained(
+        &self,
+        entries: Option<&SaddleBlocks>,
+        solve_s: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<Explanation>, SolveError> {
+        let known = entries.or(self.equations.blocks().map(|blocks| &**blocks));
+        let made = match known {
+            Some(_) => None,
+            None => self.in_entries(observer).transpose()?,
+        };
+        let Some(blocks) = known.or(made.as_ref()) else {
+            return Ok(None);
+        };
+        observer.say(&"explaining");
+        Ok(Some(Explanation::new(&Explained {
             blocks,
             method: &self.method,
             preconditioner: &*self.ready.inverse,
@@ -250,6 +262,6 @@ impl Solver {
             rhs: &self.b,
             setup_s: self.setup_s,
             solve_s,
-        })?)
+        })?))
     }
 }

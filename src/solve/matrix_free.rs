@@ -16,7 +16,12 @@ impl SetUp<'_> {
         stuck: &StuckBody,
         racp: Racp,
     ) -> Result<Solver, SolveError> {
-        let body = stuck.mesh(memory::MATRIX_FREE, self.observer)?;
+        // an explanation reads entries when the solution is there
+        let work = match self.settings.explain {
+            true => memory::EXPLAINED,
+            false => memory::MATRIX_FREE,
+        };
+        let body = stuck.mesh(work, self.observer)?;
         let failed = |source| SolveError::Body {
             name: stuck.name.clone(),
             source,

@@ -3,7 +3,7 @@
 use super::{Problem, Route, SolveError, Solved, Solver, SystemKind};
 use fracas_solvers::Observer;
 use fracas_solvers::krylov::KrylovChoice;
-use fracas_solvers::saddle::{Measure, SaddleMethod};
+use fracas_solvers::saddle::{InnerChoice, Measure, SaddleMethod};
 use serde::{Deserialize, Serialize};
 
 /// How one system `𝒜x = b` is solved.
@@ -115,6 +115,11 @@ impl Solve {
         super::set_up::set_up(self, problem, observer)
     }
 
+    fn asks_for_geometric(&self) -> bool {
+        let is_geometric = matches!(self.method.inner(), Some(InnerChoice::Geometric(_)));
+        is_geometric && self.inner != InnerRule::Auto
+    }
+
     /// Which method solves this problem, and what takes its place; nothing is read but sizes, and nothing is meshed.
     ///
     /// # Errors
@@ -129,7 +134,10 @@ impl Solve {
             return Err(SolveError::Unit { value });
         }
         let kind = match problem {
-            Problem::Body(_) if self.explain => SystemKind::Entries("an explanation"),
+            // one that is asked for by name has the entries made beside it
+            Problem::Body(_) if self.explain && !self.asks_for_geometric() => {
+                SystemKind::Entries("an explanation")
+            }
             _ => problem.kind(),
         };
         Ok(Route::new(

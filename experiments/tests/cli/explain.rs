@@ -39,6 +39,31 @@ fn a_scene_is_explained_and_h_is_advised_where_it_exceeds_c() {
 }
 
 #[test]
+fn geometric_multigrid_is_explained_by_its_own_eigenvalues() {
+    let scene = ["crossing:small", "--inner", "geometric"];
+    let facts = explained(&scene);
+    assert!(facts["amg_levels"].as_u64().unwrap() >= 2);
+    assert!(facts["rigid_body"]["free_rows"].as_u64().unwrap() > 0);
+    let ran = fracas(&[&["spectrum"], &scene[..], &["--json", "-"]].concat());
+    assert_eq!(ran.status, 0, "{}", ran.stderr);
+    let report: Value = serde_json::from_str(&ran.stdout).unwrap();
+    for (seen, found) in [("modulus_min", "real_min"), ("modulus_max", "real_max")] {
+        let [seen, found] = [&facts["seen"][seen], &report[found]].map(|v| v.as_f64().unwrap());
+        assert!((seen / found - 1.0).abs() < 0.02, "{seen} {found}");
+    }
+    let huge = ["mesh.x.cells=400", "mesh.y.cells=400", "mesh.z.cells=400"];
+    let sets = huge.iter().flat_map(|set| ["--set", set]);
+    let start = ["solve", "crossing", "--inner", "geometric", "--explain"];
+    let ran = fracas(&start.into_iter().chain(sets).collect::<Vec<_>>());
+    assert_eq!(ran.status, 2, "{}", ran.stderr);
+    assert!(
+        ran.stderr.contains("ask for no explanation"),
+        "{}",
+        ran.stderr
+    );
+}
+
+#[test]
 fn a_folder_of_another_code_without_coordinates_is_explained_as_far_as_it_can_be() {
     let folder = system_folder("explain");
     let system = folder.to_str().unwrap();

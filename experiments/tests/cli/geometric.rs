@@ -332,10 +332,6 @@ fn what_cannot_be_is_refused_in_one_sentence() {
             "exact needs all of A; take local, local_h, half_h, fitted_h or face_block",
         ),
         (&["crossing", "--method", "mcp"], "belongs to --method racp"),
-        (
-            &["crossing", "--explain"],
-            "an explanation reads its entries",
-        ),
         (&huge[..], "grid nodes take about"),
     ] {
         let ran = fracas(&[&["solve"], arguments, &["--inner", "geometric"]].concat());

@@ -50,7 +50,8 @@ pub(super) fn of(facts: &Explanation, method: &SaddleMethod) -> String {
         return "multigrid knows no rotations: give the coordinates of the unknowns (coords.mtx)"
             .into();
     }
-    if let Some(complexity) = facts.operator_complexity.filter(|c| *c > COMPLEX) {
+    let complex = facts.operator_complexity.filter(|c| is_amg && *c > COMPLEX);
+    if let Some(complexity) = complex {
         return format!(
             "the coarse levels cost more than the finest (operator complexity {complexity:.2}): raise the strength threshold of \
              multigrid or take the other coarsening"
