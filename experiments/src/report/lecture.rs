@@ -48,7 +48,7 @@ const LINES: &[Line] = &[
     ("Conditioning of A and S_u, tests A, B, C", &["e03"], Standing::Analogue, "The meshes are not public; n_t/n_u agrees."),
     ("Table of n_it, c_app and C_s: RACP, MCP+AMG, MCP+FSAI on tests A, B, C", &["e04"], Standing::Analogue, "The meshes are not public; sizes and character agree."),
     ("Mesh independence", &["e05"], Standing::Analogue, "Numbers are not printed."),
-    ("Weak and strong scalability on distributed memory", &["e08"], Standing::Missing, "One machine only: e08 has time and memory per unknown up to the published size."),
+    ("Weak and strong scalability on distributed memory", &["e08"], Standing::Missing, "No experiment scales over machines: e08 has time and memory per unknown on one, up to the published size. `solve … --engine petsc` solves over ranks of MPI with PETSc; two ranks of one machine were measured, no cluster."),
     ("Weak scalability with flow: four fractures, coarse and fine", &["e17"], Standing::Analogue, "Sizes agree; the geometry is not public."),
     ("Linear iterations for ratios between fracture and body, six meshes", &["e17"], Standing::Missing, "e17 has two meshes of one ratio."),
     ("Tilted well through several fractures", &["e19"], Standing::Analogue, "The geometry is not public."),

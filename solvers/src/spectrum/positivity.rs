@@ -11,8 +11,8 @@ use crate::saddle::{RELAXATION, RelaxationSummary};
 /// (q−a)²φ = 2q² Re λ − (2q−a)|λ|² − q²a
 /// (q−a)²ψ = (1−2q+a)|λ|² + 2(q²−a) Re λ + a² − q²a
 /// ```
-/// there is no eigenvalue λ = iy where some s ≥ 0 has `φ_j < s(ψ_j − Δ)` for every j. Eigenvalues that move with S̃_u, from S_u on,
-/// would have to cross the imaginary axis. A subdivision of all x and y with error bounds (test) finds such an s everywhere.
+/// there is no eigenvalue λ = iy where some s ≥ 0 has `φ_j < s(ψ_j − Δ)` for every j. Eigenvalues that move with τH, which for small τ
+/// lie right of the imaginary axis as x p(x) ≤ 2 there, would have to cross it. A subdivision of all x and y with error bounds (test) finds such an s everywhere.
 /// By duality on a grid the limits are 2.414, 1.713 and 1.274: nothing more follows from δ, Δ and x alone.
 const LIMITS: [f64; 4] = [f64::INFINITY, 2.4, 1.7, 1.26];
 
