@@ -21,6 +21,7 @@ pub mod saddle;
 pub mod smoothers;
 pub mod spectrum;
 pub mod steering;
+pub mod words;
 mod written;
 
 pub use coordinates::DofCoordinate;

@@ -193,6 +193,7 @@ impl fmt::Display for Audit {
                     "held only by fractures (its boundary stops {} of 6 rigid motions): A is singular",
                     b.boundary_rank
                 ),
+                Hold::Nothing { free: 1 } => "not held: 1 rigid motion is free".to_owned(),
                 Hold::Nothing { free } => format!("not held: {free} rigid motions are free"),
             };
             writeln!(

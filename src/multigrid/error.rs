@@ -5,6 +5,7 @@ use crate::mesh::{Hold, bodies};
 use crate::system::StickSystem;
 use fracas_solvers::SetupError;
 use fracas_solvers::steering::OutOfRange;
+use fracas_solvers::words::by_number;
 
 /// Why a hierarchy is in f64 although f32 was asked for.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -53,7 +54,7 @@ pub enum GeometricError {
     },
     /// A body that boundary conditions and fractures leave free to move.
     #[error(
-        "nothing holds the body of {elements} elements around ({:.6e}, {:.6e}, {:.6e}) m: {free} rigid motions are free", center[0], center[1], center[2]
+        "nothing holds the body of {elements} elements around ({:.6e}, {:.6e}, {:.6e}) m: {free} rigid {} free", center[0], center[1], center[2], by_number(*free, "motion is", "motions are")
     )]
     Loose {
         /// Its elements.

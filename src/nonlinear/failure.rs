@@ -13,6 +13,7 @@ use crate::system::of_held_bodies;
 use fracas_solvers::SetupError;
 use fracas_solvers::krylov::Breakdown;
 use fracas_solvers::steering::OutOfRange;
+use fracas_solvers::words::by_number;
 
 /// Why a linear system has no solution good enough.
 #[derive(Debug, thiserror::Error)]
@@ -156,7 +157,7 @@ pub enum Failure {
         empty: f64,
     },
     /// A block has lost what held it.
-    #[error("with {open} faces open nothing{} holds the body of {elements} elements around ({:.6}, {:.6}, {:.6}) m: {}{free} rigid motions are free, so that there {} no equilibrium ({reason})", but_slipping(*slipping), center[0], center[1], center[2], if *slipping > 0 { "without them " } else { "" }, if *slipping > 0 { "may be" } else { "is" })]
+    #[error("with {open} {} open nothing{} holds the body of {elements} elements around ({:.6}, {:.6}, {:.6}) m: {}{free} rigid {} free, so that there {} no equilibrium ({reason})", by_number(*open, "face", "faces"), but_slipping(*slipping), center[0], center[1], center[2], if *slipping > 0 { "without them " } else { "" }, by_number(*free, "motion is", "motions are"), if *slipping > 0 { "may be" } else { "is" })]
     Loose {
         /// Open faces.
         open: usize,

@@ -7,6 +7,7 @@ use super::{
     SurfaceProblem, TableProblem,
 };
 use crate::mesh::MeshError;
+use fracas_solvers::words::by_number;
 
 /// A place in a scene file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -389,8 +390,8 @@ pub enum SceneError {
     },
     /// A body that can move rigidly.
     #[error(
-        "body {body} ({elements} elements around ({:.6}, {:.6}, {:.6}) m) is not held by its boundary, nor by closed fractures to a held body: {free} rigid motions are free{}; hold it with a [[boundary]] (roller, fixed or displacement)",
-        center[0], center[1], center[2], free_axes_text(free_axes)
+        "body {body} ({elements} elements around ({:.6}, {:.6}, {:.6}) m) is not held by its boundary, nor by closed fractures to a held body: {free} rigid {} free{}; hold it with a [[boundary]] (roller, fixed or displacement)",
+        center[0], center[1], center[2], by_number(*free, "motion is", "motions are"), free_axes_text(free_axes)
     )]
     NotHeld {
         /// Its number, in order of its lowest element.

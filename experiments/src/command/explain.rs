@@ -2,6 +2,7 @@
 
 use fracas_solvers::spectrum::Explanation;
 use fracas_solvers::spectrum::explain::{Outlier, Seen};
+use fracas_solvers::words::by_number;
 
 /// Name and value of every fact that was measured, the advice last.
 pub(super) fn rows(facts: &Explanation) -> Vec<(&'static str, String)> {
@@ -18,8 +19,12 @@ pub(super) fn rows(facts: &Explanation) -> Vec<(&'static str, String)> {
             || "no coordinates".to_owned(),
             |r| {
                 format!(
-                    "≤ {:.1e} in {} rows away from supports ({} rows near one), {} rows do not fit",
-                    r.worst, r.free_rows, r.held_rows, r.wrong_rows
+                    "≤ {:.1e} in {} rows away from supports ({} near one), {} {} not fit",
+                    r.worst,
+                    r.free_rows,
+                    r.held_rows,
+                    r.wrong_rows,
+                    by_number(r.wrong_rows, "does", "do")
                 )
             },
         ),

@@ -6,6 +6,7 @@ use crate::report::{Formats, Sheet};
 use anyhow::Context;
 use clap::Args;
 use fracas::analytic::RESOLVED;
+use fracas_solvers::words::by_number;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -100,8 +101,9 @@ impl Fault {
                 rows.push((
                     "note",
                     format!(
-                        "{} elements are in tension: they would open, and carry their cohesion here",
-                        last.open
+                        "{} {} in tension: what would open carries its cohesion here",
+                        last.open,
+                        by_number(last.open, "element is", "elements are")
                     ),
                 ));
             }

@@ -1,6 +1,7 @@
 //! What is going on, on standard error: a bar on a terminal, a line per stage elsewhere.
 
 use crate::sentence::with_flags;
+use fracas_solvers::words::by_number;
 use fracas_solvers::{Observer, Step};
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use std::fmt::Display;
@@ -108,7 +109,8 @@ impl Observer for Progress {
                 Some(_),
             ) => self.place = format!("Newton {iteration} ({residual:.1e}), "),
             (Step::Round { round, changed }, Some(bar)) => {
-                bar.set_message(format!("round {round}: {changed} faces change state"));
+                let change = by_number(*changed, "face changes", "faces change");
+                bar.set_message(format!("round {round}: {changed} {change} state"));
                 bar.tick();
             }
             // the bar is that of the steps

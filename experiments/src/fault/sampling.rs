@@ -4,6 +4,7 @@ use super::FaultFile;
 use super::uncertain::SamplingSection;
 use fracas::analytic::NoState;
 use fracas_operators::random::Random;
+use fracas_solvers::words::by_number;
 use rayon::prelude::*;
 
 /// One fault.
@@ -83,15 +84,19 @@ impl Sampled {
     /// A sentence per reason for which samples are left out.
     pub fn left_out(&self) -> Vec<String> {
         let reasons = [
-            (self.unsettled, "did not settle"),
+            (self.unsettled, ["sample did", "samples did"], "not settle"),
             (
                 self.loose,
-                "are not in equilibrium before the pressure changes",
+                ["sample is", "samples are"],
+                "not in equilibrium before the pressure changes",
             ),
         ];
-        let some = reasons.into_iter().filter(|(count, _)| *count > 0);
-        some.map(|(count, why)| format!("{count} samples {why} and are left out."))
-            .collect()
+        let some = reasons.into_iter().filter(|(count, ..)| *count > 0);
+        some.map(|(count, [one, other], why)| {
+            let (samples, are) = (by_number(count, one, other), by_number(count, "is", "are"));
+            format!("{count} {samples} {why} and {are} left out.")
+        })
+        .collect()
     }
 
     /// Share of samples in which slip has run away at a change of pressure of this size [Pa].

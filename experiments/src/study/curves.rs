@@ -9,6 +9,7 @@ use super::product::Wanted;
 use crate::plot::{Axis, Figure, Mark, Series};
 use crate::report::format_real;
 use fracas::units::Quantity;
+use fracas_solvers::words::by_number;
 
 /// Place of black in the palette: reference lines are nobody's curve.
 const BLACK: usize = 6;
@@ -83,7 +84,9 @@ pub(super) fn figure(
     let missing = all - shown;
     if missing > 0 {
         let gap = if caption.is_empty() { "" } else { " " };
-        caption += &format!("{gap}{missing} of {all} rows have no point here; the table says why.");
+        let have = by_number(missing, "has", "have");
+        caption +=
+            &format!("{gap}{missing} of {all} rows {have} no point here; the table says why.");
     }
     let x = match &names {
         Some(names) => Axis::categories(&axis_label(&section.x), names.clone()),

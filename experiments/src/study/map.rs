@@ -4,6 +4,7 @@ use super::curves::axis_label;
 use super::figure_section::FigureSection;
 use super::findings::{Fields, Findings};
 use crate::plot::{Axis, Cells, Colors, Figure, Mark, Series};
+use fracas_solvers::words::by_number;
 
 /// Part of the place of a value that its cells take where others stand within it.
 const FILLED: f64 = 0.94;
@@ -100,7 +101,8 @@ pub(super) fn map(
     }
     if !missing.is_empty() {
         let (lacking, all) = (missing.len(), rows.len());
-        caption += &format!(" {lacking} of {all} rows have no value: a cross.");
+        let have = by_number(lacking, "has", "have");
+        caption += &format!(" {lacking} of {all} rows {have} no value: a cross.");
     }
     let along = match &section.x_label {
         Some(label) => Axis {

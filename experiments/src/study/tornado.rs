@@ -4,6 +4,7 @@ use super::curves::axis_label;
 use super::figure_section::FigureSection;
 use super::findings::{Fields, Findings};
 use crate::plot::{Axis, Figure, Mark, Series};
+use fracas_solvers::words::by_number;
 
 /// Between a setting and its value in the name of a variant: `Biot = 0.6`.
 pub(super) const SETS: &str = " = ";
@@ -85,12 +86,14 @@ pub(super) fn tornado(
     let mut caption = findings.filled(&section.caption, rows.first()?);
     if missing > 0 {
         caption += &format!(
-            " {missing} of {} rows have no value; the table says why.",
-            rows.len()
+            " {missing} of {} rows {} no value; the table says why.",
+            rows.len(),
+            by_number(missing, "has", "have")
         );
     }
     if beyond > 0 {
-        caption += &format!(" {beyond} values are 0, left of the axis.");
+        let are = by_number(beyond, "value is", "values are");
+        caption += &format!(" {beyond} {are} 0, left of the axis.");
     }
     let mut figure = Figure::new(id, "", caption.trim(), along, names);
     let (mut first, mut between, mut last) = (Vec::new(), Vec::new(), Vec::new());

@@ -79,7 +79,7 @@ fn a_negative_diagonal_names_block_and_row() {
     assert_eq!(ran.status, 0);
     assert!(
         ran.stderr.contains(
-            "A.mtx, row 3: 1 diagonal entries are negative, or zero in a nonzero row (first: -4e1)"
+            "A.mtx, row 3: 1 diagonal entry is negative, or zero in a nonzero row (first: -4e1)"
         ),
         "{}",
         ran.stderr

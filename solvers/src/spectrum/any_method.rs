@@ -8,6 +8,7 @@ use super::{SpectrumRequest, analyse, field_of_values, iterative, modes};
 use crate::direct::DirectChoice;
 use crate::eigen::dense;
 use crate::saddle::{Elimination, SaddleBlocks, SaddleMethod};
+use crate::words::by_number;
 use crate::{Observer, SetupError};
 use faer::Mat;
 use fracas_operators::Dense;
@@ -74,7 +75,14 @@ pub fn analyse_method(
         .push("no bound is proved for this method".to_owned());
     if eliminated > 0 && matches!(method, SaddleMethod::Racp(_)) {
         report.notes.push(format!(
-            "{eliminated} rows determine their own traction (slip, open); they are eliminated and count as eigenvalues 1"
+            "{eliminated} {} own traction (slip, open), {} eliminated and {} 1",
+            by_number(eliminated, "row determines its", "rows determine their"),
+            by_number(eliminated, "is", "are"),
+            by_number(
+                eliminated,
+                "counts as an eigenvalue",
+                "count as eigenvalues"
+            )
         ));
     }
     if request.conditions {

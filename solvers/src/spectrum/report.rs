@@ -5,6 +5,7 @@ use super::region::{Region, Verdict, is_non_real};
 use super::{Enclosures, FieldOfValues, Hypothesis, Mode, NonNormal, SpectrumRequest};
 use crate::SetupError;
 use crate::saddle::{RelaxationSummary, SaddleBlocks};
+use crate::words::by_number;
 use faer::c64;
 use fracas_operators::{LinearOperator, Preconditioner};
 use serde::{Serialize, Serializer};
@@ -312,7 +313,11 @@ impl SpectrumReport {
                 eigenvalues.re.len()
             ),
             (Some(true), _) => "every eigenvalue lies inside".to_owned(),
-            (Some(false), _) => format!("{} eigenvalues lie OUTSIDE", self.outside.len()),
+            (Some(false), _) => {
+                let n = self.outside.len();
+                let lie = by_number(n, "eigenvalue lies", "eigenvalues lie");
+                format!("{n} {lie} OUTSIDE")
+            }
             (None, Some(objection)) => objection,
             (None, None) => "nothing to hold against".to_owned(),
         };

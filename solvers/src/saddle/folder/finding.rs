@@ -1,5 +1,6 @@
 //! What is remarkable about an imported system, without being an error.
 
+use crate::words::by_number;
 use std::fmt;
 
 /// A remark with its place. Rows, columns and lines count from 1.
@@ -70,7 +71,10 @@ impl fmt::Display for Finding {
 #[non_exhaustive]
 pub enum Remark {
     /// Entries listed more than once.
-    #[error("{count} entries are listed more than once (first in line {line}); they were added up")]
+    #[error(
+        "{count} {} listed more than once (first in line {line}), and added up",
+        by_number(*count, "entry is", "entries are")
+    )]
     DuplicatesSummed {
         /// Surplus entries.
         count: usize,
@@ -84,14 +88,18 @@ pub enum Remark {
         relative: f64,
     },
     /// Rows of A without entries.
-    #[error("{count} zero rows: A is singular there; only B1 can hold these unknowns")]
+    #[error(
+        "{count} zero {}: A is singular there; only B1 can hold {}",
+        by_number(*count, "row", "rows"), by_number(*count, "this unknown", "these unknowns")
+    )]
     ZeroRows {
         /// How many.
         count: usize,
     },
     /// A diagonal that no positive semi-definite matrix has.
     #[error(
-        "{count} diagonal entries are negative, or zero in a nonzero row (first: {value:e}): A is not positive semi-definite"
+        "{count} diagonal {} negative, or zero in a nonzero row (first: {value:e}): A is not positive semi-definite",
+        by_number(*count, "entry is", "entries are")
     )]
     BadDiagonal {
         /// How many.
@@ -101,7 +109,8 @@ pub enum Remark {
     },
     /// Rows that hold nothing but their diagonal.
     #[error(
-        "{count} rows hold only their diagonal and no entry of B1: constrained unknowns left in the system? They distort condition numbers and multigrid; remove them"
+        "{count} {} diagonal and no entry of B1: constrained unknowns left in the system? They distort condition numbers and multigrid; remove them",
+        by_number(*count, "row holds only its", "rows hold only their")
     )]
     ConstrainedRows {
         /// How many.
@@ -109,7 +118,8 @@ pub enum Remark {
     },
     /// Tractions that touch no displacement.
     #[error(
-        "{count} empty columns: tractions that touch no displacement (every node of the face constrained?); without H they make the system singular"
+        "{count} empty {} no displacement (every node of the face constrained?); without H the system is singular",
+        by_number(*count, "column: a traction that touches", "columns: tractions that touch")
     )]
     EmptyColumns {
         /// How many.
@@ -117,7 +127,8 @@ pub enum Remark {
     },
     /// Tractions that act alike.
     #[error(
-        "{count} columns are multiples of others (first: of column {of}): these tractions act alike, and without H they make the system singular; is a face given twice?"
+        "{count} {} (first: of column {of}): these tractions act alike, and without H they make the system singular; is a face given twice?",
+        by_number(*count, "column is a multiple of another", "columns are multiples of others")
     )]
     EqualColumns {
         /// How many.
@@ -127,7 +138,8 @@ pub enum Remark {
     },
     /// Pressures that nothing determines.
     #[error(
-        "{count} rows are zero here and in Q2.mtx: nothing determines these pressures and the system is singular; add storage, a conductivity or a prescribed pressure"
+        "{count} {} zero here and in Q2.mtx: nothing determines {} and the system is singular; add storage, a conductivity or a prescribed pressure",
+        by_number(*count, "row is", "rows are"), by_number(*count, "this pressure", "these pressures")
     )]
     UndeterminedPressures {
         /// How many.
@@ -135,14 +147,18 @@ pub enum Remark {
     },
     /// Volumes that pressure makes smaller.
     #[error(
-        "{count} rows have the sign of their column of Q1.mtx (q2_i·q1_i > 0): pressure makes the fracture thinner there; with Q1 = −B_n expected is Q2 = B_nᵀ/Δt"
+        "{count} {} column of Q1.mtx (q2_i·q1_i > 0): pressure makes the fracture thinner there; with Q1 = −B_n expected is Q2 = B_nᵀ/Δt",
+        by_number(*count, "row has the sign of its", "rows have the sign of their")
     )]
     ClosingPressures {
         /// How many.
         count: usize,
     },
     /// T with a diagonal that no conductivity and no storage has.
-    #[error("{count} diagonal entries are negative (first: {value:e}): T may be indefinite")]
+    #[error(
+        "{count} diagonal {} negative (first: {value:e}): T may be indefinite",
+        by_number(*count, "entry is", "entries are")
+    )]
     NegativeDiagonalOfT {
         /// How many.
         count: usize,
@@ -182,7 +198,8 @@ pub enum Remark {
     },
     /// H with negative diagonal entries.
     #[error(
-        "{count} diagonal entries are negative (first: {value:e}): H is indefinite, as open and slipping faces make it; C is not built from these rows"
+        "{count} diagonal {} negative (first: {value:e}): H is indefinite, as open and slipping faces make it; C is not built from {}",
+        by_number(*count, "entry is", "entries are"), by_number(*count, "this row", "these rows")
     )]
     NegativeDiagonal {
         /// How many.
@@ -192,7 +209,9 @@ pub enum Remark {
     },
     /// H with the sign of the (2,2) block.
     #[error(
-        "all {count} diagonal entries that are not zero are negative (first: {value:e}): is this −H? The system is [A B1; B2 −H] with H ⪰ 0; change the sign"
+        "{} not zero {} negative (first: {value:e}): is this −H? The system is [A B1; B2 −H] with H ⪰ 0; change the sign",
+        match count { 1 => "the one diagonal entry that is".to_owned(), n => format!("all {n} diagonal entries that are") },
+        by_number(*count, "is", "are")
     )]
     OppositeSign {
         /// How many.

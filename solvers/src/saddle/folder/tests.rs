@@ -290,13 +290,22 @@ fn what_is_remarkable_is_found_with_its_place() {
         &list,
         "B1.mtx, row 1, column 1: 1 entries are listed more than once (first in line 4)",
     );
-    has(&list, "A.mtx, row 3: 1 zero rows");
+    has(
+        &list,
+        "A.mtx, row 3: 1 zero row: A is singular there; only B1 can hold this unknown",
+    );
     has(
         &list,
         "A.mtx, row 4: 3 diagonal entries are negative, or zero",
     );
-    has(&list, "A.mtx, row 2: 1 rows hold only their diagonal");
-    has(&list, "B1.mtx, column 2: 1 empty columns");
+    has(
+        &list,
+        "A.mtx, row 2: 1 row holds only its diagonal and no entry of B1",
+    );
+    has(
+        &list,
+        "B1.mtx, column 2: 1 empty column: a traction that touches no displacement",
+    );
     has(&list, "b2.MTX: not read");
 
     let entries = [
@@ -316,7 +325,7 @@ fn what_is_remarkable_is_found_with_its_place() {
     let list = found("alike", &[("B1.mtx", &b1), ("H.mtx", &h)]);
     has(
         &list,
-        "B1.mtx, column 3: 1 columns are multiples of others (first: of column 1)",
+        "B1.mtx, column 3: 1 column is a multiple of another (first: of column 1)",
     );
     has(
         &list,
@@ -344,7 +353,7 @@ fn what_is_remarkable_is_found_with_its_place() {
     has(&list, "H.mtx, row 1, column 2: unsymmetric");
     has(
         &list,
-        "H.mtx, row 3: 1 diagonal entries are negative (first: -2e0)",
+        "H.mtx, row 3: 1 diagonal entry is negative (first: -2e0)",
     );
     let zero = with_files("zero", &[("H.mtx", &coordinate(3, 3, &[]))]).unwrap();
     assert!(zero.blocks.h.is_none());
@@ -442,10 +451,12 @@ fn what_is_wrong_with_flow_is_named_with_its_place() {
         Vec::<String>::new()
     );
     let found = findings("flow_sign", -0.5, [1.0, -2.0]);
-    assert!(found[0].starts_with("T.mtx, row 2: 1 diagonal entries are negative (first: -2e0)"));
-    assert!(found[1].starts_with("Q2.mtx, row 1: 1 rows have the sign of their column"));
+    assert!(found[0].starts_with("T.mtx, row 2: 1 diagonal entry is negative (first: -2e0)"));
+    assert!(found[1].starts_with("Q2.mtx, row 1: 1 row has the sign of its column"));
     let found = findings("flow_free", 0.5, [0.0, 0.0]);
-    assert!(found[0].starts_with("T.mtx, row 2: 1 rows are zero here and in Q2.mtx"));
+    assert!(found[0].starts_with(
+        "T.mtx, row 2: 1 row is zero here and in Q2.mtx: nothing determines this pressure"
+    ));
     let said = |name: &str, file: &str, text: &str| {
         let files = [(file, text)];
         written(name, 0.5, [1.0; 2], &files)
