@@ -144,12 +144,14 @@ mod tests {
         let mut body = sample.body();
         let channel = Channel {
             conductivity: 1e-13,
+            directed: None,
             storage: 1e-12,
             initial_pressure: 0.0,
         };
         let mut fluid = fluid(&body, 1e-3, channel);
+        let at = |x: [f64; 3]| (0..2).all(|d| (x[d] - 0.5).abs() < 1e-9);
         let mut faces = body.fractures.faces.iter();
-        let face = faces.position(|f| f.center == [0.5, 0.5, 1.0]).unwrap();
+        let face = faces.position(|f| at(f.center)).unwrap();
         fluid.sources.push(Source {
             place: Place::Faces(vec![face as u32]),
             given,

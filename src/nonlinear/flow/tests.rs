@@ -16,6 +16,7 @@ fn body() -> Body {
     let mut body = Sample::tee([8, 2, 8]).body();
     let channel = Channel {
         conductivity: 1e-12,
+        directed: None,
         storage: 1e-12,
         initial_pressure: 1e6,
     };
@@ -158,6 +159,7 @@ fn a_checkerboard_of_pressure_moves_no_rock_and_is_held_as_stiffly_as_one_of_tra
     let mut body = Sample::checkerboard([12; 3]).body();
     let channel = Channel {
         conductivity: 1e-30,
+        directed: None,
         storage: 0.0,
         initial_pressure: 0.0,
     };
