@@ -288,7 +288,7 @@ fn what_is_remarkable_is_found_with_its_place() {
     let list = found("blocks", &[("A.mtx", &a), ("B1.mtx", &b1), ("b2.MTX", &b1)]);
     has(
         &list,
-        "B1.mtx, row 1, column 1: 1 entries are listed more than once (first in line 4)",
+        "B1.mtx, row 1, column 1: 1 entry is listed more than once (first in line 4), and added up",
     );
     has(
         &list,
