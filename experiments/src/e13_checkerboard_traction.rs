@@ -43,7 +43,7 @@ impl Row {
     fn new(choice: usize, n: usize) -> anyhow::Result<Self> {
         let (name, stabilization) = CHOICES[choice];
         let cut = vec![PlaneFracture::through("cut", 2, 0.0)];
-        let solved = field::solve(n, cut, stabilization, &[])?;
+        let solved = field::solve(n, cut, stabilization)?;
         let errors = solved.errors().map(|[normal, ..]| normal).collect();
         Ok(Self {
             choice: name,

@@ -4,8 +4,6 @@ use super::field::{self, Solved};
 use crate::report::{Check, Findings, Level, Table};
 use fracas::contact::{JumpStabilization, Junctions};
 use fracas::mesh::PlaneFracture;
-use fracas_solvers::amg::Amg;
-use fracas_solvers::saddle::InnerChoice;
 
 /// What the block is cut into.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,32 +60,20 @@ fn errors(solved: &Solved) -> [f64; 2] {
     [normal, shear].map(|sum: f64| (sum / faces).sqrt() / field::AMPLITUDE)
 }
 
-/// Columns per side from which growth of iterations is counted, where there are more.
-const FROM: usize = 8;
-
-/// Iterations of one solve of columns.
-#[derive(Clone, Copy)]
-struct Counted {
-    n: usize,
-    /// With exact S_u and with AMG.
-    iterations: [usize; 2],
-}
-
 /// Table and checks.
 pub(super) fn add(level: Level, findings: &mut Findings) -> anyhow::Result<()> {
+    let sizes: &[usize] = match level {
+        Level::Smoke => &[4, 8],
+        Level::Paper => &[4, 8, 12, 16],
+    };
     let mut table = Table::new(
         "e13_junctions",
-        "Fractures that cross and stick under the same stress: errors of tractions over 5 MPa and iterations with exact S_u and with AMG, with H \
+        "Fractures that cross and stick under the same stress: errors of tractions over 5 MPa and iterations with exact S_u, with H \
          apart at junctions, as published, and joined across them. Columns without H have tractions that nothing determines.",
-        &["network", "H", "N", "n_t", "t_N", "t_T", "n_it", "n_it amg"],
+        &["network", "H", "N", "n_t", "t_N", "t_T", "n_it"],
     );
     for network in [Network::Cross, Network::Columns] {
-        let sizes: &[usize] = match (level, network) {
-            (Level::Smoke, _) => &[4, 8],
-            (Level::Paper, Network::Cross) => &[4, 8, 12, 16],
-            (Level::Paper, Network::Columns) => &[4, 8, 12, 16, 24],
-        };
-        let mut counted = [Vec::new(), Vec::new()];
+        let mut iterations = [Vec::new(), Vec::new()];
         for n in sizes {
             let mut own = Vec::new();
             for (name, junctions) in CHOICES {
@@ -98,14 +84,8 @@ pub(super) fn add(level: Level, findings: &mut Findings) -> anyhow::Result<()> {
                 if form.is_none() && network == Network::Columns {
                     continue;
                 }
-                // without H the count says nothing of junctions
-                let others: &[InnerChoice] = match form {
-                    Some(_) => &[InnerChoice::Amg(Amg::default())],
-                    None => &[],
-                };
-                let solved = field::solve(*n, network.fractures(*n), form, others)?;
+                let solved = field::solve(*n, network.fractures(*n), form)?;
                 let [normal, shear] = errors(&solved);
-                let amg = solved.around.first().copied();
                 table.push([
                     network.word().into(),
                     name.into(),
@@ -114,11 +94,9 @@ pub(super) fn add(level: Level, findings: &mut Findings) -> anyhow::Result<()> {
                     normal.into(),
                     shear.into(),
                     solved.iterations.into(),
-                    amg.into(),
                 ]);
-                if let Some(amg) = amg {
-                    let iterations = [solved.iterations, amg];
-                    own.push((normal.hypot(shear), Counted { n: *n, iterations }));
+                if form.is_some() {
+                    own.push((normal.hypot(shear), solved.iterations));
                 }
             }
             if let [apart, joined] = own[..] {
@@ -127,44 +105,25 @@ pub(super) fn add(level: Level, findings: &mut Findings) -> anyhow::Result<()> {
                     1.25,
                     joined.0 / apart.0,
                 ));
-                counted[0].push(apart.1);
-                counted[1].push(joined.1);
+                iterations[0].push(apart.1);
+                iterations[1].push(joined.1);
             }
         }
-        if network == Network::Columns {
-            growth(&counted, findings);
+        if let ([.., apart], [first, .., joined]) = (&iterations[0][..], &iterations[1][..])
+            && network == Network::Columns
+        {
+            findings.checks.push(Check::at_most(
+                "columns: iterations joined, finest over coarsest",
+                1.2,
+                *joined as f64 / *first as f64,
+            ));
+            findings.checks.push(Check::at_most(
+                "columns: iterations joined over apart, finest",
+                0.8,
+                *joined as f64 / *apart as f64,
+            ));
         }
     }
     findings.tables.push(table);
     Ok(())
-}
-
-/// How iterations grow with the number of columns, and what joining saves.
-fn growth([apart, joined]: &[Vec<Counted>; 2], findings: &mut Findings) {
-    let (Some(first), Some(last)) = (joined.first(), joined.last()) else {
-        return;
-    };
-    let from = joined.iter().find(|c| c.n == FROM && c.n < last.n);
-    let from = from.unwrap_or(first);
-    for (k, (inner, most)) in [("exact S_u", 1.2), ("AMG", 1.2)].into_iter().enumerate() {
-        let [before, after] = [from, last].map(|c| c.iterations[k] as f64);
-        findings.checks.push(Check::at_most(
-            format!(
-                "columns, {inner}: iterations joined, {0} × {0} over {1} × {1}",
-                last.n, from.n
-            ),
-            most,
-            after / before,
-        ));
-        if let Some(alone) = apart.last() {
-            findings.checks.push(Check::at_most(
-                format!(
-                    "columns, {inner}: iterations joined over apart, {0} × {0}",
-                    last.n
-                ),
-                0.8,
-                after / alone.iterations[k] as f64,
-            ));
-        }
-    }
 }
