@@ -79,14 +79,6 @@ fn a_conductivity_along_a_direction_is_read_with_that_across_it() {
     let directed = channel.directed.unwrap();
     assert!((directed.ratio - 4.0).abs() < 1e-12);
     assert!((directed.lies_in(&body.fractures.faces[0]) - 1.0).abs() < 1e-12);
-    // the run carries it: more goes through along it
-    let finished = |text: &str| {
-        let body = built(text).unwrap();
-        let mut simulation = Simulation::new(&body).unwrap();
-        simulation.run(&mut Silent, |_, _, _| {}).unwrap()
-    };
-    let pressure = |text: &str| finished(text).p.iter().fold(0.0f64, |m, p| m.max(*p));
-    assert!(pressure(&text) < 0.9 * pressure(SCENE));
 }
 
 #[test]

@@ -85,7 +85,7 @@ fn every_eigenvalue_of_every_scene_lies_in_the_proved_region() {
                 let turn = number + c + usize::from(with_h);
                 let inners: &[&str] = match blocks.size() < SMALL {
                     true => [&["exact", "jacobi"], &["exact", "ssor"]][turn % 2],
-                    false if turn.is_multiple_of(if limit.is_some() { 4 } else { 8 }) => &["exact"],
+                    false if turn.is_multiple_of(if limit.is_some() { 2 } else { 4 }) => &["exact"],
                     false => &[],
                 };
                 for inner in inners {
