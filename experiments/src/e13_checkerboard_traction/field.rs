@@ -6,7 +6,7 @@ use fracas::mesh::{BoxGrid, BuiltMesh, Distort, PlaneFracture, face_geometry};
 use fracas::system::StickSystem;
 use fracas_operators::vector::axpy;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, System};
-use fracas_solvers::saddle::{Iterated, Racp, SaddleOperator, T, U};
+use fracas_solvers::saddle::{InnerChoice, Iterated, Racp, SaddleBlocks, SaddleOperator, T, U};
 use fracas_solvers::{Prepare, Silent};
 
 /// The rock.
@@ -92,6 +92,8 @@ pub(super) struct Solved {
     /// Root mean square of the nodal errors of u over that of u.
     pub(super) u_error: f64,
     pub(super) iterations: usize,
+    /// The same around each of the other inner solvers asked for.
+    pub(super) around: Vec<usize>,
 }
 
 impl Solved {
@@ -113,11 +115,13 @@ impl Solved {
 }
 
 /// The block [0, 1]² × [−½, ½] of n³ cells with these fractures, its nodes shifted at random (those on a cut within its
-/// plane); displacements given below and above, tractions on the sides, every face in stick.
+/// plane); displacements given below and above, tractions on the sides, every face in stick. Solved with exact S_u; around `others` iterations
+/// are counted.
 pub(super) fn solve(
     n: usize,
     fractures: Vec<PlaneFracture>,
     stabilization: Option<JumpStabilization>,
+    others: &[InnerChoice],
 ) -> anyhow::Result<Solved> {
     let mut grid = BoxGrid::uniform([0.0, 0.0, -0.5], [1.0, 1.0, 0.5], [n, n, n]);
     grid.fractures = fractures;
@@ -164,8 +168,34 @@ pub(super) fn solve(
     let blocks = system.assemble(&force)?;
     let (n_u, unit) = (blocks.n_u(), blocks.traction_unit());
     let blocks = blocks.into_traction_unit(unit);
-    let inverse = Racp::default().prepare(&blocks)?;
-    let operator = SaddleOperator::new(&blocks);
+    let (x, iterations) = iterate(&blocks, InnerChoice::default())?;
+    let around = others.iter().map(|inner| Ok(iterate(&blocks, *inner)?.1));
+    let around = around.collect::<anyhow::Result<_>>()?;
+    let [u, t] = blocks.layout().split([U, T], &x);
+    let (mut error, mut norm) = (0.0, 0.0);
+    for (dof, u) in constraints.free().iter().zip(u) {
+        let exact = displacement(nodes[*dof as usize / 3])[*dof as usize % 3];
+        error += (u - exact).powi(2);
+        norm += exact * exact;
+    }
+    Ok(Solved {
+        n_u,
+        tractions: t.iter().map(|t| unit * t).collect(),
+        u_error: f64::sqrt(error / norm),
+        iterations,
+        around,
+        built,
+    })
+}
+
+/// The solution by RACP around this inner solver, and its iterations.
+fn iterate(blocks: &SaddleBlocks, inner: InnerChoice) -> anyhow::Result<(Vec<f64>, usize)> {
+    let method = Racp {
+        inner,
+        ..Racp::default()
+    };
+    let inverse = method.prepare(blocks)?;
+    let operator = SaddleOperator::new(blocks);
     let rhs = blocks.rhs();
     let linear = System {
         operator: &operator,
@@ -179,20 +209,7 @@ pub(super) fn solve(
     let mut x = vec![0.0; rhs.len()];
     let krylov = KrylovChoice::default();
     let iterations = Iterated::new(&linear, krylov, &criteria, &mut x, &mut Silent).reached()?;
-    let [u, t] = blocks.layout().split([U, T], &x);
-    let (mut error, mut norm) = (0.0, 0.0);
-    for (dof, u) in constraints.free().iter().zip(u) {
-        let exact = displacement(nodes[*dof as usize / 3])[*dof as usize % 3];
-        error += (u - exact).powi(2);
-        norm += exact * exact;
-    }
-    Ok(Solved {
-        n_u,
-        tractions: t.iter().map(|t| unit * t).collect(),
-        u_error: f64::sqrt(error / norm),
-        iterations,
-        built,
-    })
+    Ok((x, iterations))
 }
 
 #[cfg(test)]
