@@ -2,6 +2,9 @@
 //! eigenvalue lies in the region that is proved, and real eigenvalues are bounded away from zero.
 //!
 //! `REGIONS_FAMILY=10000 REGIONS_SEED=1 cargo test --release --test regions -- --nocapture` tries that many systems;
+//! `REGIONS_LARGEST=5000 cargo test --release --test regions gallery -- --nocapture` takes every scene of the gallery around every inner solver, the
+//! ends of those above 700 unknowns by Lanczos: three minutes on one core. With `REGIONS_DENSE=5000` beside it every eigenvalue is found and ends are
+//! those of dense matrices: hours;
 //! `OVER_CORRECTION=40 cargo test --release --test regions over_correction -- --nocapture` prints iterations of the gallery and of so many
 //! random scenes.
 #![allow(clippy::unwrap_used)]
@@ -40,12 +43,30 @@ fn of_environment(name: &str, default: u64) -> u64 {
     text.and_then(|text| text.parse().ok()).unwrap_or(default)
 }
 
-fn report(scene: &Scene, method: &SaddleMethod) -> SpectrumReport {
+/// Unknowns up to which the gallery is taken dense where the environment names no number: an unsymmetric problem of that size per spectrum. Of
+/// larger scenes the ends are those of Lanczos with error bars outwards, and outer eigenvalues are found, by the default method alone.
+const DENSE: u64 = 700;
+
+/// Unknowns of the largest scene around inexact inner solvers where the environment names no number.
+const MOST: u64 = 1400;
+
+/// Unknowns of the largest problem that is dense at all.
+const LARGEST: usize = 5000;
+
+/// Scenes and inner solvers where the ends by Lanczos, error bars outwards, leave no positive bound, with the reason. Dense matrices have one.
+const WITHOUT: &[(&str, &str, &str)] = &[(
+    "inclined_crack",
+    "ssor",
+    "λ_min(S̃_u⁻¹S_u) = 1.6e-6 in cells with edges of 1:594, and 600 steps of Lanczos leave an error bar of that size",
+)];
+
+fn report(scene: &Scene, method: &SaddleMethod, dense_limit: usize) -> SpectrumReport {
     let problem = Problem::Body(StuckBody::of_scene("scene", scene.clone()));
     let method = spectrum_method(&problem, method, InnerRule::Fixed, "a spectrum").unwrap();
     let loaded = problem.load(&mut Silent).unwrap();
     let request = SpectrumRequest {
         conditions: false,
+        dense_limit,
         ..SpectrumRequest::default()
     };
     spectrum(&problem, &loaded, &method, &request, &mut Silent).unwrap()
@@ -97,7 +118,9 @@ fn judge(what: &str, report: &SpectrumReport, is_published: bool) {
 
 #[test]
 fn every_eigenvalue_of_the_gallery_lies_inside_and_the_lower_end_is_positive() {
-    let (mut judged, mut without) = (0, Vec::new());
+    let [limit, most] = [("REGIONS_DENSE", DENSE), ("REGIONS_LARGEST", MOST)]
+        .map(|(name, default)| of_environment(name, default) as usize);
+    let (mut judged, mut dense, mut without) = (0, 0, Vec::new());
     for entry in gallery() {
         let scene = entry.small_scene().unwrap();
         let size = (scene.build().unwrap())
@@ -105,33 +128,48 @@ fn every_eigenvalue_of_the_gallery_lies_inside_and_the_lower_end_is_positive() {
             .unwrap()
             .size();
         for &inner in INNER {
-            // an unsymmetric problem of that size
-            if size > 700 && inner != "exact" {
+            // with exact S_u a problem of the size of the tractions
+            let is_dense = size <= limit || inner == "exact";
+            if size > most && inner != "exact" {
                 continue;
             }
             for (method, is_published) in methods(inner).iter().zip([true, false]) {
-                let report = report(&scene, method);
+                if is_published && !is_dense {
+                    continue;
+                }
+                let report = report(&scene, method, if is_dense { LARGEST } else { limit });
                 let what = format!("{}, {method}, {inner}", entry.name);
                 judge(&what, &report, is_published);
                 let b = &report.bounds;
                 let (low, high) = (b.real_low.unwrap(), b.real_high.unwrap());
-                let (least, most) = (report.real_min.unwrap(), report.real_max.unwrap());
                 println!(
-                    "{what}: real [{least:.4}, {most:.4}], proved [{low:.4}, {high:.4}], width {:.3}; delta {:.3}, Delta {:.3}, eta {:.3}",
-                    (high - low) / (most - least).max(1e-12),
+                    "{what}: n = {size}, real [{:.4e}, {:.4}], proved [{low:.4e}, {high:.4}]; delta {:.4e}, Delta {:.3}, eta {:.3}",
+                    report.real_min.unwrap_or(f64::NAN),
+                    report.real_max.unwrap_or(f64::NAN),
                     report.delta.unwrap(),
                     report.Delta.unwrap(),
                     report.eta.unwrap()
                 );
-                if low <= 0.0 {
+                let is_excepted = |(scene, of, _): &(&str, &str, &str)| {
+                    !is_dense && *scene == entry.name && *of == inner
+                };
+                if low <= 0.0 && !WITHOUT.iter().any(is_excepted) {
                     without.push(what);
                 }
                 judged += 1;
+                dense += usize::from(is_dense);
             }
         }
     }
-    println!("{judged} spectra; without a positive lower end: {without:?}");
-    assert!(judged >= 58, "{judged}");
+    println!("{judged} spectra, {dense} of them whole");
+    assert!(judged >= 93 && dense >= 66);
+    assert!(without.is_empty(), "no positive lower end: {without:?}");
+    for (scene, inner, why) in WITHOUT {
+        assert!(
+            named(scene).is_some() && INNER.contains(inner),
+            "no {scene} around {inner}, which is left out since {why}"
+        );
+    }
 }
 
 /// A box with one or two cuts, layers and grids at random.
@@ -196,7 +234,7 @@ fn every_eigenvalue_of_random_assembled_systems_lies_inside() {
         }
         let inner = INNER[seed as usize % INNER.len()];
         for (method, is_published) in methods(inner).iter().zip([true, false]) {
-            let report = report(&scene, method);
+            let report = report(&scene, method, LARGEST);
             judge(
                 &format!("seed {seed}, {method}, {inner}"),
                 &report,
@@ -219,7 +257,7 @@ fn the_region_of_the_crossing_is_little_wider_than_the_spectrum() {
     let scene = named("crossing").unwrap().small_scene().unwrap();
     for &inner in INNER {
         for method in methods(inner) {
-            let report = report(&scene, &method);
+            let report = report(&scene, &method, LARGEST);
             let b = &report.bounds;
             let proved = b.real_high.unwrap() - b.real_low.unwrap();
             let found = report.real_max.unwrap() - report.real_min.unwrap();
