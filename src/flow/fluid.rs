@@ -2,7 +2,7 @@
 
 use super::Directed;
 use crate::contact::ContactState;
-use crate::mesh::FractureFace;
+use crate::mesh::{FractureFace, HexMesh};
 
 /// How a fracture takes fluid up and lets it through.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,6 +73,18 @@ impl Fluid {
     /// The channel of a face.
     pub fn channel(&self, face: &FractureFace) -> &Channel {
         &self.channels[usize::from(face.fracture)]
+    }
+
+    /// Where the closed conductivity of a face depends on the direction: C_f0/μ [m³/(Pa s)], and its evened corners [m].
+    pub(super) fn evened(
+        &self,
+        face: &FractureFace,
+        mesh: &HexMesh,
+    ) -> Option<(f64, [[f64; 2]; 4])> {
+        let channel = self.channel(face);
+        let directed = channel.directed?;
+        let closed = channel.conductivity / self.viscosity;
+        Some((closed, directed.evened(face, mesh)))
     }
 
     /// `ρ g·x`: what is taken from a pressure to have the potential that drives flow [Pa].

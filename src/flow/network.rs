@@ -28,12 +28,10 @@ impl Arm {
     ) -> Self {
         let line = ends(face, mesh, a).map(|node| mesh.nodes[node as usize]);
         let shape = shape(face.center, line);
-        let channel = fluid.channel(face);
-        let directed = channel.directed.map_or(0.0, |directed| {
-            let y = directed.evened(face, mesh);
+        let directed = fluid.evened(face, mesh).map_or(0.0, |(closed, y)| {
             let (p, q) = (y[a], y[(a + 1) % 4]);
             let (length, off) = ((q[0] - p[0]).hypot(q[1] - p[1]), p[0] * q[1] - p[1] * q[0]);
-            channel.conductivity / fluid.viscosity * (length * length / off.abs() - shape)
+            closed * (length * length / off.abs() - shape)
         });
         Self {
             face: f,
@@ -266,12 +264,12 @@ impl Network {
 fn leaning(faces: &[FractureFace], mesh: &HexMesh, fluid: &Fluid) -> Vec<(u32, Vec<(u32, usize)>)> {
     let mut places: Vec<u32> = Vec::new();
     for face in faces {
-        let mut leans = leans(flat(face, mesh));
-        if let Some(directed) = fluid.channel(face).directed {
-            let evened = super::vertex::leans(directed.evened(face, mesh));
-            leans = [0, 1, 2, 3].map(|a: usize| leans[a] || evened[a]);
+        let mut lean = leans(flat(face, mesh));
+        if let Some((_, evened)) = fluid.evened(face, mesh) {
+            let evened = leans(evened);
+            lean = [0, 1, 2, 3].map(|a: usize| lean[a] || evened[a]);
         }
-        let beside = |a: &usize| leans[*a] || leans[(a + 3) % 4];
+        let beside = |a: &usize| lean[*a] || lean[(a + 3) % 4];
         let node = |a: usize| mesh.origin[face.minus.nodes[a] as usize];
         places.extend((0..4).filter(beside).map(node));
     }

@@ -94,8 +94,6 @@ pub(super) struct Around<'v> {
     held: Vec<bool>,
     /// `W (Φ − π)` per arm [Pa].
     driven: Vec<f64>,
-    /// `C_f0/μ (Ŵ − W) (Φ − π)` per arm [m³/s].
-    directed: Vec<f64>,
     slopes: OnceCell<Slopes>,
 }
 
@@ -182,14 +180,12 @@ impl Vertex {
             users.push((ends(face, mesh, a), corner, 0));
             users.push((ends(face, mesh, (a + 3) % 4), corner, 1));
             let by = weights(flat(face, mesh), a);
-            let channel = fluid.channel(face);
             corners.push(Corner {
                 face: f as usize,
                 halves: [0; 2],
                 by,
-                directed: channel.directed.map(|directed| {
-                    let evened = weights(directed.evened(face, mesh), a);
-                    let closed = channel.conductivity / fluid.viscosity;
+                directed: fluid.evened(face, mesh).map(|(closed, evened)| {
+                    let evened = weights(evened, a);
                     [0, 1].map(|i: usize| [0, 1].map(|j: usize| closed * (evened[i][j] - by[i][j])))
                 }),
             });
@@ -241,7 +237,6 @@ impl Vertex {
             halves: Vec::new(),
             held: given.iter().map(Option::is_some).collect(),
             driven: Vec::new(),
-            directed: Vec::new(),
             slopes: OnceCell::new(),
         };
         let mut right: Vec<f64> = given.iter().map(|p| p.map_or(0.0, |p| p - base)).collect();
@@ -254,25 +249,13 @@ impl Vertex {
         }
         solve(&mut around.matrix(), &mut right);
         around.halves = right;
-        let through = |w: fn(&Corner) -> [[f64; 2]; 2]| -> Vec<f64> {
-            let arms = self.sides.iter().map(|(corner, side)| {
-                let corner = &self.corners[*corner];
-                let above = potential[corner.face] - base;
-                let row = w(corner)[*side];
-                let of = |j: usize| row[j] * (above - around.halves[corner.halves[j]]);
-                of(0) + of(1)
-            });
-            arms.collect()
-        };
-        let (driven, directed) = (
-            through(|corner| corner.by),
-            through(|corner| corner.directed.unwrap_or_default()),
-        );
-        Around {
-            driven,
-            directed,
-            ..around
-        }
+        let driven = self.sides.iter().map(|(corner, side)| {
+            let corner = &self.corners[*corner];
+            corner.by[*side][0] * around.above(corner, 0)
+                + corner.by[*side][1] * around.above(corner, 1)
+        });
+        around.driven = driven.collect();
+        around
     }
 }
 
@@ -311,18 +294,22 @@ impl Around<'_> {
         self.base + self.halves[half]
     }
 
+    /// `Φ − π` between the face of a corner and its half-edge j [Pa].
+    fn above(&self, corner: &Corner, j: usize) -> f64 {
+        self.potential[corner.face] - self.base - self.halves[corner.halves[j]]
+    }
+
     /// The drop of potential that would drive the flux of an arm if it was a two-point one, and the sum of what rounds in it [Pa].
     pub(super) fn drop(&self, arm: usize) -> [f64; 2] {
         let (corner, side) = self.vertex.sides[arm];
         let corner = &self.vertex.corners[corner];
         let whole = self.vertex.arms[arm].tau(self.mobility);
-        let mobility = self.mobility[corner.face];
-        let of = |j: usize| {
-            let sizes = self.potential[corner.face].abs() + self.half(corner.halves[j]).abs();
-            corner.at(self.mobility)[side][j].abs() * sizes
+        let by = corner.at(self.mobility)[side];
+        let flux = |j: usize| by[j] * self.above(corner, j);
+        let sizes = |j: usize| {
+            by[j].abs() * (self.potential[corner.face].abs() + self.half(corner.halves[j]).abs())
         };
-        let flux = mobility * self.driven[arm] + self.directed[arm];
-        [flux / whole, (of(0) + of(1)) / whole]
+        [(flux(0) + flux(1)) / whole, (sizes(0) + sizes(1)) / whole]
     }
 
     /// Derivatives of the fluxes: with π eliminated, `dF = ∂F − λ W A⁻¹ Σ ∂F` over the arms of each half-edge, ∂ at a given π.

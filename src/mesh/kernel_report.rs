@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::error::{AXES, point};
 use super::kernel::{CouplingKernel, KernelFinding, KernelReason};
+use fracas_solvers::words::by_number;
 
 /// Names of the three traction components.
 const COMPONENTS: [&str; 3] = ["t_N", "t_1", "t_2"];
@@ -33,12 +34,8 @@ pub(super) fn write(
         writeln!(
             f,
             "warning     {idle} traction {} on prescribed displacements or tips only and keep{} the initial stress; all else is unique",
-            if idle == 1 {
-                "mode pushes"
-            } else {
-                "modes push"
-            },
-            if idle == 1 { "s" } else { "" }
+            by_number(idle, "mode pushes", "modes push"),
+            by_number(idle, "s", "")
         )?;
     }
     let singular = free - idle.min(free);
@@ -46,11 +43,7 @@ pub(super) fn write(
         writeln!(
             f,
             "warning     {singular} traction {} free even with stabilization: the system is singular",
-            if singular == 1 {
-                "mode stays"
-            } else {
-                "modes stay"
-            }
+            by_number(singular, "mode stays", "modes stay")
         )?;
     }
     let groups = grouped(&kernel.findings);
@@ -60,7 +53,7 @@ pub(super) fn write(
             _ => "warning",
         };
         let name = names[usize::from(finding.fracture)];
-        let plural = if *faces == 1 { "" } else { "s" };
+        let plural = by_number(*faces, "", "s");
         writeln!(
             f,
             "{label:<12}\"{name}\" on {faces} face{plural}, first face {} at {}: {}",

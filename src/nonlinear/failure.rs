@@ -135,7 +135,7 @@ pub enum Failure {
     },
     /// More fluid is asked of closed fractures than they hold.
     #[error(
-        "{volume:.3e} m³ of fluid are taken from {} that {} none: give {} `storage`, the fluid `compressibility`, or prescribe a pressure in place of the rate", quoted(fractures), if fractures.len() == 1 { "is closed and holds" } else { "are closed and hold" }, if fractures.len() == 1 { "it" } else { "them" }
+        "{volume:.3e} m³ of fluid are taken from {} that {} none: give {} `storage`, the fluid `compressibility`, or prescribe a pressure in place of the rate", quoted(fractures), by_number(fractures.len(), "is closed and holds", "are closed and hold"), by_number(fractures.len(), "it", "them")
     )]
     Drained {
         /// Names of the connected fractures.

@@ -158,6 +158,7 @@ impl<'s> Natural<'s> {
             return Err(Failure::Stopped);
         }
         let (states, length) = self.descend(h, x, &here);
+        self.left = residual;
         let faces = count(&here.states);
         let record = attempt.record([round, 0], faces, forcing, residual);
         records.push(record.solved(&solved, length));
@@ -181,9 +182,9 @@ impl<'s> Natural<'s> {
             },
             None => self.at(h, x),
         };
-        self.left = self.attempt.relative(&here.at);
-        match self.left.is_finite() {
-            true => Ok((here, self.left)),
+        let residual = self.attempt.relative(&here.at);
+        match residual.is_finite() {
+            true => Ok((here, residual)),
             false => {
                 let what = "the residual";
                 Err(Failure::NotFinite { what })

@@ -13,9 +13,6 @@ use fracas_solvers::saddle::{AugmentationChoice, SaddleBlocks, T};
 /// A singular value below this fraction of the largest belongs to the kernel (rounding gives 1e-8 in the square root).
 const KERNEL: f64 = 1e-6;
 
-/// Chance that a constant found alone is not bounded as it says. Unit: 1.
-const CHANCE: f64 = 1e-9;
-
 /// Share of β² that its bound gives away. Unit: 1.
 const SHARE: f64 = 0.01;
 
@@ -169,11 +166,7 @@ pub(super) struct Constant {
 /// By Lanczos on `C^{1/2}(S + H)⁻¹C^{1/2}`, whose largest eigenvalue is 1/β²: `[A B; Bᵀ −H]` is factorized once, and its solution with
 /// `(0, −r)` on the right has `t = (S + H)⁻¹ r`.
 ///
-/// The largest Ritz value of k steps from a start at random is below `(1 − ε)/β²` at most in `1.648 √n e^{−√ε (2k − 1)}` of all cases,
-/// however eigenvalues lie: k is such that this is 1e-9 for ε = 0.01, and β is known from below to half a per cent.
-///
-/// # Source
-/// J. Kuczyński, H. Woźniakowski, SIAM J. Matrix Anal. Appl. 13 (1992) 1094–1122, Theorem 4.2.
+/// [`LanczosSettings::within`] bounds it above, so that β is known from below to half a per cent.
 pub(super) fn constant(
     built: &BuiltMesh,
     rock: Elastic,
@@ -194,14 +187,7 @@ pub(super) fn constant(
         factor.solve(&r, &mut z, &mut work);
         (y.iter_mut().zip(&z[own.clone()]).zip(&root)).for_each(|((y, z), c)| *y = c * z);
     };
-    let needed = (1.648 * (n_t as f64).sqrt() / CHANCE).ln() / SHARE.sqrt();
-    let steps = (0.5 * (needed + 1.0)).ceil() as usize;
-    let settings = LanczosSettings {
-        max_steps: steps,
-        patience: steps,
-        ends: Ends::Largest,
-        ..LanczosSettings::default()
-    };
+    let settings = LanczosSettings::within(n_t, SHARE, Ends::Largest);
     let (_, largest) = extreme_eigenvalues(n_t, &mut product, None, settings)?;
     let beta = largest.value.sqrt().recip();
     Ok(Constant {

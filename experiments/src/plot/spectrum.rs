@@ -273,6 +273,14 @@ impl Spectrum {
         one_way(self, other).max(one_way(other, self))
     }
 
+    /// A label of these eigenvalues, with their number where they are not all.
+    pub fn labelled(&self, name: &str) -> String {
+        match self.is_partial {
+            false => name.to_owned(),
+            true => format!("{name} ({} found)", self.re.len()),
+        }
+    }
+
     /// Real spectra over each other, a row each, with the proved intervals below them; the n_u ones that an exact S_u always gives are
     /// one point.
     pub fn strips(id: &str, caption: &str, sets: &[(String, &Self)]) -> Figure {
@@ -285,11 +293,7 @@ impl Spectrum {
                 !drop
             });
             values.push(1.0);
-            let name = match spectrum.is_partial {
-                false => name.clone(),
-                true => format!("{name} ({} found)", spectrum.re.len()),
-            };
-            (name, values)
+            (spectrum.labelled(name), values)
         };
         let rows: Vec<_> = sets.iter().map(values).collect();
         let mut figure = Figure::rows(id, "", caption, Axis::log("λ"), &rows);

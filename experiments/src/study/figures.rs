@@ -141,11 +141,7 @@ fn eigenvalues(
             let mut figure = Figure::new(id, "", "", axes.0, axes.1);
             for (name, spectrum) in &spectra {
                 let points: Vec<_> = spectrum.points().collect();
-                let name = match spectrum.is_partial {
-                    false => name.clone(),
-                    true => format!("{name} ({} found)", points.len()),
-                };
-                figure = figure.with(Series::new(&name, Mark::Points, points));
+                figure = figure.with(Series::new(&spectrum.labelled(name), Mark::Points, points));
             }
             figure
         }

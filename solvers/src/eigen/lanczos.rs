@@ -30,7 +30,28 @@ pub enum Ends {
     Largest,
 }
 
+/// Chance that an eigenvalue is beyond what is known of it. Unit: 1.
+const CHANCE: f64 = 1e-9;
+
 impl LanczosSettings {
+    /// So many steps that, however the eigenvalues of a positive semi-definite matrix of n rows lie, the largest Ritz value is below
+    /// `(1 − share) λ_max` in one of 10⁹ cases at most: for k steps from a start drawn at random in no more than
+    /// `1.648 √n e^{−√share (2k − 1)}` of them. The start is one such draw, the same for every matrix. What residuals say is that some
+    /// eigenvalue is near, not that the largest is.
+    ///
+    /// # Source
+    /// J. Kuczyński, H. Woźniakowski, SIAM J. Matrix Anal. Appl. 13 (1992) 1094–1122, Theorem 4.2.
+    pub fn within(n: usize, share: f64, ends: Ends) -> Self {
+        let needed = (1.648 * (n as f64).sqrt() / CHANCE).ln() / share.sqrt();
+        let steps = (0.5 * (needed + 1.0)).ceil() as usize;
+        Self {
+            max_steps: steps,
+            patience: steps,
+            ends,
+            ..Self::default()
+        }
+    }
+
     /// The default accuracy for the largest eigenvalue only.
     pub fn one_sided() -> Self {
         Self {

@@ -54,9 +54,6 @@ const DENSE: usize = 600;
 /// Tractions up to which their matrix is had dense: seconds.
 const FEW: usize = 1500;
 
-/// Chance that an end of a spectrum by Lanczos is not a bound. Unit: 1.
-const CHANCE: f64 = 1e-9;
-
 /// Share by which ω may be too large for Lanczos. Unit: 1.
 const SHARE_OF_OMEGA: f64 = 0.03;
 
@@ -76,30 +73,13 @@ const MOST: usize = 200_000_000;
 /// Rounding of the eigenvalues of a dense matrix of so many rows. Unit: 1.
 const ROUNDING: f64 = 1e-12;
 
-/// So many steps that an end is too far inside by more than this share of the spectrum in one of 10⁹ cases.
-fn steps(n: usize, share: f64, ends: Ends) -> LanczosSettings {
-    let needed = (1.648 * (n as f64).sqrt() / CHANCE).ln() / share.sqrt();
-    let steps = (0.5 * (needed + 1.0)).ceil() as usize;
-    LanczosSettings {
-        max_steps: steps,
-        patience: steps,
-        ends,
-        ..LanczosSettings::default()
-    }
-}
-
 /// The bound with `D̃ = ω D`, `ω ≥ λ_max(D⁻¹A)`; `None` without tractions, or where B2, A or H take the system out of the statement.
 ///
-/// Ends of spectra are those of dense matrices up to 600 displacements, or 1500 tractions. Of larger ones the largest Ritz value of k steps of Lanczos from a start drawn
-/// at random is below `(1 − ε) λ_max` at most in `1.648 √n e^{−√ε (2k − 1)}` of all cases, however eigenvalues lie: k and ε are such that
-/// this is 1e-9. The start is one such draw, the same for every matrix. What residuals say is that some eigenvalue is near, not that the
-/// largest is. Sums of rows bound ω, too; the smaller one is taken.
+/// Ends of spectra are those of dense matrices up to 600 displacements, or 1500 tractions, and those that [`LanczosSettings::within`] bounds
+/// above. Sums of rows bound ω, too; the smaller one is taken.
 ///
 /// # Cost
 /// Some 80 products with A, and those of [`AroundFractures::certificate`].
-///
-/// # Source
-/// J. Kuczyński, H. Woźniakowski, SIAM J. Matrix Anal. Appl. 13 (1992) 1094–1122, Theorem 4.2.
 ///
 /// # Errors
 /// [`SetupError`] for NaN.
@@ -148,7 +128,7 @@ fn omega(a: &SparseMatrix<f64>, diagonal: &[f64]) -> Result<f64, SetupError> {
         rows.apply(&v, y, &mut []);
         y.iter_mut().zip(&root).for_each(|(y, d)| *y /= d);
     };
-    let settings = steps(n, SHARE_OF_OMEGA, Ends::Largest);
+    let settings = LanczosSettings::within(n, SHARE_OF_OMEGA, Ends::Largest);
     let (_, largest) = extreme_eigenvalues(n, &mut scaled, None, settings)?;
     let of_row = |(row, d): (sprs::CsVecViewI<'_, f64, u32>, &f64)| {
         row.iter().map(|(j, a)| a.abs() / (d * root[j])).sum()
@@ -223,7 +203,7 @@ impl AroundFractures<'_> {
 fn smallest(n: usize, product: &mut dyn FnMut(&[f64], &mut [f64])) -> Result<f64, SetupError> {
     let mut share = SHARE_OF_BETA;
     loop {
-        let settings = steps(n, share, Ends::Both);
+        let settings = LanczosSettings::within(n, share, Ends::Both);
         let (low, high) = extreme_eigenvalues(n, product, None, settings)?;
         let most = high.value / (1.0 - share);
         // the largest eigenvalue of `most − (…)`

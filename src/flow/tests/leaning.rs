@@ -112,12 +112,19 @@ pub(super) fn driven(
 
 /// True where W of every corner is the exact one.
 fn all_exact(built: &BuiltMesh) -> bool {
-    built.fractures.faces.iter().all(|face| {
-        let x = flat(face, &built.mesh);
-        (0..4).all(|a| {
-            let (w, normals) = exact(x, a);
-            dissipation(w, normals).1 >= LEAST
-        })
+    let mut corners = built
+        .fractures
+        .faces
+        .iter()
+        .map(|face| flat(face, &built.mesh));
+    corners.all(is_exact)
+}
+
+/// The same of a face with these corners.
+pub(super) fn is_exact(x: [[f64; 2]; 4]) -> bool {
+    (0..4).all(|a| {
+        let (w, normals) = exact(x, a);
+        dissipation(w, normals).1 >= LEAST
     })
 }
 
