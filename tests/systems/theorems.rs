@@ -8,6 +8,7 @@ use fracas_solvers::saddle::folder::{Manifest, read_folder, write_folder};
 use fracas_solvers::saddle::{AugmentationChoice, InnerChoice, SaddleBlocks};
 use fracas_solvers::spectrum::{SpectrumReport, SpectrumRequest, analyse};
 use fracas_solvers::{SetupError, Silent};
+use rayon::prelude::*;
 
 fn blocks(scene: &str, with_h: bool) -> SaddleBlocks {
     let body = named(scene)
@@ -76,59 +77,52 @@ const SMALL: usize = 700;
 
 #[test]
 fn every_eigenvalue_of_every_scene_lies_in_the_proved_region() {
+    let scenes = gallery().iter().enumerate();
+    let cases: Vec<_> =
+        (scenes.flat_map(|scene| [false, true].map(|with_h| (scene, with_h)))).collect();
+    let found = cases
+        .into_par_iter()
+        .map(|((number, entry), with_h)| judge(number, entry.name, with_h));
+    let (judged, limited) = found.reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
+    assert!(judged > 100, "only {judged} spectra were judged");
+    assert!(limited > 40, "only {limited} were held against a limit");
+}
+
+/// How many spectra were judged, and how many of them held against a limit.
+fn judge(number: usize, scene: &str, with_h: bool) -> (usize, usize) {
     let (mut judged, mut limited) = (0, 0);
-    for (number, entry) in gallery().iter().enumerate() {
-        for with_h in [false, true] {
-            let blocks = blocks(entry.name, with_h);
-            for (c, augmentation) in AugmentationChoice::ALL.into_iter().enumerate() {
-                let limit = limit(augmentation, &blocks);
-                let turn = number + c + usize::from(with_h);
-                let inners: &[&str] = match blocks.size() < SMALL {
-                    true => [&["exact", "jacobi"], &["exact", "ssor"]][turn % 2],
-                    false if turn.is_multiple_of(if limit.is_some() { 2 } else { 4 }) => &["exact"],
-                    false => &[],
-                };
-                for inner in inners {
-                    let case = format!(
-                        "{}, H {with_h}, C = {augmentation}, inner {inner}",
-                        entry.name
-                    );
-                    match spectrum(&blocks, augmentation, inner) {
-                        Ok(report) => {
-                            assert_eq!(
-                                report.contained,
-                                Some(true),
-                                "{case}: {:?}",
-                                report.outside.first()
-                            );
-                            judged += 1;
-                            if let (Some(limit), "exact") = (limit, *inner) {
-                                let largest = report.re_max.unwrap();
-                                assert!(largest <= limit * (1.0 + 1e-9), "{case}: {largest}");
-                                limited += 1;
-                            }
-                        }
-                        // BᵀA⁻¹B needs a regular A and independent columns of B
-                        Err(
-                            SetupError::NotApplicable { .. }
-                            | SetupError::NotPositiveDefinite { .. },
-                        ) => {
-                            assert!(
-                                matches!(
-                                    augmentation,
-                                    AugmentationChoice::Exact | AugmentationChoice::ExactH
-                                ),
-                                "{case}"
-                            );
-                        }
-                        Err(error) => panic!("{case}: {error}"),
+    let blocks = blocks(scene, with_h);
+    for (c, augmentation) in AugmentationChoice::ALL.into_iter().enumerate() {
+        let limit = limit(augmentation, &blocks);
+        let turn = number + c + usize::from(with_h);
+        let inners: &[&str] = match blocks.size() < SMALL {
+            true => [&["exact", "jacobi"], &["exact", "ssor"]][turn % 2],
+            false if turn.is_multiple_of(if limit.is_some() { 2 } else { 4 }) => &["exact"],
+            false => &[],
+        };
+        for inner in inners {
+            let case = format!("{scene}, H {with_h}, C = {augmentation}, inner {inner}");
+            match spectrum(&blocks, augmentation, inner) {
+                Ok(report) => {
+                    let outside = report.outside.first();
+                    assert_eq!(report.contained, Some(true), "{case}: {outside:?}");
+                    judged += 1;
+                    if let (Some(limit), "exact") = (limit, *inner) {
+                        let largest = report.re_max.unwrap();
+                        assert!(largest <= limit * (1.0 + 1e-9), "{case}: {largest}");
+                        limited += 1;
                     }
                 }
+                // BᵀA⁻¹B needs a regular A and independent columns of B
+                Err(SetupError::NotApplicable { .. } | SetupError::NotPositiveDefinite { .. }) => {
+                    let exact = [AugmentationChoice::Exact, AugmentationChoice::ExactH];
+                    assert!(exact.contains(&augmentation), "{case}");
+                }
+                Err(error) => panic!("{case}: {error}"),
             }
         }
     }
-    assert!(judged > 100, "only {judged} spectra were judged");
-    assert!(limited > 40, "only {limited} were held against a limit");
+    (judged, limited)
 }
 
 #[test]

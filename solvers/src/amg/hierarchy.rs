@@ -204,10 +204,12 @@ pub(super) fn build<R: Real, C: Coarsener<N, K>, const N: usize, const K: usize>
     };
     let mut names = Representatives::new(first.rows(), unknown);
     let mut levels = Vec::new();
+    let mut most = LARGEST_DIRECT.max(settings.coarsest);
     let Some((step, lambda_max)) = steps.next(settings, 0, &first) else {
-        let bottom = bottom(settings, &first, &names)?;
+        let bottom = bottom(most, &first, &names)?;
         return Ok(Hierarchy::new(levels, bottom, settings.cycle, about));
     };
+    most = most.max(step.direct_below(settings));
     let values = step.values::<R, R>(&first, defect, lambda_max);
     let values = values.map_err(|e| names.indefinite::<N>(e, step.frame(), 1))?;
     let fsai = names.fsai(settings, &first)?;
@@ -219,6 +221,7 @@ pub(super) fn build<R: Real, C: Coarsener<N, K>, const N: usize, const K: usize>
     names.descend(step.frame(), [1, next]);
     let mut matrix = values.matrix;
     while let Some((step, lambda_max)) = steps.next(settings, levels.len(), &matrix) {
+        most = most.max(step.direct_below(settings));
         let values = step.values::<f64, R>(&matrix, Vec::new(), lambda_max);
         let values = values.map_err(|e| names.indefinite::<N>(e, step.frame(), next))?;
         let fsai = names.fsai(settings, &matrix)?;
@@ -228,18 +231,18 @@ pub(super) fn build<R: Real, C: Coarsener<N, K>, const N: usize, const K: usize>
         names.descend(step.frame(), [next, next]);
         matrix = values.matrix;
     }
-    let bottom = bottom(settings, &matrix, &names)?;
+    let bottom = bottom(most, &matrix, &names)?;
     Ok(Hierarchy::new(levels, bottom, settings.cycle, about))
 }
 
-/// The solver below the levels.
+/// The solver below the levels, of `most` unknowns at most.
 fn bottom<S: Real, R: Real>(
-    settings: &Amg,
+    most: usize,
     last: &NodeMatrix<S>,
     names: &Representatives<'_>,
 ) -> Result<Bottom<R>, SetupError> {
     let n = 3 * last.rows();
-    if n > LARGEST_DIRECT.max(settings.coarsest) {
+    if n > most {
         return Err(SetupError::NotApplicable {
             method: "amg",
             reason: format!(
