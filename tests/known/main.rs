@@ -21,6 +21,7 @@ mod fracture_flow;
 mod graded;
 mod inclined_fault;
 mod interface_crack;
+mod junction_cracks;
 mod layers;
 mod plane_strain;
 mod pore_cells;

@@ -57,16 +57,21 @@ fn sizes_in_headers_are_held_against_the_other_blocks() {
     for (file, _) in FILES {
         std::fs::remove_file(folder.join(file)).unwrap();
     }
-    for (file, from, to) in [
-        ("A.mtx", "6 6 11", "4000000000 4000000000 11"),
-        ("B1.mtx", "6 2 4", "4000000000 2 4"),
-    ] {
+    let rewritten = |(file, from, to): (&str, &str, &str)| {
         let text = FILES.iter().find(|(n, _)| *n == file).unwrap().1;
         std::fs::write(folder.join(file), text.replace(from, to)).unwrap();
-    }
+    };
+    rewritten(("A.mtx", "6 6 11", "4000000000 4000000000 11"));
+    rewritten(("B1.mtx", "6 2 4", "4000000000 2 4"));
     refused(
         &solve,
         "A.mtx says 4000000000 rows, but it and B1.mtx list only 15 entries",
+    );
+    rewritten(("A.mtx", "", ""));
+    rewritten(("B1.mtx", "6 2 4", "6 4000000000 4"));
+    refused(
+        &solve,
+        "B1.mtx says 4000000000 columns, but lists only 4 entries",
     );
     std::fs::remove_dir_all(&folder).unwrap();
 }

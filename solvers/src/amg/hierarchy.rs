@@ -255,7 +255,8 @@ fn bottom<S: Real, R: Real>(
         SetupError::NotPositiveDefinite { row, .. } => SetupError::Singular {
             block: "A",
             row: Some(names.name(row - 1)),
-            advice: "a rigid-body mode costs no energy: a block of rock is held neither by boundary conditions nor by a fracture".into(),
+            advice: "a motion costs no energy that rounding leaves: a block of rock is held neither by boundary conditions nor by a fracture, or a body is so slender, or \
+                     its stiffness so unequal, that what holds it is lost; the inner solver exact bears more of that".into(),
         },
         other => other,
     })?;

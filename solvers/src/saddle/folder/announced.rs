@@ -77,6 +77,11 @@ pub(super) fn contradictions(
             });
         }
     }
+    if !manifest.has_a_factor() {
+        return Err(FolderError::Stabilization {
+            says: said(manifest, Manifest::STABILIZATION),
+        });
+    }
     let entries = blocks.h.as_ref().map_or(0, count);
     // rows of slip and opening have entries of H without a stabilization
     let sticks = (manifest.states.iter().flatten()).all(|state| *state == 0);

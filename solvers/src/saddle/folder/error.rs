@@ -101,6 +101,24 @@ pub enum FolderError {
         /// Its shape.
         found: Shape,
     },
+    /// Far more columns than entries.
+    #[error(
+        "{file} says {columns} columns, but lists only {entries} entries, so that most columns would be empty: the sizes in its header are wrong"
+    )]
+    HollowColumns {
+        /// The file.
+        file: &'static str,
+        /// Columns.
+        columns: usize,
+        /// Entries.
+        entries: usize,
+    },
+    /// No factor of a stabilization.
+    #[error("manifest.json says `{says}`: that is true, false or the factor of H, 0 or larger")]
+    Stabilization {
+        /// Key and value.
+        says: String,
+    },
     /// A diagonal block must be square.
     #[error("{file} is {found}; it must be square")]
     NotSquare {

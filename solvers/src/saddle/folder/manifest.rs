@@ -58,6 +58,16 @@ impl Manifest {
         said.as_bool().or_else(|| Some(said.as_f64()? != 0.0))
     }
 
+    /// False where the stabilization is a negative number, or in a folder of ours nothing that says whether there is one.
+    pub(super) fn has_a_factor(&self) -> bool {
+        self.other
+            .get(Self::STABILIZATION)
+            .is_none_or(|said| match said.as_f64() {
+                Some(factor) => factor >= 0.0,
+                None => said.is_boolean() || !self.is_ours(),
+            })
+    }
+
     /// Whether a block is listed; `None` without a list of names.
     pub(super) fn lists(&self, block: &str) -> Option<bool> {
         Some(self.names(Self::BLOCKS)?.contains(&block))

@@ -13,8 +13,8 @@ const MANY: usize = 1 << 20;
 /// where a file is, and that what stands under its name is one: a pipe would be waited for.
 ///
 /// # Errors
-/// Those of `present`, [`FolderError::Sizes`], [`FolderError::NotSquare`], [`FolderError::CoordinateShape`], and [`FolderError::Hollow`] for more
-/// than 2²⁰ unknowns most of which no entry mentions.
+/// Those of `present`, [`FolderError::Sizes`], [`FolderError::NotSquare`], [`FolderError::CoordinateShape`], and [`FolderError::Hollow`] and
+/// [`FolderError::HollowColumns`] for more than 2²⁰ unknowns most of which no entry mentions.
 pub(super) fn check(
     present: &dyn Fn(&str) -> Result<Option<PathBuf>, FolderError>,
 ) -> Result<(), FolderError> {
@@ -33,6 +33,13 @@ pub(super) fn check(
     square("A.mtx", a.shape)?;
     expect("B1.mtx", b1.shape, Shape::new(n_u, n_t), from_a)?;
     hollow("A.mtx", "B1.mtx", n_u, [a, b1])?;
+    if n_t > MANY && n_t > b1.entries.saturating_mul(2) {
+        return Err(FolderError::HollowColumns {
+            file: "B1.mtx",
+            columns: n_t,
+            entries: b1.entries,
+        });
+    }
     for (file, shape) in [
         ("B2.mtx", Shape::new(n_t, n_u)),
         ("H.mtx", Shape::square(n_t)),

@@ -54,6 +54,16 @@ fn a_stabilization_that_is_said_and_lost_or_denied_and_there_is_an_error() {
             "stabilization = 0, but H.mtx holds 3",
         ),
         (
+            system(),
+            r#"{"stabilization": -1}"#,
+            "`stabilization = -1`: that is true, false or the factor of H, 0 or larger",
+        ),
+        (
+            system(),
+            r#"{"stabilization": "x", "version": "fracas 0.1.0"}"#,
+            "`stabilization = \"x\"`",
+        ),
+        (
             bare(),
             r#"{"blocks": ["A", "B1", "H"]}"#,
             "but the folder holds no H.mtx",
