@@ -19,6 +19,11 @@ impl Grid {
     pub fn node_count(&self) -> usize {
         self.cells.iter().map(|n| n + 1).product()
     }
+
+    /// [`is_thin`](super::is_thin) by its lines.
+    pub fn is_thin(&self) -> bool {
+        super::is_thin(&self.lines)
+    }
 }
 
 /// Ends of the twelve edges of an element.

@@ -29,6 +29,7 @@ mod rigid;
 mod shear;
 mod size_field;
 mod split;
+mod thin;
 mod warp;
 
 pub use audit::{Audit, FractureCounts, audit};
@@ -56,4 +57,5 @@ pub(crate) use shear::lean;
 pub use shear::{Leaning, Shear};
 pub use size_field::SizeField;
 pub use split::{Cut, FACES, split};
+pub use thin::is_thin;
 pub use warp::{Distort, Incline, Rotate, Warp, WarpContext};

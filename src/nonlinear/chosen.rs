@@ -1,6 +1,7 @@
 //! The preconditioner of a run that the scene leaves open.
 
 use super::ContactProblem;
+use crate::mesh::Grid;
 use crate::scene::{FACTORIZED, RunInner};
 use fracas_solvers::saddle::{AugmentationChoice, InnerChoice, Racp};
 
@@ -22,7 +23,7 @@ pub(super) fn chosen(problem: &ContactProblem<'_>) -> Racp {
         (Some(racp), _) => racp,
         (None, RunInner::Exact) => around(InnerChoice::default()),
         (None, RunInner::Auto) if small => around(InnerChoice::default()),
-        (None, RunInner::Auto) if body.mesh.grid.is_none() => around(amg),
+        (None, RunInner::Auto) if body.mesh.grid.as_ref().is_none_or(Grid::is_thin) => around(amg),
         (None, RunInner::Amg) => around(amg),
         (None, RunInner::Auto | RunInner::Geometric) => {
             around(InnerChoice::Geometric(Default::default()))

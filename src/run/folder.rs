@@ -166,7 +166,7 @@ fn assembles(scene: &Scene) -> bool {
     let size = scene.size();
     let displacements = 3 * usize::try_from(size.nodes + size.copies).unwrap_or(usize::MAX / 3);
     let sections = scene.sections();
-    let is_grid = sections.mesh.file.is_none();
+    let is_grid = sections.mesh.file.is_none() && !scene.is_thin();
     sections
         .solver
         .unwrap_or_default()

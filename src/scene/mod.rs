@@ -87,7 +87,7 @@ pub use weight::{WeightSection, WeightStress};
 
 pub(crate) use latest::Latest;
 
-use crate::mesh::GmshFile;
+use crate::mesh::{GmshFile, is_thin};
 use serde::de::DeserializeOwned;
 use source::Source;
 
@@ -223,6 +223,15 @@ impl Scene {
             },
             None => SceneSize::of_grid(&self.sections),
         }
+    }
+
+    /// True where the mesh is a grid that is [thin](crate::mesh::is_thin); false where its lines cannot be made, which [`Scene::build`] explains.
+    ///
+    /// # Cost
+    /// O(lines).
+    pub fn is_thin(&self) -> bool {
+        let mesh = &self.sections.mesh;
+        mesh.file.is_none() && size::mesh_lines(mesh).is_some_and(|lines| is_thin(&lines))
     }
 
     /// What pressures that differ from element to element take of memory.

@@ -1,6 +1,7 @@
 //! How large a scene is, before anything is meshed.
 
 use super::geometry::{axis, expand};
+use super::mesh_sections::MeshSection;
 use super::sections::SceneSections;
 use crate::mesh::MAX_NODES;
 use std::ops::RangeInclusive;
@@ -58,17 +59,12 @@ impl SceneSize {
             nodes,
             ..Self::default()
         };
-        if nodes == 0 || nodes > MAX_NODES || sections.fracture.is_empty() {
+        if sections.fracture.is_empty() {
             return size;
         }
-        let lines = |d: usize| {
-            let (section, name) = [(&mesh.x, "x"), (&mesh.y, "y"), (&mesh.z, "z")][d];
-            axis(section, name).ok()?.lines(d).ok()
-        };
-        let (Some(x), Some(y), Some(z)) = (lines(0), lines(1), lines(2)) else {
+        let Some(lines) = mesh_lines(mesh) else {
             return size;
         };
-        let lines = [x, y, z];
         let mut planes: [Vec<Planes>; 3] = Default::default();
         for (i, fracture) in sections.fracture.iter().enumerate() {
             let expanded = expand(fracture, i, &lines).unwrap_or_default();
@@ -92,6 +88,20 @@ impl SceneSize {
         size.copies = copies(&planes);
         size
     }
+}
+
+/// Lines of the grid along x, y, z [m]; none where it cannot be made, which [`Scene::build`](super::Scene::build) explains.
+pub(super) fn mesh_lines(mesh: &MeshSection) -> Option<[Vec<f64>; 3]> {
+    let nodes = mesh.nodes();
+    if nodes == 0 || nodes > MAX_NODES {
+        return None;
+    }
+    let of = |section, name, d| axis(section, name).ok()?.lines(d).ok();
+    Some([
+        of(&mesh.x, "x", 0)?,
+        of(&mesh.y, "y", 1)?,
+        of(&mesh.z, "z", 2)?,
+    ])
 }
 
 /// Copies of all nodes on planes.

@@ -131,7 +131,7 @@ pub enum Unstable {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum RunInner {
-    /// Exact up to 5,000 displacements, then geometric where the mesh has a grid, else AMG.
+    /// Exact up to 5,000 displacements, then geometric where the mesh has a grid whose cells are not far larger than the body is thick, else AMG.
     #[default]
     Auto,
     /// Sparse Cholesky factorization of S_u; with a fluid, sparse LU factorization of all fields.
@@ -146,7 +146,8 @@ pub enum RunInner {
 pub const FACTORIZED: usize = 5_000;
 
 impl SolverSection {
-    /// Whether a body with so many free displacements, on a grid or not, is preconditioned from an assembled A.
+    /// Whether a body with so many free displacements, on a grid that is not [thin](crate::mesh::is_thin) or another mesh, is preconditioned from
+    /// an assembled A.
     pub fn assembles(&self, is_grid: bool, displacements: usize) -> bool {
         match (self.racp, self.inner) {
             (Some(racp), _) => !racp.is_matrix_free(),

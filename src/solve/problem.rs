@@ -3,6 +3,7 @@
 use super::{Finding, SolveError, SystemKind};
 use crate::contact::JumpStabilization;
 use crate::memory::{self, Work};
+use crate::mesh::Grid;
 use crate::scene::{Body, Scene};
 use crate::undetermined::undetermined;
 use fracas_operators::Layout;
@@ -67,6 +68,14 @@ impl StuckBody {
         match &self.mesh {
             Mesh::Scene(scene) => scene.sections().mesh.file.is_none(),
             Mesh::Made(body) => body.mesh.grid.is_some(),
+        }
+    }
+
+    /// True where the grid is thin beside its cells.
+    fn is_thin(&self) -> bool {
+        match &self.mesh {
+            Mesh::Scene(scene) => scene.is_thin(),
+            Mesh::Made(body) => body.mesh.grid.as_ref().is_some_and(Grid::is_thin),
         }
     }
 
@@ -197,8 +206,9 @@ impl Problem {
     /// What decides on the inner solver.
     pub fn kind(&self) -> SystemKind {
         match self {
-            Self::Body(body) if body.is_grid() => SystemKind::Grid,
-            Self::Body(_) => SystemKind::Mesh,
+            Self::Body(body) if !body.is_grid() => SystemKind::Mesh,
+            Self::Body(body) if body.is_thin() => SystemKind::Thin,
+            Self::Body(_) => SystemKind::Grid,
             Self::Folder(_) | Self::Blocks(_) => SystemKind::Matrices,
         }
     }

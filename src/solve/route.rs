@@ -11,6 +11,8 @@ use fracas_solvers::saddle::{InnerChoice, Racp, SaddleMethod};
 pub enum SystemKind {
     /// A body whose mesh is a grid.
     Grid,
+    /// The same, where its cells are far larger than it is [thick](crate::mesh::is_thin).
+    Thin,
     /// A body whose mesh comes from a file.
     Mesh,
     /// A body, and work that reads the entries of A: which.
@@ -108,6 +110,7 @@ impl Route {
             (SystemKind::Grid, Some(racp)) if !racp.augmentation.is_local() => {
                 format!("C = {} needs all of A", racp.augmentation)
             }
+            (SystemKind::Thin, Some(_)) => "cells are far larger than the body is thick".to_owned(),
             (SystemKind::Grid, Some(_)) => String::new(),
         };
         let (reason, first) = match because.as_str() {
@@ -144,7 +147,9 @@ fn require_grid(method: &SaddleMethod, kind: SystemKind) -> Result<(), NotGeomet
         SystemKind::Matrices => Err(NotGeometric::Folder),
         SystemKind::Mesh => Err(NotGeometric::NoGrid),
         SystemKind::Entries(who) => Err(NotGeometric::Entries(who)),
-        SystemKind::Grid => (racp.augmentation.require_local()).map_err(NotGeometric::Augmentation),
+        SystemKind::Grid | SystemKind::Thin => {
+            (racp.augmentation.require_local()).map_err(NotGeometric::Augmentation)
+        }
     }
 }
 
@@ -158,7 +163,8 @@ fn racp(method: &SaddleMethod) -> Option<&Racp> {
 /// The method with what takes the place of this inner solver.
 fn in_place_of(first: InnerChoice, method: &SaddleMethod, kind: SystemKind) -> Vec<SaddleMethod> {
     let is_local = racp(method).is_some_and(|racp| racp.augmentation.is_local());
-    let inners = others(first, is_local && kind == SystemKind::Grid).into_iter();
+    let is_grid = matches!(kind, SystemKind::Grid | SystemKind::Thin);
+    let inners = others(first, is_local && is_grid).into_iter();
     inners.filter_map(|inner| with(method, inner)).collect()
 }
 
@@ -192,6 +198,14 @@ mod tests {
             (&racp, or_else, matrices, many, &["exact"]),
             (&racp, auto, grid, many, &["geometric", "amg", "exact"]),
             (&racp, auto, grid, few, &["exact", "geometric", "amg"]),
+            (&racp, auto, SystemKind::Thin, many, &["amg", "exact"]),
+            (
+                &racp,
+                or_else,
+                SystemKind::Thin,
+                many,
+                &["exact", "geometric", "amg"],
+            ),
             (&racp, auto, matrices, many, &["amg", "exact"]),
             (&racp, auto, matrices, None, &["amg", "exact"]),
             (&racp, auto, matrices, few, &["exact", "amg"]),

@@ -55,7 +55,7 @@ pub enum InnerRule {
     /// For a body, which is held, what [`Auto`](Self::Auto) takes, where it cannot be set up.
     #[default]
     OrElse,
-    /// What fits the system: a factorization of up to 5,000 displacements; beyond, in turn, geometric multigrid on a grid,
+    /// What fits the system: a factorization of up to 5,000 displacements; beyond, in turn, geometric multigrid on a grid that is not [thin](crate::mesh::is_thin),
     /// algebraic multigrid, a factorization. One with which the iteration gets nowhere gives way to a factorization that fits into memory,
     /// else to the next one.
     Auto,

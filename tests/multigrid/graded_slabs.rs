@@ -3,6 +3,7 @@
 
 use fracas::contact::JumpStabilization;
 use fracas::scene::Scene;
+use fracas::solve::{InnerRule, Problem, Solve, StuckBody, SystemKind};
 use fracas_operators::laws::probe;
 use fracas_operators::sparse::Csr;
 use fracas_operators::{LinearOperator, Preconditioner};
@@ -146,6 +147,48 @@ fn family() -> Vec<Slab> {
 
 /// Cubes take 10 to 22; whole slabs 17 to 22, cut ones up to 68. With aggregates of any direction whole ones took up to 68, and cut
 /// ones from 1:30 on more than 140, from 1:100 on more than 400.
+#[test]
+fn a_body_thinner_than_its_cells_is_solved_around_amg_where_the_choice_is_left() {
+    for (across, ratio, expected) in [
+        (1, 30.0, SystemKind::Grid),
+        (1, 150.0, SystemKind::Thin),
+        (2, 100.0, SystemKind::Grid),
+        (2, 250.0, SystemKind::Thin),
+        (4, 300.0, SystemKind::Grid),
+    ] {
+        let slab = Slab {
+            ratio,
+            cells: [24, 24],
+            across,
+            rollers: true,
+            cut: true,
+            contrast: 1.0,
+        };
+        let scene = Scene::from_toml(&slab.scene(), "slab.toml").unwrap();
+        let body = scene.build().unwrap();
+        for stuck in [
+            StuckBody::of_scene("slab", scene),
+            StuckBody::of_body("slab", body),
+        ] {
+            let problem = Problem::Body(stuck);
+            assert_eq!(problem.kind(), expected, "{slab:?}");
+            let route = Solve {
+                inner: InnerRule::Auto,
+                ..Solve::default()
+            }
+            .route(&problem)
+            .unwrap();
+            let is_amg = matches!(route.method.inner(), Some(InnerChoice::Amg(_)));
+            assert_eq!(
+                is_amg,
+                expected == SystemKind::Thin,
+                "{slab:?}: {:?}",
+                route.reason
+            );
+        }
+    }
+}
+
 #[test]
 fn iterations_are_bounded_however_flat_the_cells_are() {
     for slab in family() {

@@ -17,7 +17,7 @@ pub(super) struct Method {
     /// Solver of the displacement block, in methods that have one: exact, amg, amg:gauss_seidel, amg:fsai, amg:chebyshev,
     /// fsai, fsai:static, jacobi, ssor; gamg, boomeramg or mumps of PETSc in a build with the feature petsc; for a scene on a grid also geometric, which assembles no A (behind it :v, :w
     /// or :k for another cycle; :f64 behind either for f64 inside, where `spectrum` works anyway); auto takes exact up to 5,000
-    /// displacements, beyond geometric for such a scene, and amg for a mesh from a file or a system folder [default: auto;
+    /// displacements, beyond geometric for such a scene, and amg for a mesh from a file, a system folder, or cells far larger than the body is thick [default: auto;
     /// spectrum: exact].
     #[arg(long, value_name = "M")]
     inner: Option<Inner>,
