@@ -1,7 +1,7 @@
 //! Claim: two cracks that cross slide and open as the boundary elements of a full space say, better on a finer mesh, and as their
 //! symmetry demands.
 
-use crate::plane_strain::{Piece, pieces, solved};
+use crate::plane_strain::{Piece, pieces, solved, surroundings};
 use fracas::analytic::{CrackNetwork, NetworkCrack, Rock, StraightCrack};
 use fracas::contact::ContactState;
 use fracas::scene::{Body, Scene};
@@ -81,15 +81,7 @@ impl Cross {
                 "[[fracture]]\nname = 'crack {k}'\nplane = '{plane}'\nat = '0 m'\n{along} = ['-{a} m', '{a} m']\nfriction_angle = '{friction} deg'\npressure = '{p} Pa'\n"
             );
         }
-        let [xx, zz] = self.stress;
-        toml += &format!("[initial_stress]\nconstant = {{ xx = '{xx} Pa', zz = '{zz} Pa' }}\n");
-        for side in ["x-", "x+", "z-", "z+"] {
-            toml += &format!("[[boundary]]\nside = '{side}'\nhold = 'fixed'\n");
-        }
-        for side in ["y-", "y+"] {
-            toml += &format!("[[boundary]]\nside = '{side}'\nhold = 'roller'\n");
-        }
-        toml += "[solver]\ntolerance = 1e-10\nracp = { augmentation = 'local_h', inner = { exact = {} } }\n";
+        toml += &surroundings(self.stress, "");
         let scene = Scene::from_toml(&toml, "crossing.toml").unwrap();
         scene.build().unwrap()
     }

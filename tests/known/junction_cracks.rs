@@ -1,7 +1,7 @@
 //! Claim: where cracks cross, end on each other or form a network, jumps and tractions are those of boundary elements of a full space,
 //! better on a finer mesh, and no worse for H that joins neighbours across junctions than for H that does not.
 
-use crate::plane_strain::{pieces, solved};
+use crate::plane_strain::{pieces, solved, surroundings};
 use fracas::analytic::{CrackNetwork, NetworkCrack, Rock, StraightCrack};
 use fracas::contact::ContactState;
 use fracas::scene::{Body, Scene};
@@ -230,17 +230,7 @@ impl Loading {
                 "[[fracture]]\nname = 'crack {k}'\nplane = '{plane}'\nat = '{at} m'\n{along} = ['{from} m', '{to} m']\nfriction_angle = '{friction} deg'\npressure = '{p} Pa'\n"
             );
         }
-        let [xx, zz] = self.stress;
-        toml += &format!("[initial_stress]\nconstant = {{ xx = '{xx} Pa', zz = '{zz} Pa' }}\n");
-        for side in ["x-", "x+", "z-", "z+"] {
-            toml += &format!("[[boundary]]\nside = '{side}'\nhold = 'fixed'\n");
-        }
-        for side in ["y-", "y+"] {
-            toml += &format!("[[boundary]]\nside = '{side}'\nhold = 'roller'\n");
-        }
-        toml += &format!(
-            "[solver]\njunctions = '{junctions}'\ntolerance = 1e-10\nracp = {{ augmentation = 'local_h', inner = {{ exact = {{}} }} }}\n"
-        );
+        toml += &surroundings(self.stress, &format!("junctions = '{junctions}'\n"));
         Scene::from_toml(&toml, "junctions.toml")
             .unwrap()
             .build()

@@ -26,6 +26,24 @@ impl Piece {
     }
 }
 
+/// What is around cracks in a scene: a stress (xx, zz) [Pa], sides along x and z that do not move, none across y, and exact S_u beside other
+/// lines of the solver.
+pub(crate) fn surroundings([xx, zz]: [f64; 2], solver: &str) -> String {
+    let mut toml = format!("[initial_stress]\nconstant = {{ xx = '{xx} Pa', zz = '{zz} Pa' }}\n");
+    for (side, hold) in [
+        ("x-", "fixed"),
+        ("x+", "fixed"),
+        ("z-", "fixed"),
+        ("z+", "fixed"),
+        ("y-", "roller"),
+        ("y+", "roller"),
+    ] {
+        toml += &format!("[[boundary]]\nside = '{side}'\nhold = '{hold}'\n");
+    }
+    toml + "[solver]\ntolerance = 1e-10\nracp = { augmentation = 'local_h', inner = { exact = {} } }\n"
+        + solver
+}
+
 /// The body under its last loads.
 pub(crate) fn solved(body: &Body) -> (State, FaceFields) {
     let mut simulation = Simulation::new(body).unwrap();
