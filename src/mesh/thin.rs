@@ -1,9 +1,11 @@
 //! Grids too thin for their cells.
 
-/// Largest cell along an axis over the thickness of the body along another one, beyond which the body is thin; and largest cell over the smallest
-/// along both axes beside one that a single cell spans. Coarse grids cannot halve a single layer of cells any more, and flat cells of one layer
-/// hold its two sides together far more than they hold neighbours apart, so that smoothing along the layer gets nowhere. Slabs of 92 × 200 cells,
-/// 0.5 m high at the fault and up to r times as large, take with geometric multigrid and with AMG:
+/// Largest cell along an axis over the thickness of the body along another one, beyond which the body is thin; and largest cell over the
+/// smallest along both axes beside one that a single cell spans.
+///
+/// A single layer of cells cannot be made coarser. Where it is flat it holds its two sides together far more than it holds neighbours apart, so
+/// that smoothing along it gets nowhere. Slabs of 92 × 200 cells that are 0.5 m thick, and from 0.5 m long at a fault to r times that, take so
+/// many iterations with geometric multigrid and with AMG:
 ///
 /// | cells across | r = 30 | 100 | 300 | 1000 |
 /// |---|---|---|---|---|
