@@ -145,8 +145,6 @@ fn family() -> Vec<Slab> {
     (0..12).map(slab).collect()
 }
 
-/// Cubes take 10 to 22; whole slabs 17 to 22, cut ones up to 68. With aggregates of any direction whole ones took up to 68, and cut
-/// ones from 1:30 on more than 140, from 1:100 on more than 400.
 #[test]
 fn a_body_thinner_than_its_cells_is_solved_around_amg_where_the_choice_is_left() {
     for (across, ratio, expected) in [
@@ -189,6 +187,8 @@ fn a_body_thinner_than_its_cells_is_solved_around_amg_where_the_choice_is_left()
     }
 }
 
+/// Cubes take 10 to 22; whole slabs 17 to 22, cut ones up to 68. With aggregates of any direction whole ones took up to 68, and cut
+/// ones from 1:30 on more than 140, from 1:100 on more than 400.
 #[test]
 fn iterations_are_bounded_however_flat_the_cells_are() {
     for slab in family() {
