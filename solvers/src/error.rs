@@ -80,12 +80,17 @@ pub enum SetupError {
         feature: &'static str,
     },
     /// Too little memory, or a size beyond what a library can index.
-    #[error("{method} ran out of memory on {n} equations; {advice}")]
+    #[error("{method} ran out of memory on {n} equations{}; {advice}", match bytes {
+        Some(bytes) => format!(", for which it asked for {:.3} GB", 1e-9 * *bytes as f64),
+        None => String::new(),
+    })]
     OutOfMemory {
         /// The method.
         method: &'static str,
         /// Equations.
         n: usize,
+        /// Bytes asked for, where the library tells.
+        bytes: Option<usize>,
         /// What to do.
         advice: String,
     },

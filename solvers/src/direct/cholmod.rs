@@ -49,7 +49,7 @@ impl DirectSolver for Cholmod {
                 &mut raw,
             )
         };
-        let handle = Handle::new(raw, status, pattern.size())?;
+        let handle = Handle::new(raw, status, (pattern.size(), None))?;
         Ok(Box::new(CholmodSymbolic {
             order: handle.order(pattern.size()),
             handle,
@@ -75,8 +75,12 @@ impl Drop for Handle {
 }
 
 impl Handle {
-    /// Takes over what the library returned.
-    fn new(raw: *mut sys::Cholmod, status: c_int, n: usize) -> Result<Self, SetupError> {
+    /// Takes over what the library returned, for n equations and so many bytes.
+    fn new(
+        raw: *mut sys::Cholmod,
+        status: c_int,
+        (n, bytes): (usize, Option<usize>),
+    ) -> Result<Self, SetupError> {
         let handle = NonNull::new(raw).map(Self);
         match (status, handle) {
             (0 | sys::CHOLMOD_NOT_POSDEF, Some(handle)) => Ok(handle),
@@ -84,6 +88,7 @@ impl Handle {
                 Err(SetupError::OutOfMemory {
                     method: "CHOLMOD",
                     n,
+                    bytes,
                     advice: "use an iterative method, or a coarser mesh".to_owned(),
                 })
             }
@@ -92,6 +97,14 @@ impl Handle {
                 reason: format!("it stopped with status {status}"),
             }),
         }
+    }
+
+    /// Entries of L, of a symbolic factorization, too, and of the work array for a right-hand side.
+    fn sizes(&self) -> (usize, usize) {
+        let (mut entries, mut work) = (0, 0);
+        // Safety: plain outputs.
+        unsafe { sys::fracas_cholmod_sizes(self.0.as_ptr(), &mut entries, &mut work) };
+        (entries as usize, work as usize)
     }
 
     /// Order of elimination.
@@ -137,7 +150,11 @@ impl Symbolic for CholmodSymbolic {
                 &mut succeeded,
             )
         };
-        let handle = Handle::new(raw, status, n)?;
+        let handle = Handle::new(
+            raw,
+            status,
+            (n, Some(size_of::<f64>() * self.handle.sizes().0)),
+        )?;
         if status == sys::CHOLMOD_NOT_POSDEF {
             return Err(match self.order.get(succeeded as usize) {
                 Some(&row) => pivots::indefinite(row, Kind::Spd),
@@ -150,14 +167,12 @@ impl Symbolic for CholmodSymbolic {
         }
         let pivots = handle.pivots(n);
         pivots::check(&pivots, |k| self.order[k], a, Kind::Spd)?;
-        let (mut entries, mut work) = (0, 0);
-        // Safety: plain outputs.
-        unsafe { sys::fracas_cholmod_sizes(handle.0.as_ptr(), &mut entries, &mut work) };
+        let (entries, work_per_column) = handle.sizes();
         Ok(Box::new(CholmodFactors {
             handle,
             order: self.order.clone(),
-            entries: entries as usize,
-            work_per_column: work as usize,
+            entries,
+            work_per_column,
             log2_determinant: pivots.iter().map(|d| d.log2()).sum(),
         }))
     }

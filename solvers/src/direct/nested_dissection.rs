@@ -55,6 +55,7 @@ fn order_nodes(graph: &Graph, members: &[Vec<usize>]) -> Result<Vec<usize>, Setu
     let too_large = |_| SetupError::OutOfMemory {
         method: "METIS",
         n,
+        bytes: None,
         advice: "its indices have 32 bits: solve smaller blocks or use an iterative method"
             .to_owned(),
     };
@@ -99,6 +100,7 @@ fn order_nodes(graph: &Graph, members: &[Vec<usize>]) -> Result<Vec<usize>, Setu
         return Err(SetupError::OutOfMemory {
             method: "METIS",
             n,
+            bytes: None,
             advice: format!("it stopped with status {status}; solve smaller blocks"),
         });
     }

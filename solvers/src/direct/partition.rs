@@ -39,6 +39,7 @@ pub fn partition(
     let refused = |why: String| SetupError::OutOfMemory {
         method: "METIS",
         n,
+        bytes: None,
         advice: why,
     };
     let index = |i: usize| {

@@ -56,13 +56,13 @@ impl DirectSolver for Umfpack {
                 &mut symbolic.handle,
             )
         };
-        checked(status, symbolic.pattern.size())?;
+        checked(status, symbolic.pattern.size(), None)?;
         Ok(Box::new(symbolic))
     }
 }
 
-/// UMFPACK's status as a typed error.
-fn checked(status: c_int, n: usize) -> Result<(), SetupError> {
+/// UMFPACK's status as a typed error, and the bytes that it asked for.
+fn checked(status: c_int, n: usize, bytes: Option<usize>) -> Result<(), SetupError> {
     match status {
         0 => Ok(()),
         sys::UMFPACK_SINGULAR => Err(SetupError::Singular {
@@ -75,6 +75,7 @@ fn checked(status: c_int, n: usize) -> Result<(), SetupError> {
         sys::UMFPACK_OUT_OF_MEMORY => Err(SetupError::OutOfMemory {
             method: "UMFPACK",
             n,
+            bytes,
             advice: "use an iterative method, or a coarser mesh".to_owned(),
         }),
         other => Err(SetupError::NotApplicable {
@@ -126,7 +127,8 @@ impl Symbolic for UmfpackSymbolic {
                     &mut entries,
                 )
             };
-            checked(status, self.pattern.size())?;
+            let asked = size_of::<f64>() * entries as usize;
+            checked(status, self.pattern.size(), Some(asked))?;
             factors.entries = entries as usize;
             Ok(factors)
         })?;

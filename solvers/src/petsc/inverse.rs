@@ -66,6 +66,7 @@ pub(crate) fn refused(method: &'static str, n: usize, refusal: Refusal) -> Setup
         Refusal::Memory => SetupError::OutOfMemory {
             method,
             n,
+            bytes: None,
             advice: "use an iterative method, or a coarser mesh".to_owned(),
         },
         Refusal::Mumps(_, said) => not(format!("MUMPS stopped with {said}")),

@@ -86,7 +86,7 @@ unsafe extern "C" {
         symbolic: *mut *mut c_void,
     ) -> c_int;
 
-    /// Numeric factorization and the entries of L and U.
+    /// Numeric factorization and the entries of L and U, or where memory runs out those that they are estimated to take.
     pub fn fracas_umfpack_factorize(
         p: *const i64,
         i: *const i64,

@@ -127,6 +127,8 @@ int fracas_umfpack_factorize (const int64_t *p, const int64_t *i, const double *
     umfpack_settings (control) ;
     int status = umfpack_dl_numeric (p, i, x, symbolic, numeric, control, info) ;
     *entries = info [UMFPACK_LNZ] + info [UMFPACK_UNZ] ;
+    if (status == UMFPACK_ERROR_out_of_memory)
+        *entries = info [UMFPACK_NUMERIC_SIZE_ESTIMATE] * info [UMFPACK_SIZE_OF_UNIT] / sizeof (double) ;
     return status ;
 }
 

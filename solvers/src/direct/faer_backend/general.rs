@@ -204,7 +204,8 @@ impl GeneralFactors {
                 Default::default(),
             ),
         };
-        let mut memory = MemBuffer::try_new(scratch).map_err(|_| out_of_memory(n))?;
+        let mut memory = MemBuffer::try_new(scratch)
+            .map_err(|_| out_of_memory(n, Some(scratch.unaligned_bytes_required())))?;
         let stack = MemStack::new(&mut memory);
         let factors = match &structure.supernodes {
             None => {

@@ -56,10 +56,11 @@ impl DirectSolver for Faer {
 }
 
 /// faer's only failures that are not numerical.
-fn out_of_memory(n: usize) -> SetupError {
+fn out_of_memory(n: usize, bytes: Option<usize>) -> SetupError {
     SetupError::OutOfMemory {
         method: "faer",
         n,
+        bytes,
         advice: "use an iterative method, or a coarser mesh".to_owned(),
     }
 }
@@ -67,7 +68,7 @@ fn out_of_memory(n: usize) -> SetupError {
 /// faer's symbolic failures: memory and index range.
 fn symbolic_failure(error: FaerError, n: usize) -> SetupError {
     match error {
-        FaerError::OutOfMemory | FaerError::IndexOverflow => out_of_memory(n),
+        FaerError::OutOfMemory | FaerError::IndexOverflow => out_of_memory(n, None),
         other => SetupError::NotApplicable {
             method: "faer",
             reason: other.to_string(),

@@ -87,9 +87,10 @@ impl SymmetricSymbolic {
         let mut values = Vec::new();
         values
             .try_reserve_exact(structure.len_val())
-            .map_err(|_| out_of_memory(n))?;
+            .map_err(|_| out_of_memory(n, Some(size_of::<f64>() * structure.len_val())))?;
         values.resize(structure.len_val(), 0.0);
-        let mut memory = MemBuffer::try_new(scratch).map_err(|_| out_of_memory(n))?;
+        let mut memory = MemBuffer::try_new(scratch)
+            .map_err(|_| out_of_memory(n, Some(scratch.unaligned_bytes_required())))?;
         let stack = MemStack::new(&mut memory);
         if spd {
             structure
