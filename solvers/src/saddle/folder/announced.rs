@@ -45,7 +45,7 @@ pub(super) fn contradictions(
         let file = format!("{name}.mtx");
         if manifest.lists(name) == Some(true) && !exists(&file)? {
             return Err(FolderError::Lost {
-                says: said(manifest, Manifest::BLOCKS),
+                says: manifest.said(Manifest::BLOCKS),
                 file,
             });
         }
@@ -54,7 +54,7 @@ pub(super) fn contradictions(
         let file = format!("{name}.mtx");
         if !exists(&file)? {
             return Err(FolderError::Lost {
-                says: said(manifest, Manifest::SIDES),
+                says: manifest.said(Manifest::SIDES),
                 file,
             });
         }
@@ -71,27 +71,22 @@ pub(super) fn contradictions(
         let entries = block.map_or(0, count);
         if manifest.leaves_out(name) && entries > 0 {
             return Err(FolderError::Unannounced {
-                says: said(manifest, Manifest::BLOCKS),
+                says: manifest.said(Manifest::BLOCKS),
                 file,
                 entries,
             });
         }
     }
-    if !manifest.has_a_factor() {
-        return Err(FolderError::Stabilization {
-            says: said(manifest, Manifest::STABILIZATION),
-        });
-    }
     let entries = blocks.h.as_ref().map_or(0, count);
     // rows of slip and opening have entries of H without a stabilization
     let sticks = (manifest.states.iter().flatten()).all(|state| *state == 0);
-    match manifest.is_stabilized() {
+    match manifest.is_stabilized()? {
         Some(true) if manifest.lists("H").is_none() && !exists(FILE)? => Err(FolderError::Lost {
-            says: said(manifest, Manifest::STABILIZATION),
+            says: manifest.said(Manifest::STABILIZATION),
             file: FILE.into(),
         }),
         Some(false) if entries > 0 && sticks => Err(FolderError::Unannounced {
-            says: said(manifest, Manifest::STABILIZATION),
+            says: manifest.said(Manifest::STABILIZATION),
             file: FILE,
             entries,
         }),
@@ -125,12 +120,6 @@ fn empty_lists(
         }
     }
     Ok(())
-}
-
-/// `key = value`, as written.
-fn said(manifest: &Manifest, key: &str) -> String {
-    let value = manifest.other.get(key).cloned().unwrap_or_default();
-    format!("{key} = {value}")
 }
 
 /// A state per face: n_t/3 of them in systems of ours, one for every one, two or three tractions elsewhere.

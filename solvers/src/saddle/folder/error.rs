@@ -101,18 +101,6 @@ pub enum FolderError {
         /// Its shape.
         found: Shape,
     },
-    /// Far more columns than entries.
-    #[error(
-        "{file} says {columns} columns, but lists only {entries} entries, so that most columns would be empty: the sizes in its header are wrong"
-    )]
-    HollowColumns {
-        /// The file.
-        file: &'static str,
-        /// Columns.
-        columns: usize,
-        /// Entries.
-        entries: usize,
-    },
     /// No factor of a stabilization.
     #[error("manifest.json says `{says}`: that is true, false or the factor of H, 0 or larger")]
     Stabilization {
@@ -129,16 +117,18 @@ pub enum FolderError {
     },
     /// Sizes far beyond the entries.
     #[error(
-        "{file} says {unknowns} rows, but it and {other} list only {entries} entries, so that most rows would be empty: the sizes in its header are wrong"
+        "{file} says {unknowns} {lines}, but {listed} only {entries} entries, so that most {lines} would be empty: the sizes in its header are wrong"
     )]
     Hollow {
         /// The file with the size.
         file: &'static str,
-        /// The other file with entries in these rows.
-        other: &'static str,
-        /// Rows.
+        /// Rows, or columns.
+        lines: &'static str,
+        /// The files with entries there, as a subject with its verb.
+        listed: &'static str,
+        /// Rows or columns.
         unknowns: usize,
-        /// Entries of both.
+        /// Entries of these files.
         entries: usize,
     },
     /// The manifest announces another size.

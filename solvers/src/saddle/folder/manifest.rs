@@ -1,5 +1,6 @@
 //! What a system folder says about itself.
 
+use super::FolderError;
 use serde::{Deserialize, Serialize};
 
 /// `manifest.json`; keys of other codes are kept in [`other`](Self::other).
@@ -52,20 +53,29 @@ impl Manifest {
     /// The key of [`is_stabilized`](Self::is_stabilized).
     pub(super) const STABILIZATION: &'static str = "stabilization";
 
-    /// True where it says that there is a jump stabilization, false where it says that there is none.
-    pub(super) fn is_stabilized(&self) -> Option<bool> {
-        let said = self.other.get(Self::STABILIZATION)?;
-        said.as_bool().or_else(|| Some(said.as_f64()? != 0.0))
+    /// True where it says that there is a jump stabilization, false where it says that there is none, `None` where it says neither in a folder
+    /// of another code.
+    ///
+    /// # Errors
+    /// [`FolderError::Stabilization`] for a negative number, and in a folder of ours for what is neither.
+    pub(super) fn is_stabilized(&self) -> Result<Option<bool>, FolderError> {
+        let Some(said) = self.other.get(Self::STABILIZATION) else {
+            return Ok(None);
+        };
+        match (said.as_bool(), said.as_f64()) {
+            (Some(says), _) => Ok(Some(says)),
+            (_, Some(factor)) if factor >= 0.0 => Ok(Some(factor > 0.0)),
+            (None, None) if !self.is_ours() => Ok(None),
+            _ => Err(FolderError::Stabilization {
+                says: self.said(Self::STABILIZATION),
+            }),
+        }
     }
 
-    /// False where the stabilization is a negative number, or in a folder of ours nothing that says whether there is one.
-    pub(super) fn has_a_factor(&self) -> bool {
-        self.other
-            .get(Self::STABILIZATION)
-            .is_none_or(|said| match said.as_f64() {
-                Some(factor) => factor >= 0.0,
-                None => said.is_boolean() || !self.is_ours(),
-            })
+    /// A key with its value, as they stand there.
+    pub(super) fn said(&self, key: &str) -> String {
+        let value = self.other.get(key).unwrap_or(&serde_json::Value::Null);
+        format!("{key} = {value}")
     }
 
     /// Whether a block is listed; `None` without a list of names.

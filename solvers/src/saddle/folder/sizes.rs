@@ -13,8 +13,8 @@ const MANY: usize = 1 << 20;
 /// where a file is, and that what stands under its name is one: a pipe would be waited for.
 ///
 /// # Errors
-/// Those of `present`, [`FolderError::Sizes`], [`FolderError::NotSquare`], [`FolderError::CoordinateShape`], and [`FolderError::Hollow`] and
-/// [`FolderError::HollowColumns`] for more than 2²⁰ unknowns most of which no entry mentions.
+/// Those of `present`, [`FolderError::Sizes`], [`FolderError::NotSquare`], [`FolderError::CoordinateShape`], and [`FolderError::Hollow`] for
+/// more than 2²⁰ unknowns most of which no entry mentions.
 pub(super) fn check(
     present: &dyn Fn(&str) -> Result<Option<PathBuf>, FolderError>,
 ) -> Result<(), FolderError> {
@@ -32,14 +32,8 @@ pub(super) fn check(
     let (from_a, from_b1) = (("A.mtx", a.shape), ("B1.mtx", b1.shape));
     square("A.mtx", a.shape)?;
     expect("B1.mtx", b1.shape, Shape::new(n_u, n_t), from_a)?;
-    hollow("A.mtx", "B1.mtx", n_u, [a, b1])?;
-    if n_t > MANY && n_t > b1.entries.saturating_mul(2) {
-        return Err(FolderError::HollowColumns {
-            file: "B1.mtx",
-            columns: n_t,
-            entries: b1.entries,
-        });
-    }
+    hollow(("A.mtx", n_u, "rows"), "it and B1.mtx list", &[a, b1])?;
+    hollow(("B1.mtx", n_t, "columns"), "it lists", &[b1])?;
     for (file, shape) in [
         ("B2.mtx", Shape::new(n_t, n_u)),
         ("H.mtx", Shape::square(n_t)),
@@ -65,7 +59,7 @@ pub(super) fn check(
         expect("Q1.mtx", q1.shape, Shape::new(n_u, n_p), q1_by)?;
         expect("Q2.mtx", q2.shape, Shape::new(n_p, n_u), q2_by)?;
         vector("rhs_p.mtx", n_p, from_t)?;
-        hollow("T.mtx", "Q1.mtx", n_p, [t, q1])?;
+        hollow(("T.mtx", n_p, "rows"), "it and Q1.mtx list", &[t, q1])?;
     }
     if let Some(Announced { shape, .. }) = header("coords.mtx")?
         && shape != Shape::new(n_u, 4)
@@ -78,16 +72,16 @@ pub(super) fn check(
 
 /// Refuses sizes that their own entries do not bear out: an entry mentions at most two unknowns.
 fn hollow(
-    file: &'static str,
-    other: &'static str,
-    unknowns: usize,
-    blocks: [Announced; 2],
+    (file, unknowns, lines): (&'static str, usize, &'static str),
+    listed: &'static str,
+    blocks: &[Announced],
 ) -> Result<(), FolderError> {
     let entries = blocks.iter().map(|block| block.entries).sum::<usize>();
     if unknowns > MANY && unknowns > entries.saturating_mul(2) {
         return Err(FolderError::Hollow {
             file,
-            other,
+            lines,
+            listed,
             unknowns,
             entries,
         });
