@@ -56,15 +56,31 @@ pub struct NetworkCrack {
     pub traction: Vec<[f64; 2]>,
 }
 
+/// Share of a stretch that elements cover where they reach its ends but for rounding. Unit: 1.
+const COVERED: f64 = 0.99;
+
 impl NetworkCrack {
     /// Mean opening and slip between two distances from the middle [m].
     pub fn mean_jump(&self, from: f64, to: f64) -> [f64; 2] {
-        let mut sum = [0.0; 2];
-        for (end, jump) in self.ends.windows(2).zip(&self.jump) {
-            let common = (end[1].min(to) - end[0].max(from)).max(0.0);
-            sum = [0, 1].map(|k: usize| sum[k] + common * jump[k]);
-        }
+        let (sum, _) = self.integral(&self.jump, [from, to]);
         sum.map(|s| s / (to - from))
+    }
+
+    /// Mean traction between two distances from the middle [Pa]; `None` where elements do not reach.
+    pub fn mean_traction(&self, from: f64, to: f64) -> Option<[f64; 2]> {
+        let (sum, length) = self.integral(&self.traction, [from, to]);
+        (length > COVERED * (to - from)).then(|| sum.map(|s| s / length))
+    }
+
+    /// The integral over the elements between two distances from the middle, and the length of these.
+    fn integral(&self, values: &[[f64; 2]], [from, to]: [f64; 2]) -> ([f64; 2], f64) {
+        let (mut sum, mut length) = ([0.0; 2], 0.0);
+        for (end, value) in self.ends.windows(2).zip(values) {
+            let common = (end[1].min(to) - end[0].max(from)).max(0.0);
+            length += common;
+            sum = [0, 1].map(|k: usize| sum[k] + common * value[k]);
+        }
+        (sum, length)
     }
 }
 

@@ -126,20 +126,6 @@ struct Part {
     found: NetworkCrack,
 }
 
-impl Part {
-    /// Mean traction of the elements between two places of the crack [Pa].
-    fn traction(&self, from: f64, to: f64) -> Option<[f64; 2]> {
-        let (mut sum, mut length) = ([0.0; 2], 0.0);
-        for (ends, traction) in self.found.ends.windows(2).zip(&self.found.traction) {
-            let common =
-                ((self.middle + ends[1]).min(to) - (self.middle + ends[0]).max(from)).max(0.0);
-            length += common;
-            sum = [0, 1].map(|k: usize| sum[k] + common * traction[k]);
-        }
-        (length > 0.99 * (to - from)).then(|| sum.map(|s| s / length))
-    }
-}
-
 impl Loading {
     /// A point of the grid, turned.
     fn turned(&self, [x, z]: [f64; 2]) -> [f64; 2] {
@@ -257,7 +243,8 @@ impl Loading {
                 in_state += f64::from(piece.state == self.state.0);
                 let k = crack.stations.partition_point(|at| *at < piece.middle()) - 1;
                 let (part, [from, to]) = (&parts[k], piece.span);
-                let jump = part.found.mean_jump(from - part.middle, to - part.middle);
+                let [from, to] = [from, to].map(|end| end - part.middle);
+                let jump = part.found.mean_jump(from, to);
                 let mut add = |which: usize, found: [f64; 2], truth: [f64; 2], size: f64| {
                     sizes[which] += piece.area * size * size;
                     for (found, truth) in found.into_iter().zip(truth) {
@@ -269,7 +256,7 @@ impl Loading {
                 let begin = !crack.begins_at_tip || is_away(crack.stations[0]);
                 if let (true, Some(traction)) = (
                     begin && is_away(crack.stations[last]),
-                    part.traction(from, to),
+                    part.found.mean_traction(from, to),
                 ) {
                     add(1, piece.traction, traction, load);
                 }
