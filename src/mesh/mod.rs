@@ -14,6 +14,7 @@ mod face_geometry;
 mod fracture_edges;
 mod fracture_mesh;
 mod fracture_patches;
+mod fronts;
 mod gmsh;
 mod hex_mesh;
 mod incidence;
