@@ -1,7 +1,8 @@
-//! The linear systems of rock, contact and flow by one factorization: the exact choice.
+//! Linear systems by one factorization: those of rock, contact and flow where the exact choice is asked for, those of rock and contact where
+//! an iteration does not solve them.
 
 use super::jacobian::{ContactJacobian, FaceTangent};
-use super::krylov::Solved;
+use super::krylov::{Solved, USEFUL};
 use super::linear::Linear;
 use super::newton::{Attempt, Iterate};
 use super::{ContactProblem, Evaluation, LinearFailure};
@@ -11,7 +12,7 @@ use fracas_operators::sparse::{Csr, SparseMatrix, Triplets};
 use fracas_operators::vector::{axpy, norm2};
 use fracas_solvers::SetupError;
 use fracas_solvers::direct::Kind;
-use fracas_solvers::saddle::SaddleBlocks;
+use fracas_solvers::saddle::{InnerChoice, SaddleBlocks};
 
 /// Share of the compliance of a face that its tractions are given as a pivot. Unit: 1.
 const FIRM: f64 = 1e-9;
@@ -30,23 +31,74 @@ impl Linear {
         correction: &mut [f64],
     ) -> Result<Solved, LinearFailure> {
         let unit = attempt.problem.saddle().unit();
-        let stick = match &self.stick_blocks {
-            Some(stick) => stick,
-            None => {
-                let blocks = attempt.problem.stick_blocks()?.into_traction_unit(unit);
-                self.stick_blocks.insert(blocks)
-            }
-        };
+        let stick = self.all_stick(attempt.problem)?;
         let place = (h, x);
-        let blocks = attempt.coupled((stick.clone(), unit), states, place, at, lagged);
+        let blocks = attempt.coupled((stick, unit), states, place, at, lagged);
         let jacobian = attempt.problem.jacobian(states, h, at, lagged);
         let through = through_pressure(&jacobian, &blocks);
         let exact = &blocks.assembled() + &through;
         let matrix = &exact + &pivots(states, &blocks, attempt.problem);
+        self.factorize(
+            (exact, matrix, "[A B1 Q1; B2 −H N; Q2 0 T]"),
+            rhs,
+            correction,
+        )
+    }
+
+    /// The blocks with every face in stick, tractions in the balanced unit.
+    fn all_stick(&mut self, problem: &ContactProblem<'_>) -> Result<SaddleBlocks, LinearFailure> {
+        let unit = problem.saddle().unit();
+        let stick = match self.stick_blocks.take() {
+            Some(stick) => stick,
+            None => problem.stick_blocks()?.into_traction_unit(unit),
+        };
+        Ok(self.stick_blocks.insert(stick).clone())
+    }
+
+    /// What is left of a system of rock and contact that an iteration around an exact S_u⁻¹ does not solve: `x ← J⁻¹ b` by a sparse LU
+    /// factorization, where it leaves a residual that is of use. Next to a critical load J is nearly singular with weakening, and M knows
+    /// nothing of that.
+    ///
+    /// # Errors
+    /// `failure`, that of the iteration, where J cannot be factorized or is singular.
+    pub(super) fn factorize_contact(
+        &mut self,
+        problem: &ContactProblem<'_>,
+        (jacobian, states): (&ContactJacobian<'_>, &[ContactState]),
+        rhs: &[f64],
+        x: &mut [f64],
+        failure: LinearFailure,
+    ) -> Result<Solved, LinearFailure> {
+        let LinearFailure::IterationLimit { iterations, .. } = failure else {
+            return Err(failure);
+        };
+        if !matches!(self.settings().inner, InnerChoice::Exact { .. }) {
+            return Err(failure);
+        }
+        let Ok(stick) = self.all_stick(problem) else {
+            return Err(failure);
+        };
+        let blocks = jacobian.blocks(stick);
+        let exact = blocks.assembled();
+        let matrix = &exact + &pivots(states, &blocks, problem);
+        match self.factorize((exact, matrix, "[A B1; B2 −H]"), rhs, x) {
+            Ok(solved) if solved.relative_residual <= USEFUL => Ok(Solved {
+                iterations: iterations + solved.iterations,
+                ..solved
+            }),
+            _ => Err(failure),
+        }
+    }
+
+    /// `x ← J⁻¹ b` by a factorization of `matrix`, which is J with pivots that it lacks, and a refinement on J itself.
+    fn factorize(
+        &mut self,
+        (exact, matrix, block): (SparseMatrix<f64>, SparseMatrix<f64>, &'static str),
+        rhs: &[f64],
+        correction: &mut [f64],
+    ) -> Result<Solved, LinearFailure> {
         let singular = |error: SetupError| match error {
-            SetupError::Singular { .. } => {
-                LinearFailure::Singular(error.in_block("[A B1 Q1; B2 −H N; Q2 0 T]"))
-            }
+            SetupError::Singular { .. } => LinearFailure::Singular(error.in_block(block)),
             error => LinearFailure::Setup(error),
         };
         let solver = self.settings().inner.backend().solver()?;
@@ -114,7 +166,7 @@ fn pivots(
         let pivot = FIRM * problem.law_entry(f);
         let rows = (3 * f..3 * f + 3).map(|i| n_u + i);
         rows.for_each(|i| pivots.add_triplet(i, i, -pivot));
-        if *state != ContactState::Open {
+        if *state != ContactState::Open && blocks.flow.is_some() {
             pivots.add_triplet(n_u + 3 * f, n_u + n_t + f, pivot);
         }
     }

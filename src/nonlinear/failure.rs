@@ -50,7 +50,7 @@ pub enum LinearFailure {
     Astray,
     /// Iterations ran out.
     #[error(
-        "{krylov} reached a relative residual of {residual:.1e} in {iterations} iterations, asked {tolerance:.1e}: the preconditioner is too weak for this system, as slender bodies, flat cells, large contrasts or open faces may make it; another inner solver in [solver], such as exact, may help"
+        "{krylov} reached a relative residual of {residual:.1e} in {iterations} iterations, asked {tolerance:.1e}: {advice}"
     )]
     IterationLimit {
         /// Method.
@@ -61,6 +61,8 @@ pub enum LinearFailure {
         residual: f64,
         /// Asked.
         tolerance: f64,
+        /// Why, and what to do.
+        advice: &'static str,
     },
 }
 

@@ -12,6 +12,12 @@ use crate::matrix_free::MatrixFreeError;
 use fracas_solvers::Observer;
 use fracas_solvers::saddle::{InnerChoice, Racp, RacpInverse};
 
+/// Of an iteration around an exact S_u⁻¹.
+const NEARLY_SINGULAR: &str = "S_u is factorized, so that the system is nearly singular, as it is next to a load at which slip runs away or a body comes loose; smaller steps may show which";
+
+/// Where others could not be set up.
+const NO_DIGITS: &str = "no inner solver serves, as bodies this slender, cells this flat or contrasts this large leave f64 no digits for a factorization; take less of them";
+
 impl Stalled {
     /// Why another inner solver takes the place of this one.
     pub(super) fn reason(&self, inner: InnerChoice) -> String {
@@ -50,7 +56,7 @@ impl Linear {
             let inverse = self.inverse(problem, jacobian, states)?;
             let ended = solve(inverse, next.is_some(), &mut work, observer);
             self.resources.work = work;
-            match (ended?, next) {
+            match (ended.map_err(|failure| self.told_of(failure))?, next) {
                 (Ended::Solved(solved), _) => {
                     self.judge_speed(problem, &solved);
                     return Ok(Solved {
@@ -67,6 +73,18 @@ impl Linear {
                 _ => unreachable!("neither patience nor another inner solver"),
             }
         }
+    }
+
+    /// The same failure; it advises no other inner solver where S_u is factorized, or others could not be set up.
+    fn told_of(&self, mut failure: LinearFailure) -> LinearFailure {
+        if let LinearFailure::IterationLimit { advice, .. } = &mut failure {
+            if matches!(self.settings.inner, InnerChoice::Exact { .. }) {
+                *advice = NEARLY_SINGULAR;
+            } else if self.resources.fallbacks.lacks_digits() {
+                *advice = NO_DIGITS;
+            }
+        }
+        failure
     }
 
     /// The preconditioner of the all-stick body.

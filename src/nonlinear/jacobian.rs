@@ -1,12 +1,13 @@
 //! The Jacobian of a contact state as an operator: nothing is assembled but H.
 
-use crate::contact::Coupling;
+use crate::contact::{Coupling, FaceRows};
 use crate::elasticity::Restricted;
+use crate::jacobian::{turned, with_laws};
 use fracas_operators::operator::assert_product;
 use fracas_operators::small::{Matrix3, times};
 use fracas_operators::sparse::Csr;
 use fracas_operators::{AdjointOperator, Layout, LinearOperator, Shape};
-use fracas_solvers::saddle::{T, U};
+use fracas_solvers::saddle::{SaddleBlocks, T, U};
 
 /// 3×3 factors of a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,6 +48,31 @@ impl ContactJacobian<'_> {
         faces
             .into_iter()
             .all(|face| *face == FaceTangent::STICK || face.is_open())
+    }
+}
+
+impl ContactJacobian<'_> {
+    /// Its blocks, made of those with every face in stick, tractions in the same unit.
+    pub(super) fn blocks(&self, stick: SaddleBlocks) -> SaddleBlocks {
+        let Some(faces) = &self.faces else {
+            return SaddleBlocks {
+                h: self.h.map(|h| h.matrix().clone()),
+                ..stick
+            };
+        };
+        let rows = faces.iter().map(|face| FaceRows {
+            residual: [0.0; 3],
+            by_jump: face.by_jump,
+            by_traction: face.law.map(|row| row.map(|v| -v)),
+        });
+        let rows: Vec<FaceRows> = rows.collect();
+        // D H: H is symmetric
+        let form = self.h.map(|h| turned(h.matrix(), &rows));
+        SaddleBlocks {
+            b2: Some(turned(&stick.b1, &rows)),
+            h: with_laws(form, &rows, |_| 1.0),
+            ..stick
+        }
     }
 }
 
@@ -127,5 +153,63 @@ impl LinearOperator<f64> for ContactJacobian<'_> {
         let h = self.h.map_or(0, LinearOperator::flops);
         let b = 2 * LinearOperator::<f64>::flops(self.b);
         LinearOperator::<f64>::flops(self.a) + b + faces + h
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use crate::contact::ContactState;
+    use crate::nonlinear::{ContactProblem, Start};
+    use crate::scene::sample::Sample;
+    use fracas_operators::LinearOperator;
+    use fracas_operators::random::Random;
+    use fracas_operators::sparse::Csr;
+
+    #[test]
+    fn blocks_are_those_of_the_operator() {
+        let random = &mut Random::new(8);
+        let body = Sample::crossing([6, 3, 6], [0.0; 2], 4.0).body();
+        let problem = ContactProblem::new(&body).unwrap();
+        let (faces, unit) = (problem.faces().len(), problem.saddle().unit());
+        let start = Start {
+            jump: vec![0.0; 3 * faces],
+            slip: vec![0.0; 2 * faces],
+            path: Vec::new(),
+            t: vec![0.0; 3 * faces],
+            torn: Vec::new(),
+            limits_at: Vec::new(),
+        };
+        let load = problem.loads().at(0.0, 1.0);
+        for case in 0..4 {
+            let states: Vec<ContactState> = (0..faces)
+                .map(|_| match random.whole(0, if case == 0 { 0 } else { 2 }) {
+                    0 => ContactState::Stick,
+                    1 => ContactState::Slip,
+                    _ => ContactState::Open,
+                })
+                .collect();
+            let mut drawn = |n: usize, size: f64| -> Vec<f64> {
+                (0..n).map(|_| random.between(-size, size)).collect()
+            };
+            let u = drawn(body.constraints.free_len(), 1e-3);
+            let t = drawn(3 * faces, 1e7);
+            let h = problem.stabilization(&states);
+            let at = problem.evaluate(&states, h.as_ref(), [&u, &t], &start, &load);
+            let jacobian = problem.jacobian(&states, h.as_ref(), &at, false);
+            let stick = problem.stick_blocks().unwrap().into_traction_unit(unit);
+            let assembled = Csr::new(jacobian.blocks(stick).assembled());
+            let x = drawn(problem.saddle().layout().len(), 1.0);
+            let product = |operator: &dyn LinearOperator<f64>| {
+                let mut y = vec![0.0; x.len()];
+                operator.apply_add(1.0, &x, &mut y, &mut vec![0.0; operator.work_len()]);
+                y
+            };
+            let (by_blocks, by_operator) = (product(&assembled), product(&jacobian));
+            let size = by_operator.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+            for (a, b) in by_blocks.iter().zip(&by_operator) {
+                assert!((a - b).abs() <= 1e-12 * size, "case {case}: {a} {b}");
+            }
+        }
     }
 }

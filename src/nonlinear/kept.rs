@@ -1,12 +1,21 @@
 //! A preconditioner that outlives its step.
 
 use super::Prepared;
+use crate::contact::ContactState;
 use fracas_operators::Preconditioner;
 
 /// S̃_u⁻¹ and what it was built for.
 pub(super) struct Ready {
     pub(super) of: Prepared,
     pub(super) inverse: Box<dyn Preconditioner<f64>>,
+}
+
+impl Ready {
+    /// Jumps that these states constrain and those that it was built for do not, or the other way round: slip and new-slip count as one.
+    pub(super) fn distance(&self, states: &[ContactState]) -> usize {
+        let pairs = self.of.states.iter().zip(states);
+        (pairs.map(|(a, b)| a.constrained().abs_diff(b.constrained()))).sum()
+    }
 }
 
 /// A preconditioner that steps hand on, or what a restart has to build it from again.

@@ -9,7 +9,10 @@ use fracas_solvers::saddle::{EnergyNorms, Left, probe};
 
 /// Relative residual up to which a system that rounding or the limit of iterations keeps from its tolerance is taken: Newton
 /// corrects it, and fails where it cannot. Unit: 1.
-const USEFUL: f64 = 1e-2;
+pub(super) const USEFUL: f64 = 1e-2;
+
+/// Of an inner solver that has a rival.
+const WEAK: &str = "the preconditioner is too weak for this system, as slender bodies, flat cells, large contrasts or open faces may make it; another inner solver in [solver], such as exact, may help";
 
 /// How a system is to be solved.
 #[derive(Clone, Copy, Debug)]
@@ -169,6 +172,7 @@ pub(super) fn solve(
                 iterations,
                 residual: relative_residual,
                 tolerance: asked.tolerance,
+                advice: WEAK,
             })
         }
         _ => Ok(Ended::Solved(Solved {

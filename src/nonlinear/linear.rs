@@ -33,7 +33,8 @@ const FAR: f64 = 0.1;
 /// The rows of the faces are taken in their present states; S̃_u is that of the all-stick body, built once for the whole run.
 /// With `C ≈ λ` of the laws of slipping and open rows l the eigenvalues beside 1 are then those of `C (C + B_lᵀS_u⁻¹B_l)⁻¹`
 /// for the S_u of the present states: few are small, so that it serves them too. Where it takes more than 1.3 times its
-/// iterations, one for the states at hand is built, at most once per step, and kept, also over steps, as long as it is nearer.
+/// iterations, one for the states at hand is built and kept, also over steps, as long as it is nearer: once per step, and again where
+/// what other states take beyond that has cost as many iterations as a set-up.
 ///
 /// Without slip J is symmetric on the x that meet the laws of open faces, and RACP maps them into themselves: SQMR does.
 pub(super) struct Linear {
@@ -46,6 +47,8 @@ pub(super) struct Linear {
     /// Iterations per digit of the first all-stick system.
     pub(super) reference: Option<f64>,
     pub(super) slow: bool,
+    /// Iterations beyond those that are not slow, since a preconditioner was last built in this step.
+    beyond: f64,
     /// Ritz value nearest to zero of the systems since states last changed: one of them alone may take too few iterations to
     /// see it.
     smallest_ritz: Option<f64>,
@@ -75,6 +78,7 @@ impl Linear {
             present: Kept::default(),
             reference: None,
             slow: false,
+            beyond: 0.0,
             smallest_ritz: None,
             probed: false,
             built: false,
@@ -97,6 +101,7 @@ impl Linear {
     pub(super) fn begin_step(&mut self, state: &State) {
         self.built = false;
         self.slow = false;
+        self.beyond = 0.0;
         self.reference = (state.krylov > 0.0).then_some(state.krylov);
         self.present.begin_step(state.prepared.as_ref());
     }
@@ -144,7 +149,7 @@ impl Linear {
         let layout = problem.saddle().layout();
         let max_iterations = self.max_krylov;
         let at = (jacobian, states);
-        self.around(
+        let solved = self.around(
             problem,
             at,
             observer,
@@ -174,16 +179,20 @@ impl Linear {
                 };
                 krylov::solve(&system, asked, x, observer, work)
             },
-        )
+        );
+        solved.or_else(|failure| self.factorize_contact(problem, at, rhs, x, failure))
     }
 
     /// Whether a preconditioner for the states at hand is worth its set-up.
     pub(super) fn judge_speed(&mut self, problem: &ContactProblem<'_>, solved: &Solved) {
         self.smallest_ritz = least([self.smallest_ritz, solved.smallest_ritz]);
         let digits = -solved.relative_residual.max(f64::EPSILON).log10();
-        let rate = solved.iterations as f64 / digits.max(1.0);
-        let reference = *self.reference.get_or_insert(rate);
-        self.slow = rate > problem.body().solver.rounds.slow * reference;
+        let digits = digits.max(1.0);
+        let iterations = solved.iterations as f64;
+        let reference = *self.reference.get_or_insert(iterations / digits);
+        let served = problem.body().solver.rounds.slow * reference * digits;
+        self.slow = iterations > served;
+        self.beyond += (iterations - served).max(0.0);
     }
 
     /// True where systems of rock and flow are factorized as a whole: the scene asks for a factorization.
@@ -228,7 +237,7 @@ impl Linear {
         states: &[ContactState],
     ) -> Result<RacpInverse<'s>, LinearFailure> {
         let far = |ready: &Option<Ready>| match ready {
-            Some(ready) => distance(&ready.of.states, states),
+            Some(ready) => ready.distance(states),
             None => usize::MAX,
         };
         let nearest = match far(&self.present.ready) < far(&self.stick) {
@@ -274,23 +283,23 @@ impl Linear {
         let new = |ready: &Option<Ready>| ready.as_ref().is_none_or(|r| r.of.states != states);
         // with flow an iteration costs two applications, and rounds lead through many states
         let flows = problem.balance().is_some();
+        let costly = !flows && self.beyond >= problem.body().solver.rounds.rebuild;
         let far = |ready: &Option<Ready>| {
-            let jumps = ready
-                .as_ref()
-                .map(|ready| distance(&ready.of.states, states));
+            let jumps = ready.as_ref().map(|ready| ready.distance(states));
             jumps.is_none_or(|jumps| jumps as f64 > FAR * faces as f64)
         };
         let slow = match flows {
             true => self.slow || far(&self.stick) && far(&self.present.ready),
-            false => self.slow && !self.built,
+            false => self.slow && (!self.built || costly),
         };
-        let wanted = slow && new(&self.stick) && new(&self.present.ready);
+        // the tangents of slipping faces change beside states that stay
+        let wanted = slow && (costly || new(&self.stick) && new(&self.present.ready));
         if let (true, Some(tangents)) = (wanted, &jacobian.faces) {
             // the memory of the one before is given back first
             self.present.ready = None;
             let c = |c: &StickC| c_of(&c.rules(|f| tangents[f], jacobian.h));
             self.present.ready = Some(self.build(problem, states.to_vec(), c, observer)?);
-            self.built = true;
+            (self.built, self.beyond) = (true, 0.0);
             return Ok(true);
         }
         Ok(first)
@@ -438,9 +447,3 @@ impl Holding for Linear {
 
 /// What is told of a preconditioner that gave way.
 const IN_DOUBLE: &str = "preconditioner, in f64 because f32 would lose it";
-
-/// Jumps that one keeps and the other does not: slip and new-slip count as one.
-fn distance(a: &[ContactState], b: &[ContactState]) -> usize {
-    let jumps = |(a, b): (&ContactState, &ContactState)| a.constrained().abs_diff(b.constrained());
-    a.iter().zip(b).map(jumps).sum()
-}

@@ -6,7 +6,10 @@ use super::newton::{Attempt, Iterate};
 use super::{ContactProblem, Event, Failure, LinearFailure, Load};
 use crate::analytic::{Rock, nucleation_half_length};
 use crate::contact::ContactState;
+use fracas_operators::vector::norm_inf;
 use fracas_solvers::Observer;
+use fracas_solvers::eigen::{Lanczos, LanczosSettings};
+use std::ops::ControlFlow;
 
 /// Loss of strength in a step, relative to the largest traction, below which nothing has weakened. Unit: 1.
 const NOTHING: f64 = 1e-5;
@@ -14,7 +17,7 @@ const NOTHING: f64 = 1e-5;
 /// Relative residual of its linear solves. Unit: 1.
 pub(super) const SOLVED: f64 = 1e-6;
 
-/// Change of the largest ratio at which it stands. Unit: 1.
+/// Error of the largest ratio, relative to it, at which it stands. Unit: 1.
 const STANDS: f64 = 1e-3;
 
 /// Iterations in which it does.
@@ -210,8 +213,10 @@ fn before_opening(
 /// With slip frozen in its directions m and every limit given, an increase of all limits by τ holds back the slip
 /// `K⁻¹ A_f τ`; slip z takes `W z` from the limits, so that `z ← K⁻¹ A_f W z` grows without bound where `ρ(K⁻¹ A_f W) > 1`: then
 /// `zᵀ(K − A_f W) z < 0` for its mode. W is the rate at the slip of the start of the step and the larger pressure of start and end, which
-/// no rate along it exceeds where the pressure between them does not: where it shows nothing, the patch has been stable all the way. The Rayleigh quotient `zᵀA_f W z/zᵀK z` of any z is a lower bound, so that one above 1 is a
-/// proof where K is symmetric (the normal tractions stay).
+/// no rate along it exceeds where the pressure between them does not: where it shows nothing, the patch has been stable all the way.
+///
+/// ρ comes from Lanczos on `(A_f W)^½ K⁻¹ (A_f W)^½` from the slip at hand. A Ritz value is a lower bound, so that one above 1 is a proof
+/// where K is symmetric (the normal tractions stay).
 ///
 /// # Cost
 /// A linear system per iteration; none where nothing has weakened.
@@ -237,34 +242,41 @@ fn instability(
         return Ok(None);
     }
     let mut at_limits = holding.at_limits(attempt, (states, x));
-    let mut mode: Vec<f64> = faces.iter().map(|face| face.slip).collect();
-    let mut ratio = 0.0f64;
-    let area = |face: &Weak| problem.faces()[face.face].area;
-    // zᵀ A_f v
-    let product = |z: &[f64], v: &[f64]| -> f64 {
-        let pairs = faces.iter().zip(z).zip(v);
-        pairs.map(|((face, z), v)| area(face) * z * v).sum()
+    // (A_f W)^½
+    let weight = |face: &Weak| (problem.faces()[face.face].area * face.rate).sqrt();
+    let weights: Vec<f64> = faces.iter().map(weight).collect();
+    let start = faces.iter().zip(&weights).map(|(face, w)| w * face.slip);
+    let settings = LanczosSettings {
+        tolerance: STANDS,
+        max_steps: MOST.min(faces.len()),
+        patience: 1,
+        ..LanczosSettings::one_sided()
     };
-    let losses = |z: &[f64]| -> Vec<f64> {
-        let pairs = faces.iter().zip(z);
-        pairs.map(|(face, z)| face.rate * z).collect()
+    // K is that of a body, so that what fails is not finite
+    let Ok(mut lanczos) = Lanczos::from_start(start.collect(), settings) else {
+        return Ok(None);
     };
-    for _ in 0..MOST {
-        let drop = losses(&mode);
-        let u = at_limits(&faces, &drop, observer)?;
-        let next = slip_of(problem, &u, &faces);
-        let before = ratio;
-        // zᵀ A_f W z over zᵀ K z = zᵀ A_f W z_before
-        ratio = product(&next, &losses(&next)) / product(&next, &drop);
-        let size = next.iter().fold(0.0, |m: f64, z| m.max(z.abs()));
-        if !(ratio.is_finite() && size > 0.0) {
+    let ratio = loop {
+        let Ok(next) = lanczos.next_vector() else {
             return Ok(None);
+        };
+        match next {
+            ControlFlow::Break((_, largest)) => break largest.value,
+            ControlFlow::Continue(v) => {
+                let drop = faces.iter().zip(v).zip(&weights);
+                let drop: Vec<f64> = drop.map(|((face, v), w)| face.rate * v / w).collect();
+                let u = at_limits(&faces, &drop, observer)?;
+                let slip = slip_of(problem, &u, &faces);
+                lanczos.take(slip.iter().zip(&weights).map(|(slip, w)| w * slip));
+            }
         }
-        mode = next.iter().map(|z| z / size).collect();
-        if (ratio - before).abs() <= STANDS * ratio {
-            break;
-        }
-    }
+    };
+    let Ok(mode) = lanczos.largest_vector() else {
+        return Ok(None);
+    };
+    let mode: Vec<f64> = mode.iter().zip(&weights).map(|(v, w)| v / w).collect();
+    let size = norm_inf(&mode);
+    let mode: Vec<f64> = mode.iter().map(|z| z / size).collect();
     Ok((ratio > 1.0 + SOLVED).then(|| {
         let patch = patch(problem, &faces, &mode, ratio);
         Box::new(match slipping {

@@ -204,9 +204,14 @@ impl Solver {
         };
         let is_weak = solved.outcome == End::IterationLimit && self.equations.is_here();
         let is_exact = matches!(inner, InnerChoice::Exact { .. });
+        let mut findings = solved.findings.iter();
+        let is_last = findings.any(|found| matches!(found, Finding::NoOther { .. }));
         solved.reason = match no_room {
             Some(no_room) => Some(format!(
                 "inner = \"{inner}\" gets nowhere, and inner = \"exact\" does not fit: {no_room}; take fewer cells, or more iterations"
+            )),
+            None if is_weak && is_last => Some(format!(
+                "inner = \"{inner}\" gets nowhere, and no other can be set up, as the note above says: take bodies that are less slender, cells less flat or contrasts smaller"
             )),
             None if is_weak && !is_exact => Some(format!(
                 "inner = \"{inner}\" may be too weak for this system: take inner = \"exact\", or more iterations"

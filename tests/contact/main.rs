@@ -5,6 +5,7 @@ mod accuracy;
 mod arrested;
 mod asked_onset;
 mod consistency;
+mod factorized;
 mod healing;
 mod jacobian;
 mod known;

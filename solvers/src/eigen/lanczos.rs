@@ -145,6 +145,8 @@ pub struct Lanczos {
     next_check: usize,
     last: Option<(f64, f64)>,
     unit: f64,
+    /// All v so far, where the vector of the largest eigenvalue is wanted.
+    basis: Option<Vec<Vec<f64>>>,
 }
 
 impl Lanczos {
@@ -172,7 +174,38 @@ impl Lanczos {
             next_check: settings.patience.min(n),
             last: None,
             unit: 1.0,
+            basis: None,
         })
+    }
+
+    /// The same from a start of one's own, which is not zero, for M = I and few steps: vectors are kept for
+    /// [`largest_vector`](Self::largest_vector), and later ones are orthogonal to all of them.
+    ///
+    /// # Errors
+    /// An empty matrix.
+    pub fn from_start(start: Vec<f64>, settings: LanczosSettings) -> Result<Self, SetupError> {
+        let new = Self::new(start.len(), settings)?;
+        Ok(Self {
+            r: start,
+            basis: Some(Vec::new()),
+            ..new
+        })
+    }
+
+    /// The Ritz vector of the largest eigenvalue, of length 1, from a start of one's own.
+    ///
+    /// # Errors
+    /// Of the eigenvalue problem of the tridiagonal matrix.
+    pub fn largest_vector(&self) -> Result<Vec<f64>, SetupError> {
+        let k = self.alphas.len();
+        let mut vector = vec![0.0; self.v.len()];
+        if k > 0 {
+            let (_, of_t) =
+                dense::symmetric_eigen(tridiagonal(&self.alphas, &self.betas[1..k]).as_ref())?;
+            let basis = self.basis.iter().flatten();
+            (basis.enumerate()).for_each(|(j, v)| axpy(of_t[(j, k - 1)], v, &mut vector));
+        }
+        Ok(vector)
     }
 
     /// For M = I: what was found, or the vector v of the next product.
@@ -263,6 +296,13 @@ impl Lanczos {
         if k > 0 {
             axpy(-self.betas[k], &self.p_old, &mut self.r);
         }
+        if let Some(basis) = &mut self.basis {
+            basis.push(self.v.clone());
+            for v in basis.iter() {
+                let along = dot(&self.r, v);
+                axpy(-along, v, &mut self.r);
+            }
+        }
     }
 }
 
@@ -276,18 +316,21 @@ fn power_of_two(size: f64) -> f64 {
     }
 }
 
+/// The tridiagonal matrix of the recurrence.
+fn tridiagonal(alphas: &[f64], betas: &[f64]) -> Mat<f64> {
+    Mat::from_fn(alphas.len(), alphas.len(), |i, j| {
+        match (i.max(j), i.abs_diff(j)) {
+            (_, 0) => alphas[i],
+            (later, 1) => betas[later - 1],
+            _ => 0.0,
+        }
+    })
+}
+
 /// Extreme Ritz values of the tridiagonal matrix with their bounds; `next` is the β of the residual.
 fn ritz(alphas: &[f64], betas: &[f64], next: f64) -> Result<(Extreme, Extreme), SetupError> {
     let k = alphas.len();
-    let mut t = Mat::zeros(k, k);
-    for i in 0..k {
-        t[(i, i)] = alphas[i];
-        if i + 1 < k {
-            t[(i + 1, i)] = betas[i];
-            t[(i, i + 1)] = betas[i];
-        }
-    }
-    let (values, vectors) = dense::symmetric_eigen(t.as_ref())?;
+    let (values, vectors) = dense::symmetric_eigen(tridiagonal(alphas, betas).as_ref())?;
     let size = values[0].abs().max(values[k - 1].abs());
     let bar = |index: usize| {
         let residual = next * vectors[(k - 1, index)].abs();
@@ -361,6 +404,34 @@ mod tests {
             (high.value / exact(n as f64) - 1.0).abs() < 1e-10,
             "{high:?}"
         );
+    }
+
+    #[test]
+    fn the_largest_vector_of_a_start_of_ones_own() {
+        let n = 40;
+        let d: Vec<f64> = (0..n).map(|i| 0.9f64.powi(i)).collect();
+        let settings = LanczosSettings {
+            tolerance: 1e-10,
+            patience: 1,
+            ..LanczosSettings::one_sided()
+        };
+        let mut lanczos = Lanczos::from_start(vec![1.0; d.len()], settings).unwrap();
+        let largest = loop {
+            match lanczos.next_vector().unwrap() {
+                ControlFlow::Break((_, largest)) => break largest,
+                ControlFlow::Continue(v) => {
+                    let product: Vec<f64> = v.iter().zip(&d).map(|(v, d)| v * d).collect();
+                    lanczos.take(product.into_iter());
+                }
+            }
+        };
+        let vector = lanczos.largest_vector().unwrap();
+        assert!(
+            (largest.value - 1.0).abs() < 1e-9 && largest.steps < 30,
+            "{largest:?}"
+        );
+        assert!((vector[0].abs() - 1.0).abs() < 1e-9, "{vector:?}");
+        assert!(vector[1..].iter().all(|v| v.abs() < 1e-4), "{vector:?}");
     }
 
     #[test]
