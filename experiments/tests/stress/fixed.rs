@@ -71,7 +71,7 @@ fn sizes_in_headers_are_held_against_the_other_blocks() {
     rewritten(("B1.mtx", "6 2 4", "6 4000000000 4"));
     refused(
         &solve,
-        "B1.mtx says 4000000000 columns, but lists only 4 entries",
+        "B1.mtx says 4000000000 columns, but it lists only 4 entries",
     );
     std::fs::remove_dir_all(&folder).unwrap();
 }
