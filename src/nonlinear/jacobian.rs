@@ -169,7 +169,7 @@ mod tests {
     #[test]
     fn blocks_are_those_of_the_operator() {
         let random = &mut Random::new(8);
-        let body = Sample::crossing([6, 3, 6], [0.0; 2], 4.0).body();
+        let body = Sample::crossing([8, 4, 8], [0.0; 2], 4.0).body();
         let problem = ContactProblem::new(&body).unwrap();
         let (faces, unit) = (problem.faces().len(), problem.saddle().unit());
         let start = Start {
