@@ -75,6 +75,8 @@ impl Linear {
         if !matches!(self.settings().inner, InnerChoice::Exact { .. }) {
             return Err(failure);
         }
+        self.slow = true;
+        self.beyond += iterations as f64;
         let Ok(stick) = self.all_stick(problem) else {
             return Err(failure);
         };

@@ -34,7 +34,7 @@ const FAR: f64 = 0.1;
 /// With `C ≈ λ` of the laws of slipping and open rows l the eigenvalues beside 1 are then those of `C (C + B_lᵀS_u⁻¹B_l)⁻¹`
 /// for the S_u of the present states: few are small, so that it serves them too. Where it takes more than 1.3 times its
 /// iterations, one for the states at hand is built and kept, also over steps, as long as it is nearer: once per step, and again where
-/// what other states take beyond that has cost as many iterations as a set-up.
+/// what systems take beyond that has cost as many iterations as a set-up.
 ///
 /// Without slip J is symmetric on the x that meet the laws of open faces, and RACP maps them into themselves: SQMR does.
 pub(super) struct Linear {
@@ -48,7 +48,7 @@ pub(super) struct Linear {
     pub(super) reference: Option<f64>,
     pub(super) slow: bool,
     /// Iterations beyond those that are not slow, since a preconditioner was last built in this step.
-    beyond: f64,
+    pub(super) beyond: f64,
     /// Ritz value nearest to zero of the systems since states last changed: one of them alone may take too few iterations to
     /// see it.
     smallest_ritz: Option<f64>,
