@@ -67,6 +67,8 @@ pub(super) struct Log {
     pub(super) events: Vec<Event>,
     /// States of the last round.
     pub(super) states: Vec<ContactState>,
+    /// Those of the attempt in which most faces slip.
+    pub(super) most_slipping: Vec<ContactState>,
     /// Faces that changed in the last round in which some did.
     pub(super) changing: Vec<usize>,
     /// What would run away at the states of an attempt that failed.
@@ -80,6 +82,19 @@ impl Log {
     pub(super) fn is_spent(&self, most: usize) -> bool {
         let iterations = self.linear.iter().map(|l| l.iterations);
         iterations.sum::<usize>() >= SPENT * most
+    }
+
+    /// A round begins in these states.
+    pub(super) fn tries(&mut self, states: &[ContactState]) {
+        self.states.clear();
+        self.states.extend_from_slice(states);
+        let slipping = |states: &[ContactState]| {
+            let slips = |s: &&ContactState| s.constrained() == 1;
+            states.iter().filter(slips).count()
+        };
+        if self.most_slipping.is_empty() || slipping(states) > slipping(&self.most_slipping) {
+            self.most_slipping.clone_from(&self.states);
+        }
     }
 
     /// A round failed: another remedy takes over.

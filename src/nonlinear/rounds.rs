@@ -153,7 +153,7 @@ impl Search<'_, '_> {
         for done in 0..most {
             let round = log.rounds;
             log.rounds += 1;
-            log.states.clone_from(&states);
+            log.tries(&states);
             // what is linear is solved at once
             let least = match attempt.is_linear(&states) {
                 true => settings.rounds.loose_steps.min(settings.max_newton),
@@ -187,18 +187,21 @@ impl Search<'_, '_> {
                 }
                 Err(failure) => return Err(failure),
             };
+            let taken = log.linear.len() - first;
             let is_lost = log.linear.get(first).is_some_and(|l| l.step_length < LOST);
             if let Some(begin) = begin.take_if(|_| is_lost && residual > until.residual) {
                 *x = begin;
                 continue;
             }
-            // linear equations that steps do not solve are not solved by other states; rounding may leave a residual, not an error
-            if residual > until.residual && attempt.is_linear(&states) && judged.is_none() {
+            // linear equations that steps do not solve are not solved by other states, and where damped continuation has led is no
+            // place to look at faces; rounding may leave a residual, not an error
+            let is_final = attempt.is_linear(&states) || until == lagging;
+            if residual > until.residual && is_final && judged.is_none() {
                 let stands = (&states[..], fixed.unwrap_or(h.as_ref()));
                 judged = match self.enough(attempt, stands, (x, &at, residual))? {
                     Ok(judged) => Some(judged),
                     Err(failure) => {
-                        let failure = failure.unwrap_or(until.missed(residual));
+                        let failure = failure.unwrap_or(until.missed(residual, taken));
                         return Ok(unsolved(states, failure, (log, round)));
                     }
                 };
@@ -238,7 +241,7 @@ impl Search<'_, '_> {
                     let last = match errors.and_then(|(_, left)| left) {
                         Some(step) if converged => step,
                         Some(_) | None if !attempt.keeps_fluid(&at) => {
-                            let failure = until.missed(residual);
+                            let failure = until.missed(residual, taken);
                             return Ok(unsolved(states, failure, (log, round)));
                         }
                         Some(_) | None => {
@@ -287,7 +290,7 @@ impl Search<'_, '_> {
                                 // a large residual is not one that rounding leaves
                                 let failure = failure
                                     .filter(|_| residual <= settings.rounds.loose)
-                                    .unwrap_or(until.missed(residual));
+                                    .unwrap_or(until.missed(residual, taken));
                                 return Ok(unsolved(states, failure, (log, round)));
                             }
                         }

@@ -62,7 +62,7 @@ pub struct Instability {
     pub nucleation: f64,
     /// Largest slip of the step [m].
     pub slip: f64,
-    /// The faces slip so in equilibrium; else at states that were tried last, and ρ and the patch are those of these states.
+    /// The faces slip so in equilibrium; else at states that were tried, and ρ and the patch are those of these states.
     pub settled: bool,
 }
 
@@ -75,7 +75,7 @@ impl std::fmt::Display for Instability {
             if self.settled {
                 ""
             } else {
-                "at the states tried last "
+                "at states that were tried "
             },
             self.fracture,
             self.faces,
@@ -122,11 +122,11 @@ enum Slipping<'a> {
         before: &'a [f64],
         effective: &'a [f64],
     },
-    /// At the start of a step, whose faces are to slip from there on.
+    /// At the start of a step, whose faces [near their limits](Attempt::near_limits) are to slip from there on.
     FromRest,
 }
 
-/// States that settle, and whether slip runs away there; where none do, whether it would at those tried last.
+/// States that settle, and whether slip runs away there; where none do, whether it would at those tried.
 pub(super) fn stable(
     attempt: &Attempt<'_>,
     states: Vec<ContactState>,
@@ -140,6 +140,7 @@ pub(super) fn stable(
     }
     let start = x.clone();
     log.unstable = None;
+    log.most_slipping.clear();
     let from = (states.clone(), x.clone());
     let settled = match holding.settle(attempt, states, x, log, observer) {
         Err(reason) => arrest(attempt, from, reason, holding, (log, observer)),
@@ -176,10 +177,18 @@ pub(super) fn stable(
         }
         Err(reason) => {
             if reason.may_be_cut() && !log.states.is_empty() {
-                let tried = (&log.states[..], &start);
-                // what fails here, too, says nothing
-                let patch = instability(attempt, tried, Slipping::FromRest, holding, observer);
-                log.unstable = patch.ok().flatten();
+                // where slip runs away Newton sends faces back to stick, so that the last states may show nothing
+                let tried = [&log.states, &log.most_slipping];
+                let mut tried = tried
+                    .map(|states| attempt.near_limits(states, &start))
+                    .to_vec();
+                tried.dedup();
+                log.unstable = tried.iter().find_map(|states| {
+                    let at = (&states[..], &start);
+                    // what fails here, too, says nothing
+                    let patch = instability(attempt, at, Slipping::FromRest, holding, observer);
+                    patch.ok().flatten()
+                });
             }
             Err(reason)
         }
@@ -206,6 +215,23 @@ fn before_opening(
         x.t[3 * f..3 * f + 3].copy_from_slice(&start.t[3 * f..3 * f + 3]);
     }
     Some((states, x))
+}
+
+impl Attempt<'_> {
+    /// The same states where only those faces slip that are near their limits in `x`: the others stick, so that what is found of slip that
+    /// runs away is not of rounds that went astray.
+    fn near_limits(&self, states: &[ContactState], x: &Iterate) -> Vec<ContactState> {
+        let is_near = |f: usize| {
+            let slip = self.problem.so_far(f, self.start).slip();
+            let limit = (self.problem.friction_in(f, self.start)).limit(x.t[3 * f], slip);
+            x.t[3 * f + 1].hypot(x.t[3 * f + 2]) >= NEAR * limit
+        };
+        let near = states.iter().enumerate().map(|(f, state)| match state {
+            ContactState::NewSlip | ContactState::Slip if !is_near(f) => ContactState::Stick,
+            state => *state,
+        });
+        near.collect()
+    }
 }
 
 /// The patch that runs away at these states, if one does.
@@ -303,7 +329,7 @@ pub(super) struct Weak {
 }
 
 impl Weak {
-    /// `None` for a face that does not weaken, or at rest is not near its limit.
+    /// `None` for a face that does not weaken.
     fn new(attempt: &Attempt<'_>, f: usize, x: &Iterate, slipping: Slipping<'_>) -> Option<Self> {
         let t = [x.t[3 * f + 1], x.t[3 * f + 2]];
         let shear = t[0].hypot(t[1]);
@@ -312,7 +338,7 @@ impl Weak {
         let before = so_far.slip();
         let friction = attempt.problem.friction_in(f, attempt.start);
         let end = x.t[3 * f];
-        let (moved, slip, begins, normal) = match slipping {
+        let (moved, slip, normal) = match slipping {
             Slipping::Settled {
                 effective,
                 before: start,
@@ -320,17 +346,14 @@ impl Weak {
             } => {
                 let moved = [1, 2].map(|k| effective[3 * f + k] - attempt.start.jump[3 * f + k]);
                 let slip = m[0] * moved[0] + m[1] * moved[1];
-                (moved, slip, true, end.min(start[3 * f]))
+                (moved, slip, end.min(start[3 * f]))
             }
-            Slipping::FromRest => {
-                let limit = friction.limit(end, before);
-                ([0.0; 2], 1.0, shear >= NEAR * limit, end)
-            }
+            Slipping::FromRest => ([0.0; 2], 1.0, end),
         };
         // ds/dΔg along m; slip that turns back heals where friction follows the vector
         let along = so_far.after(moved).share(m);
         let rate = -friction.by_slip(normal, before) * along;
-        let weakens = begins && shear > 0.0 && slip > 0.0 && rate > 0.0;
+        let weakens = shear > 0.0 && slip > 0.0 && rate > 0.0;
         weakens.then_some(Self {
             face: f,
             direction: m,

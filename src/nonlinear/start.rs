@@ -29,6 +29,18 @@ pub struct Start {
 }
 
 impl Start {
+    /// Of so many faces on which nothing acts yet.
+    pub fn at_rest(faces: usize) -> Self {
+        Self {
+            jump: vec![0.0; 3 * faces],
+            slip: vec![0.0; 2 * faces],
+            path: Vec::new(),
+            t: vec![0.0; 3 * faces],
+            torn: Vec::new(),
+            limits_at: Vec::new(),
+        }
+    }
+
     /// True for a face that opened and closed again within the step.
     pub fn is_torn(&self, face: usize) -> bool {
         self.torn.get(face).copied().unwrap_or(false)

@@ -45,10 +45,8 @@ fn point(problem: &ContactProblem<'_>) -> (Vec<f64>, Vec<f64>, Start) {
     let mut start = Start {
         jump: numbers(3 * faces, 3).iter().map(|v| 1e-5 * v).collect(),
         slip: numbers(2 * faces, 7).iter().map(|v| 1e-5 * v).collect(),
-        path: Vec::new(),
         t: numbers(3 * faces, 4).iter().map(|v| 1e5 * v).collect(),
-        torn: Vec::new(),
-        limits_at: Vec::new(),
+        ..Start::at_rest(faces)
     };
     start.t.iter_mut().step_by(3).for_each(|t| *t = 0.0);
     (u, t, start)

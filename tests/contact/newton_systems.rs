@@ -30,14 +30,7 @@ fn its_products_are_those_of_the_operator_in_every_state() {
     let u: Vec<f64> = (0..n_u).map(|k| 1e-4 * number(k)).collect();
     let t: Vec<f64> = (0..n_t).map(|k| 1e5 * number(k + 7) - 2e5).collect();
     let load = problem.loads().at(0.0, 1.0);
-    let start = Start {
-        jump: vec![0.0; n_t],
-        slip: vec![0.0; n_t / 3 * 2],
-        path: Vec::new(),
-        t: vec![0.0; n_t],
-        torn: Vec::new(),
-        limits_at: Vec::new(),
-    };
+    let start = Start::at_rest(n_t / 3);
     let h = problem.stabilization(&states);
     let at = problem.evaluate(&states, h.as_ref(), [&u, &t], &start, &load);
     let blocks = problem.assembled(&states, h.as_ref(), &at, false).unwrap();

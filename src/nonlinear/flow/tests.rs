@@ -39,14 +39,7 @@ fn the_jacobian_of_three_fields_is_the_derivative_in_every_state() {
             .map(|_| ContactState::ALL[(number(0.0, 4.0) as usize).min(3)])
             .collect();
         let load = problem.loads().at(0.0, 1.0);
-        let start = Start {
-            jump: vec![0.0; 3 * faces],
-            slip: vec![0.0; 2 * faces],
-            path: Vec::new(),
-            t: vec![0.0; 3 * faces],
-            torn: Vec::new(),
-            limits_at: Vec::new(),
-        };
+        let start = Start::at_rest(faces);
         let x = Iterate {
             u: (0..body.constraints.free_len())
                 .map(|_| number(-1e-3, 1e-3))
