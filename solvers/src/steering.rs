@@ -46,9 +46,19 @@ impl<S> Setting<S> {
     }
 }
 
+/// A number, with an exponent in place of many zeros.
+fn digits(value: f64) -> String {
+    const LONGEST: usize = 24;
+    let plain = value.to_string();
+    match plain.len() <= LONGEST {
+        true => plain,
+        false => format!("{value:e}"),
+    }
+}
+
 /// A setting beyond its range.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("{name} = {value}: expected a number from {} to {}", range[0], range[1])]
+#[error("{name} = {}: expected a number from {} to {}", digits(*value), digits(range[0]), digits(range[1]))]
 pub struct OutOfRange {
     /// Its key.
     pub name: &'static str,
@@ -162,5 +172,12 @@ mod tests {
             refused.contains("share = 2: expected a number from 0 to 1"),
             "{refused}"
         );
+        let refused = OutOfRange {
+            name: "share",
+            value: 0.5,
+            range: [1.0, 1e300],
+        };
+        let refused = refused.to_string();
+        assert_eq!(refused, "share = 0.5: expected a number from 1 to 1e300");
     }
 }

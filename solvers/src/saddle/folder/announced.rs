@@ -3,9 +3,13 @@
 use super::{FolderError, Manifest};
 use crate::saddle::SaddleBlocks;
 use fracas_operators::sparse::SparseMatrix;
+use fracas_operators::vector::norm2;
 use std::path::Path;
 
-/// Stops where the manifest contradicts the files: sizes, states, blocks that it lists and that are lost, or that its list leaves out and
+/// Difference of norms, relative to them, that sums in another order may make. Unit: 1.
+const SAME: f64 = 1e-10;
+
+/// Stops where the manifest contradicts the files: sizes, norms, states, blocks that it lists and that are lost, or that its list leaves out and
 /// that are there, right-hand sides that it lists and that are lost, a stabilization that
 /// it says and that is lost, or that it denies and that is there; and where a list is empty beside files of its sort. An H of zeros contradicts
 /// nothing.
@@ -40,6 +44,7 @@ pub(super) fn contradictions(
         }
     }
     states(manifest, blocks.n_t())?;
+    numbers(manifest, blocks)?;
     empty_lists(folder, manifest, exists)?;
     for name in ["H", "B2", "Q1", "Q2", "T"] {
         let file = format!("{name}.mtx");
@@ -92,6 +97,47 @@ pub(super) fn contradictions(
         }),
         _ => Ok(()),
     }
+}
+
+/// Frobenius norms of the blocks and of the right-hand sides that are there, by name.
+pub(super) fn norms(blocks: &SaddleBlocks) -> Vec<(&'static str, f64)> {
+    let flow = blocks.flow.as_ref();
+    let matrices = [
+        ("A", Some(&blocks.a)),
+        ("B1", Some(&blocks.b1)),
+        ("B2", blocks.b2.as_ref()),
+        ("H", blocks.h.as_ref()),
+        ("Q1", flow.map(|flow| &flow.q1)),
+        ("Q2", flow.map(|flow| &flow.q2)),
+        ("T", flow.map(|flow| &flow.t)),
+    ];
+    let sides = [
+        ("rhs_u", Some(&blocks.rhs_u)),
+        ("rhs_t", Some(&blocks.rhs_t)),
+        ("rhs_p", flow.map(|flow| &flow.rhs_p)),
+    ];
+    let matrices = matrices.map(|(name, block)| (name, block.map(|block| norm2(block.data()))));
+    let sides = sides.map(|(name, side)| (name, side.map(|side| norm2(side))));
+    let all = matrices.into_iter().chain(sides);
+    all.filter_map(|(name, norm)| Some((name, norm?))).collect()
+}
+
+/// The numbers of a file are those that were written beside the manifest, up to their norm: so it is the scene's.
+fn numbers(manifest: &Manifest, blocks: &SaddleBlocks) -> Result<(), FolderError> {
+    for (name, found) in norms(blocks) {
+        let Some(says) = manifest.norm(name)? else {
+            continue;
+        };
+        if (says - found).abs() > SAME * found {
+            return Err(FolderError::Norm {
+                file: format!("{name}.mtx"),
+                says,
+                found,
+                scene: manifest.scene.clone(),
+            });
+        }
+    }
+    Ok(())
 }
 
 /// A list without names tells nothing of the files that are there.

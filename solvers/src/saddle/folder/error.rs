@@ -107,6 +107,28 @@ pub enum FolderError {
         /// Key and value.
         says: String,
     },
+    /// No norm.
+    #[error("manifest.json says that {name} has the norm {says}: that is a number, 0 or larger")]
+    NormValue {
+        /// Block or right-hand side.
+        name: String,
+        /// As written.
+        says: String,
+    },
+    /// Numbers that were not written beside the manifest.
+    #[error(
+        "manifest.json says that {file} has the Frobenius norm {says:e}, but it has {found:e}: it is not the file that was written{}; put that file back, or take its norm out of the manifest", scene.as_ref().map_or(String::new(), |scene| format!(" for scene \"{scene}\""))
+    )]
+    Norm {
+        /// The file.
+        file: String,
+        /// In the manifest.
+        says: f64,
+        /// In the file.
+        found: f64,
+        /// Of the manifest.
+        scene: Option<String>,
+    },
     /// A diagonal block must be square.
     #[error("{file} is {found}; it must be square")]
     NotSquare {

@@ -1,5 +1,6 @@
 //! Writing a system folder.
 
+use super::announced::norms;
 use super::compare::asymmetry;
 use super::import::FILES;
 use super::{FolderError, Manifest, SYMMETRY_TOLERANCE, coordinates};
@@ -10,7 +11,7 @@ use std::path::Path;
 /// What a manifest of ours says of who wrote it.
 const OURS: &str = concat!("fracas ", env!("CARGO_PKG_VERSION"));
 
-/// Writes blocks and manifest; sizes and blocks of the manifest are filled in, and the version unless it names another program.
+/// Writes blocks and manifest; sizes, blocks and norms of the manifest are filled in, and the version unless it names another program.
 ///
 /// The folder is created if needed. Files of an earlier system that this one does not have (say `H.mtx`) are removed,
 /// since their presence has a meaning.
@@ -92,6 +93,10 @@ pub fn write_folder(
     manifest
         .other
         .insert(Manifest::SIDES.into(), sides.to_vec().into());
+    let norms = norms(blocks).into_iter();
+    let norms = norms.map(|(name, norm)| (name.to_owned(), norm.into()));
+    let norms = serde_json::Value::Object(norms.collect());
+    manifest.other.insert(Manifest::NORMS.into(), norms);
     let file = at("manifest.json");
     let text = match one_key_a_line(&manifest) {
         Ok(text) => text,

@@ -7,8 +7,9 @@ use serde::{Deserialize, Serialize};
 ///
 /// Of these [`read_folder`](super::read_folder) holds against the files, where they are there: the sizes; `stabilization` (the
 /// factor of H, or true or false: whether there is an H, as matrices do not tell which factor it has); `blocks` (names such as
-/// `["A", "B1", "H"]`, in both directions); `right_hand_sides` (names such as `["rhs_u"]`, that none is lost); `states`. Neither list is empty
-/// beside files that belong into it. `scene` and `units` (text), `step` and `newton` (numbers from 0) are what the writer says: matrices do not tell.
+/// `["A", "B1", "H"]`, in both directions); `right_hand_sides` (names such as `["rhs_u"]`, that none is lost); `norms` (Frobenius norms
+/// by name, such as `{"A": 3.1e10}`: that no file is one of another scene, step or iteration); `states`. Neither list is empty beside files that
+/// belong into it. `scene` and `units` (text), `step` and `newton` (numbers from 0) are what the writer says: matrices do not tell.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
     /// Program and version that wrote the folder.
@@ -52,6 +53,30 @@ impl Manifest {
 
     /// The key of [`is_stabilized`](Self::is_stabilized).
     pub(super) const STABILIZATION: &'static str = "stabilization";
+
+    /// The key of [`norm`](Self::norm).
+    pub(super) const NORMS: &'static str = "norms";
+
+    /// The Frobenius norm that it says of a block or of a right-hand side; `None` where it says none.
+    ///
+    /// # Errors
+    /// [`FolderError::NormValue`] for what is no norm.
+    pub(super) fn norm(&self, name: &str) -> Result<Option<f64>, FolderError> {
+        let Some(said) = self
+            .other
+            .get(Self::NORMS)
+            .and_then(|norms| norms.get(name))
+        else {
+            return Ok(None);
+        };
+        match said.as_f64() {
+            Some(norm) if norm >= 0.0 => Ok(Some(norm)),
+            _ => Err(FolderError::NormValue {
+                name: name.to_owned(),
+                says: said.to_string(),
+            }),
+        }
+    }
 
     /// True where it says that there is a jump stabilization, false where it says that there is none, `None` where it says neither in a folder
     /// of another code.

@@ -124,6 +124,9 @@ fn a_system_survives_the_round_trip_bit_for_bit() {
     assert_eq!(listed.to_string(), r#"["A","B1","B2","H","Q1","Q2","T"]"#);
     let sides = other.remove("right_hand_sides").unwrap();
     assert_eq!(sides.to_string(), r#"["rhs_u","rhs_t","rhs_p"]"#);
+    let norms = other.remove("norms").unwrap();
+    let names: Vec<&String> = norms.as_object().unwrap().keys().collect();
+    assert_eq!(names.len(), 10, "{names:?}");
     assert_eq!(other, manifest.other);
     assert!(matches!(
         &read.findings[..],

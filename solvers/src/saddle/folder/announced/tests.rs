@@ -185,3 +185,46 @@ fn what_is_written_fits_its_manifest_and_a_file_that_is_lost_does_not() {
         }
     }
 }
+
+/// A file of another scene, step or iteration has the same sizes.
+#[test]
+fn a_file_that_was_not_written_beside_the_manifest_is_an_error() {
+    let written = folder("own");
+    let scene = Manifest {
+        scene: Some("cycle".into()),
+        ..Manifest::default()
+    };
+    write_folder(&written, &system(), &scene).unwrap();
+    assert!(read_folder(&written).is_ok());
+    let other = folder("other");
+    let twice = |values: &[f64]| values.iter().map(|v| 2.0 * v).collect::<Vec<f64>>();
+    let blocks = SaddleBlocks {
+        a: system().a.map(|v| 2.0 * v),
+        b1: system().b1.map(|v| 2.0 * v),
+        h: system().h.map(|h| h.map(|v| 2.0 * v)),
+        rhs_u: twice(&system().rhs_u),
+        rhs_t: twice(&system().rhs_t),
+        ..system()
+    };
+    write_folder(&other, &blocks, &scene).unwrap();
+    for name in ["A", "B1", "H", "rhs_u", "rhs_t"] {
+        let file = format!("{name}.mtx");
+        std::fs::copy(other.join(&file), written.join(&file)).unwrap();
+        let error = read_folder(&written).unwrap_err().to_string();
+        let says = format!("manifest.json says that {file} has the Frobenius norm");
+        assert!(error.starts_with(&says), "{error}");
+        assert!(error.contains("for scene \"cycle\""), "{error}");
+        write_folder(&written, &system(), &scene).unwrap();
+    }
+    for norm in ["-1", "\"x\"", "null"] {
+        let error = with_manifest(&system(), &format!(r#"{{"norms": {{"A": {norm}}}}}"#));
+        let error = error.unwrap_err();
+        assert!(
+            error.contains(&format!("that A has the norm {norm}:")),
+            "{error}"
+        );
+    }
+    // numbers of another code, to ten digits
+    let norm = norms(&system())[0].1 * (1.0 + 1e-11);
+    with_manifest(&system(), &format!(r#"{{"norms": {{"A": {norm:e}}}}}"#)).unwrap();
+}
