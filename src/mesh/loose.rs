@@ -100,9 +100,7 @@ impl Cluster {
         }
         free
     }
-}
 
-impl Cluster {
     /// The same without bodies that are eliminated.
     fn without(self, is_done: &[bool]) -> Self {
         let mut number = vec![0; is_done.len()];

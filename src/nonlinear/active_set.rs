@@ -67,7 +67,9 @@ pub(super) struct Log {
     pub(super) events: Vec<Event>,
     /// States of the last round.
     pub(super) states: Vec<ContactState>,
-    /// Those of the attempt in which most faces slip.
+    /// What fails is asked whether slip runs away: no shorter step follows.
+    pub(super) asks: bool,
+    /// The states of the attempt in which most faces that weaken slip, where that is asked.
     pub(super) most_slipping: Vec<ContactState>,
     /// Faces that changed in the last round in which some did.
     pub(super) changing: Vec<usize>,
@@ -84,13 +86,18 @@ impl Log {
         iterations.sum::<usize>() >= SPENT * most
     }
 
-    /// A round begins in these states.
-    pub(super) fn tries(&mut self, states: &[ContactState]) {
+    /// States that a round tries, or that a step of Newton on all faces has led to.
+    pub(super) fn tries(&mut self, attempt: &Attempt<'_>, states: &[ContactState]) {
         self.states.clear();
         self.states.extend_from_slice(states);
+        if !self.asks {
+            return;
+        }
+        let weakens =
+            |f: &usize| (attempt.problem.friction_in(*f, attempt.start).weakening).is_some();
         let slipping = |states: &[ContactState]| {
-            let slips = |s: &&ContactState| s.constrained() == 1;
-            states.iter().filter(slips).count()
+            let slip = (0..states.len()).filter(|f| states[*f].constrained() == 1);
+            slip.filter(weakens).count()
         };
         if self.most_slipping.is_empty() || slipping(states) > slipping(&self.most_slipping) {
             self.most_slipping.clone_from(&self.states);

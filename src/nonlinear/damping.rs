@@ -11,6 +11,11 @@ const STANDS: f64 = 0.02;
 /// Growth of corrections that slip running away is given at most. Unit: 1.
 const GROWTH: f64 = 3.0;
 
+/// Steps in a row without a lower residual after which it is taken to lead nowhere: as many as one face takes at most to come to rest
+/// wherever it is next to critical. Of 114 continuations that came to rest on random networks one took 39 and the others 13 at most; those that
+/// did not took 98 of the 100 that a round allows. Unit: 1.
+pub(super) const WANDERS: usize = 60;
+
 /// Damped (pseudo-dynamic) continuation at fixed states: tangents K − θ W keep the share θ of the derivative W of weakening, so that
 /// `(1 − θ) W` is the viscosity of an implicit step, and its corrections follow
 /// ```text
@@ -90,7 +95,7 @@ mod tests {
                     s += correction;
                 }
                 steps += 1;
-                assert!(steps <= 60, "{excess}: {s}");
+                assert!(steps <= WANDERS, "{excess}: {s}");
             }
             let rest = if f / -excess < d && excess < 0.0 {
                 f / -excess

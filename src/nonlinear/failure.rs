@@ -260,6 +260,11 @@ impl Failure {
         self.may_be_cut() && (weakens || !matches!(self, Self::Inaccurate { .. }))
     }
 
+    /// True where slip that runs away may be why: not what a fluid lacks.
+    pub(super) fn may_be_of_slip(&self) -> bool {
+        self.may_be_cut() && !matches!(self, Self::Drained { .. } | Self::Emptied { .. })
+    }
+
     /// True where states do not settle, or ask of Newton what it does not find.
     pub(super) fn is_of_states(&self) -> bool {
         matches!(self, Self::ActiveSet { .. } | Self::Newton { .. })

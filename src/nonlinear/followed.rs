@@ -105,7 +105,7 @@ impl Search<'_, '_> {
                 return Err(Failure::Torn { faces: torn });
             }
             let changed = count_changes(&found, &before);
-            log.tries(&found);
+            log.tries(self.attempt, &found);
             before = found;
             let step = Step::Round {
                 round: round + 1,

@@ -57,6 +57,14 @@ impl ContactProblem<'_> {
         self.by_path.contains(&true)
     }
 
+    /// The paths of slip of faces that have not slipped; empty where no friction follows them.
+    pub(super) fn no_path(&self) -> Vec<f64> {
+        match self.follows_paths() {
+            true => vec![0.0; self.faces().len()],
+            false => Vec::new(),
+        }
+    }
+
     /// True where the friction of a fracture weakens with slip.
     pub fn weakens(&self) -> bool {
         self.weakens

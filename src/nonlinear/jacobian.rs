@@ -41,6 +41,16 @@ pub struct ContactJacobian<'a> {
     pub(super) layout: Layout,
 }
 
+/// What stands for the tractions of a product, each in its place.
+pub(super) struct Tractions<'x> {
+    /// What pushes on the rock: x_t of B.
+    pub(super) pushing: &'x [f64],
+    /// What H acts on.
+    pub(super) acting: &'x [f64],
+    /// What the laws of the faces take: x_t of L.
+    pub(super) in_law: &'x [f64],
+}
+
 impl ContactJacobian<'_> {
     /// True where every face is in stick or open: J is symmetric on the x that meet the laws `−λ t = b_l` of open faces.
     pub fn is_symmetric(&self) -> bool {
@@ -49,9 +59,7 @@ impl ContactJacobian<'_> {
             .into_iter()
             .all(|face| *face == FaceTangent::STICK || face.is_open())
     }
-}
 
-impl ContactJacobian<'_> {
     /// Its blocks, made of those with every face in stick, tractions in the same unit.
     pub(super) fn blocks(&self, stick: SaddleBlocks) -> SaddleBlocks {
         let Some(faces) = &self.faces else {
@@ -74,19 +82,7 @@ impl ContactJacobian<'_> {
             ..stick
         }
     }
-}
 
-/// What stands for the tractions of a product, each in its place.
-pub(super) struct Tractions<'x> {
-    /// What pushes on the rock: x_t of B.
-    pub(super) pushing: &'x [f64],
-    /// What H acts on.
-    pub(super) acting: &'x [f64],
-    /// What the laws of the faces take: x_t of L.
-    pub(super) in_law: &'x [f64],
-}
-
-impl ContactJacobian<'_> {
     /// `y_u ← y_u + α (A x_u + B t_B)`, `y_t ← y_t + α (D (Bᵀ x_u − H t_H) − L t_L)`.
     pub(super) fn add_parts(
         &self,
@@ -160,7 +156,7 @@ impl LinearOperator<f64> for ContactJacobian<'_> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use crate::contact::ContactState;
-    use crate::nonlinear::{ContactProblem, Start};
+    use crate::nonlinear::ContactProblem;
     use crate::scene::sample::Sample;
     use fracas_operators::LinearOperator;
     use fracas_operators::random::Random;
@@ -172,7 +168,7 @@ mod tests {
         let body = Sample::crossing([8, 4, 8], [0.0; 2], 4.0).body();
         let problem = ContactProblem::new(&body).unwrap();
         let (faces, unit) = (problem.faces().len(), problem.saddle().unit());
-        let start = Start::at_rest(faces);
+        let start = problem.at_rest();
         let load = problem.loads().at(0.0, 1.0);
         for case in 0..4 {
             let states: Vec<ContactState> = (0..faces)

@@ -2,7 +2,6 @@
 
 use super::active_set::{Log, Settled, active_set};
 use super::assembled::Assembled;
-use super::chosen::chosen;
 use super::jacobian::FaceTangent;
 use super::kept::{Kept, Ready};
 use super::krylov::{self, Asked, Solved, small_eigenvalue};
@@ -71,7 +70,7 @@ pub(super) struct Linear {
 impl Linear {
     pub(super) fn new(problem: &ContactProblem<'_>) -> Self {
         Self {
-            settings: chosen(problem),
+            settings: problem.body().preconditioner(),
             max_krylov: problem.body().solver.max_krylov,
             c: StickC::default(),
             stick: None,

@@ -18,7 +18,6 @@ mod active_set;
 mod all_steps;
 mod arrest;
 mod assembled;
-mod chosen;
 mod coupled;
 mod creeping;
 mod cycling;
@@ -59,6 +58,7 @@ mod state;
 mod state_c;
 mod state_rows;
 mod times;
+mod tried;
 mod turns;
 mod workspace;
 

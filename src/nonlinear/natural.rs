@@ -305,7 +305,7 @@ mod tests {
         let body = crossing().body();
         let problem = ContactProblem::new(&body).unwrap();
         let faces = problem.faces().len();
-        let (start, load) = (Start::at_rest(faces), problem.loads().at(0.0, 1.0));
+        let (start, load) = (problem.at_rest(), problem.loads().at(0.0, 1.0));
         let h = problem.stabilization(&vec![ContactState::Stick; faces]);
         let kappa: Vec<f64> = problem.compliance().iter().map(|w| 3.0 / w).collect();
         let mut slips = 0;
@@ -362,7 +362,7 @@ mod tests {
             }));
             let problem = ContactProblem::new(&body).unwrap();
             let faces = problem.faces().len();
-            let (start, load) = (Start::at_rest(faces), problem.loads().at(0.0, 1.0));
+            let (start, load) = (problem.at_rest(), problem.loads().at(0.0, 1.0));
             let attempt = Attempt {
                 problem: &problem,
                 start: &start,

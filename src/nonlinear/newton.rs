@@ -1,6 +1,6 @@
 //! Newton's method at fixed contact states.
 
-use super::damping::Damping;
+use super::damping::{Damping, WANDERS};
 use super::krylov::Solved;
 use super::linear::Linear;
 use super::record::count;
@@ -21,10 +21,6 @@ pub(super) const BACKTRACKS: usize = 6;
 
 /// Least relative decrease of the residual for a share of the correction (Armijo). Unit: 1.
 pub(super) const DECREASE: f64 = 1e-4;
-
-/// Steps of damped continuation in a row without a lower residual, after which it is taken to lead nowhere: of 102 continuations that came to
-/// rest on random networks none took more than 13, and of those that did not each took 98 of the 100 that a round allows. Unit: 1.
-const WANDERS: usize = 25;
 
 /// Where the iteration stands; tractions and pressures in Pa.
 #[derive(Clone, Debug)]

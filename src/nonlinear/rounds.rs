@@ -153,7 +153,7 @@ impl Search<'_, '_> {
         for done in 0..most {
             let round = log.rounds;
             log.rounds += 1;
-            log.tries(&states);
+            log.tries(attempt, &states);
             // what is linear is solved at once
             let least = match attempt.is_linear(&states) {
                 true => settings.rounds.loose_steps.min(settings.max_newton),
@@ -287,10 +287,7 @@ impl Search<'_, '_> {
                         match self.enough(attempt, stands, (x, &at, residual))? {
                             Ok(enough) => judged = Some(enough),
                             Err(failure) => {
-                                // a large residual is not one that rounding leaves
-                                let failure = failure
-                                    .filter(|_| residual <= settings.rounds.loose)
-                                    .unwrap_or(until.missed(residual, taken));
+                                let failure = failure.unwrap_or(until.missed(residual, taken));
                                 return Ok(unsolved(states, failure, (log, round)));
                             }
                         }
@@ -356,7 +353,12 @@ impl Search<'_, '_> {
         Ok(match (&self.accuracy, errors) {
             (Some(accuracy), Some((judged, _))) => match accuracy.accepts(judged, residual) {
                 Ok(_) => Ok(judged),
-                Err(failure) => Err(Some(failure)),
+                // a large residual is not one that rounding leaves
+                Err(failure) => {
+                    let rounding = self.attempt.problem.body().solver.rounds.loose;
+                    let is_small = residual <= rounding || attempt.is_linear(stands.0);
+                    Err(Some(failure).filter(|_| is_small))
+                }
             },
             _ => Err(None),
         })

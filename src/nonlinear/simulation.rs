@@ -163,6 +163,8 @@ impl<'a> Simulation<'a> {
         }
         loop {
             let target = self.times.target(state, increment);
+            let is_shortest = 0.5 * length(state, target) < limits.shortest;
+            log.asks = is_shortest && cuts_are_many && solver.unstable == Unstable::Stop;
             let outcome = self.attempt_twice(state, target, &mut attempts, &mut log, observer);
             match outcome {
                 Ok((mut settled, load)) => {
@@ -248,8 +250,7 @@ impl<'a> Simulation<'a> {
                 Err(reason) => {
                     // one that no halving has avoided
                     let stops = solver.unstable == Unstable::Stop && cuts_are_many;
-                    let is_shortest = 0.5 * length(state, target) < limits.shortest;
-                    let tried = log.unstable.take().filter(|_| stops && is_shortest);
+                    let tried = log.unstable.take();
                     let settled = runs_away.filter(|_| stops && is_shown(&runaways));
                     let patch = tried.or(settled.filter(|_| reason.is_of_states()));
                     // where f64 has no digits to set up the stuck body, failing says nothing of what slipping faces hold

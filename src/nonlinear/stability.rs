@@ -3,6 +3,7 @@
 use super::active_set::{Log, Settled};
 use super::arrest::arrest;
 use super::newton::{Attempt, Iterate};
+use super::tried::tried;
 use super::{ContactProblem, Event, Failure, LinearFailure, Load};
 use crate::analytic::{Rock, nucleation_half_length};
 use crate::contact::ContactState;
@@ -25,9 +26,6 @@ const MOST: usize = 30;
 
 /// Share of the largest slip of the mode that a face of the patch has at least. Unit: 1.
 const OF_PATCH: f64 = 0.1;
-
-/// Share of its limit that the shear of a face has from which on it may be taken to begin to slip. Unit: 1.
-const NEAR: f64 = 0.9;
 
 /// Halvings over which slip that runs away is compared.
 pub(super) const COMPARED: usize = 3;
@@ -114,7 +112,7 @@ pub(super) type AtLimits<'a> =
 
 /// Where slip that runs away is looked for.
 #[derive(Clone, Copy)]
-enum Slipping<'a> {
+pub(super) enum Slipping<'a> {
     /// In equilibrium: the largest traction so far and the tractions at the start of the step [Pa], and the jumps that the laws of the
     /// faces see [m].
     Settled {
@@ -122,7 +120,7 @@ enum Slipping<'a> {
         before: &'a [f64],
         effective: &'a [f64],
     },
-    /// At the start of a step, whose faces [near their limits](Attempt::near_limits) are to slip from there on.
+    /// At the start of a step, whose faces [near their limits](super::tried) are to slip from there on.
     FromRest,
 }
 
@@ -140,6 +138,7 @@ pub(super) fn stable(
     }
     let start = x.clone();
     log.unstable = None;
+    log.changing.clear();
     log.most_slipping.clear();
     let from = (states.clone(), x.clone());
     let settled = match holding.settle(attempt, states, x, log, observer) {
@@ -176,19 +175,8 @@ pub(super) fn stable(
             Ok(settled)
         }
         Err(reason) => {
-            if reason.may_be_cut() && !log.states.is_empty() {
-                // where slip runs away Newton sends faces back to stick, so that the last states may show nothing
-                let tried = [&log.states, &log.most_slipping];
-                let mut tried = tried
-                    .map(|states| attempt.near_limits(states, &start))
-                    .to_vec();
-                tried.dedup();
-                log.unstable = tried.iter().find_map(|states| {
-                    let at = (&states[..], &start);
-                    // what fails here, too, says nothing
-                    let patch = instability(attempt, at, Slipping::FromRest, holding, observer);
-                    patch.ok().flatten()
-                });
+            if log.asks && reason.may_be_of_slip() && !log.states.is_empty() {
+                log.unstable = tried(attempt, &start, holding, log, observer)?;
             }
             Err(reason)
         }
@@ -217,23 +205,6 @@ fn before_opening(
     Some((states, x))
 }
 
-impl Attempt<'_> {
-    /// The same states where only those faces slip that are near their limits in `x`: the others stick, so that what is found of slip that
-    /// runs away is not of rounds that went astray.
-    fn near_limits(&self, states: &[ContactState], x: &Iterate) -> Vec<ContactState> {
-        let is_near = |f: usize| {
-            let slip = self.problem.so_far(f, self.start).slip();
-            let limit = (self.problem.friction_in(f, self.start)).limit(x.t[3 * f], slip);
-            x.t[3 * f + 1].hypot(x.t[3 * f + 2]) >= NEAR * limit
-        };
-        let near = states.iter().enumerate().map(|(f, state)| match state {
-            ContactState::NewSlip | ContactState::Slip if !is_near(f) => ContactState::Stick,
-            state => *state,
-        });
-        near.collect()
-    }
-}
-
 /// The patch that runs away at these states, if one does.
 ///
 /// With slip frozen in its directions m and every limit given, an increase of all limits by τ holds back the slip
@@ -246,7 +217,7 @@ impl Attempt<'_> {
 ///
 /// # Cost
 /// A linear system per iteration; none where nothing has weakened.
-fn instability(
+pub(super) fn instability(
     attempt: &Attempt<'_>,
     (states, x): (&[ContactState], &Iterate),
     slipping: Slipping<'_>,
@@ -297,24 +268,25 @@ fn instability(
             }
         }
     };
+    if ratio <= 1.0 + SOLVED {
+        return Ok(None);
+    }
     let Ok(mode) = lanczos.largest_vector() else {
         return Ok(None);
     };
     let mode: Vec<f64> = mode.iter().zip(&weights).map(|(v, w)| v / w).collect();
     let size = norm_inf(&mode);
     let mode: Vec<f64> = mode.iter().map(|z| z / size).collect();
-    Ok((ratio > 1.0 + SOLVED).then(|| {
-        let patch = patch(problem, &faces, &mode, ratio);
-        Box::new(match slipping {
-            Slipping::Settled { .. } => patch,
-            // none was found where none settled
-            Slipping::FromRest => Instability {
-                slip: 0.0,
-                settled: false,
-                ..patch
-            },
-        })
-    }))
+    let patch = patch(problem, &faces, &mode, ratio);
+    Ok(Some(Box::new(match slipping {
+        Slipping::Settled { .. } => patch,
+        // none was found where none settled
+        Slipping::FromRest => Instability {
+            slip: 0.0,
+            settled: false,
+            ..patch
+        },
+    })))
 }
 
 /// A face that slips and weakens.

@@ -1,5 +1,7 @@
 //! What a step begins from, and what pushes on the body.
 
+use super::ContactProblem;
+
 /// What pushes on the body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Load {
@@ -28,19 +30,22 @@ pub struct Start {
     pub limits_at: Vec<f64>,
 }
 
-impl Start {
-    /// Of so many faces on which nothing acts yet.
-    pub fn at_rest(faces: usize) -> Self {
-        Self {
+impl ContactProblem<'_> {
+    /// Where nothing has happened yet.
+    pub fn at_rest(&self) -> Start {
+        let faces = self.faces().len();
+        Start {
             jump: vec![0.0; 3 * faces],
             slip: vec![0.0; 2 * faces],
-            path: Vec::new(),
+            path: self.no_path(),
             t: vec![0.0; 3 * faces],
             torn: Vec::new(),
             limits_at: Vec::new(),
         }
     }
+}
 
+impl Start {
     /// True for a face that opened and closed again within the step.
     pub fn is_torn(&self, face: usize) -> bool {
         self.torn.get(face).copied().unwrap_or(false)

@@ -87,10 +87,7 @@ impl Simulation<'_> {
             p: self.problem.initial_pressures(0.0),
             states: faces.iter().map(open).collect(),
             slip: vec![0.0; 2 * faces.len()],
-            path: match self.problem.follows_paths() {
-                true => vec![0.0; faces.len()],
-                false => Vec::new(),
-            },
+            path: self.problem.no_path(),
             creep: self.problem.uncrept(),
             released: vec![false; faces.len()],
             torn: vec![false; faces.len()],

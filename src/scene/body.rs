@@ -8,6 +8,7 @@ use crate::creep::Initial;
 use crate::elasticity::{Constraints, Elastic, loads};
 use crate::flow::Fluid;
 use crate::mesh::{Audit, FractureFace, FractureMesh, HexMesh, audit};
+use fracas_solvers::saddle::Racp;
 
 /// Share of the way to the centre of an element at which a point lies in it and in no other. Unit: 1.
 const INSIDE: f64 = 1e-9;
@@ -149,6 +150,13 @@ pub struct Body {
 impl Body {
     /// Number of the history of what does not change.
     pub const ALWAYS: usize = 0;
+
+    /// The preconditioner of a run that the scene asks for, or that size and mesh suggest.
+    pub fn preconditioner(&self) -> Racp {
+        let is_grid = self.mesh.grid.as_ref().is_some_and(|grid| !grid.is_thin());
+        let displacements = self.constraints.free_len();
+        self.solver.preconditioner(is_grid, displacements)
+    }
 
     /// σ0 at a point of a region [Pa]; 0 where the scene gives none.
     pub fn initial_stress_at(&self, region: usize, x: [f64; 3]) -> [f64; 6] {

@@ -46,7 +46,7 @@ fn point(problem: &ContactProblem<'_>) -> (Vec<f64>, Vec<f64>, Start) {
         jump: numbers(3 * faces, 3).iter().map(|v| 1e-5 * v).collect(),
         slip: numbers(2 * faces, 7).iter().map(|v| 1e-5 * v).collect(),
         t: numbers(3 * faces, 4).iter().map(|v| 1e5 * v).collect(),
-        ..Start::at_rest(faces)
+        ..problem.at_rest()
     };
     start.t.iter_mut().step_by(3).for_each(|t| *t = 0.0);
     (u, t, start)

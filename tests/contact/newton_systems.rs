@@ -1,7 +1,7 @@
 //! Claim: the assembled Newton systems of a run are those that it solves.
 
 use fracas::contact::ContactState;
-use fracas::nonlinear::{ContactProblem, LinearRecord, NewtonSystemError, Simulation, Start};
+use fracas::nonlinear::{ContactProblem, LinearRecord, NewtonSystemError, Simulation};
 use fracas::scene::named;
 use fracas_operators::LinearOperator;
 use fracas_solvers::Silent;
@@ -30,7 +30,7 @@ fn its_products_are_those_of_the_operator_in_every_state() {
     let u: Vec<f64> = (0..n_u).map(|k| 1e-4 * number(k)).collect();
     let t: Vec<f64> = (0..n_t).map(|k| 1e5 * number(k + 7) - 2e5).collect();
     let load = problem.loads().at(0.0, 1.0);
-    let start = Start::at_rest(n_t / 3);
+    let start = problem.at_rest();
     let h = problem.stabilization(&states);
     let at = problem.evaluate(&states, h.as_ref(), [&u, &t], &start, &load);
     let blocks = problem.assembled(&states, h.as_ref(), &at, false).unwrap();

@@ -1,6 +1,5 @@
 use super::*;
 use crate::flow::{Channel, Fluid};
-use crate::nonlinear::Start;
 use crate::nonlinear::coupled::of_open;
 use crate::nonlinear::factorized::through_pressure;
 use crate::nonlinear::pressed::{CoupledJacobian, Pressed, PressureSolver, of_contact};
@@ -39,7 +38,7 @@ fn the_jacobian_of_three_fields_is_the_derivative_in_every_state() {
             .map(|_| ContactState::ALL[(number(0.0, 4.0) as usize).min(3)])
             .collect();
         let load = problem.loads().at(0.0, 1.0);
-        let start = Start::at_rest(faces);
+        let start = problem.at_rest();
         let x = Iterate {
             u: (0..body.constraints.free_len())
                 .map(|_| number(-1e-3, 1e-3))

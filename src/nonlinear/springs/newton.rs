@@ -163,7 +163,7 @@ pub(super) fn newton(
     let mut damping: Option<Damping> = None;
     let mut turns = Turns::new(states.len());
     for iteration in 0.. {
-        log.tries(&at.states());
+        log.tries(attempt, &at.states());
         turns.see(log.states.iter().copied());
         let torn = turns.torn(attempt);
         if !torn.is_empty() {

@@ -44,7 +44,6 @@ pub(super) fn contradictions(
         }
     }
     states(manifest, blocks.n_t())?;
-    numbers(manifest, blocks)?;
     empty_lists(folder, manifest, exists)?;
     for name in ["H", "B2", "Q1", "Q2", "T"] {
         let file = format!("{name}.mtx");
@@ -64,6 +63,7 @@ pub(super) fn contradictions(
             });
         }
     }
+    numbers(manifest, blocks, exists)?;
     let count = |m: &SparseMatrix<f64>| m.data().iter().filter(|v| **v != 0.0).count();
     let flow = blocks.flow.as_ref();
     for (name, file, block) in [
@@ -122,15 +122,36 @@ pub(super) fn norms(blocks: &SaddleBlocks) -> Vec<(&'static str, f64)> {
     all.filter_map(|(name, norm)| Some((name, norm?))).collect()
 }
 
-/// The numbers of a file are those that were written beside the manifest, up to their norm: so it is the scene's.
-fn numbers(manifest: &Manifest, blocks: &SaddleBlocks) -> Result<(), FolderError> {
-    for (name, found) in norms(blocks) {
-        let Some(says) = manifest.norm(name)? else {
+/// The numbers of a file are those that were written beside the manifest, as far as their norm tells. What the import leaves out, as an H of
+/// zeros or a B2 that is B1ᵀ, has the norm of what it stands for.
+fn numbers(
+    manifest: &Manifest,
+    blocks: &SaddleBlocks,
+    exists: &dyn Fn(&str) -> Result<bool, FolderError>,
+) -> Result<(), FolderError> {
+    let mut all = norms(blocks);
+    for (name, is_left_out, norm) in [
+        ("H", blocks.h.is_none(), 0.0),
+        ("B2", blocks.b2.is_none(), norm2(blocks.b1.data())),
+    ] {
+        if is_left_out {
+            all.push((name, norm));
+        }
+    }
+    for (name, found) in all {
+        let Some(says) = manifest.norm(name)?.filter(|_| found.is_finite()) else {
             continue;
         };
+        let file = format!("{name}.mtx");
+        if !exists(&file)? {
+            return Err(FolderError::Lost {
+                says: format!("{}.{name} = {says:e}", Manifest::NORMS),
+                file,
+            });
+        }
         if (says - found).abs() > SAME * found {
             return Err(FolderError::Norm {
-                file: format!("{name}.mtx"),
+                file,
                 says,
                 found,
                 scene: manifest.scene.clone(),

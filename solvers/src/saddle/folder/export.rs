@@ -93,7 +93,10 @@ pub fn write_folder(
     manifest
         .other
         .insert(Manifest::SIDES.into(), sides.to_vec().into());
-    let norms = norms(blocks).into_iter();
+    // beyond 1e154 squares are no numbers
+    let norms = norms(blocks)
+        .into_iter()
+        .filter(|(_, norm)| norm.is_finite());
     let norms = norms.map(|(name, norm)| (name.to_owned(), norm.into()));
     let norms = serde_json::Value::Object(norms.collect());
     manifest.other.insert(Manifest::NORMS.into(), norms);

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Of these [`read_folder`](super::read_folder) holds against the files, where they are there: the sizes; `stabilization` (the
 /// factor of H, or true or false: whether there is an H, as matrices do not tell which factor it has); `blocks` (names such as
 /// `["A", "B1", "H"]`, in both directions); `right_hand_sides` (names such as `["rhs_u"]`, that none is lost); `norms` (Frobenius norms
-/// by name, such as `{"A": 3.1e10}`: that no file is one of another scene, step or iteration); `states`. Neither list is empty beside files that
+/// by name, such as `{"A": 3.1e10}`: most files of another scene, step or iteration have another); `states`. Neither list is empty beside files that
 /// belong into it. `scene` and `units` (text), `step` and `newton` (numbers from 0) are what the writer says: matrices do not tell.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
@@ -60,21 +60,26 @@ impl Manifest {
     /// The Frobenius norm that it says of a block or of a right-hand side; `None` where it says none.
     ///
     /// # Errors
-    /// [`FolderError::NormValue`] for what is no norm.
+    /// [`FolderError::NormValue`] in a folder of ours for what is no norm.
     pub(super) fn norm(&self, name: &str) -> Result<Option<f64>, FolderError> {
-        let Some(said) = self
-            .other
-            .get(Self::NORMS)
-            .and_then(|norms| norms.get(name))
-        else {
+        let Some(norms) = self.other.get(Self::NORMS) else {
             return Ok(None);
         };
-        match said.as_f64() {
-            Some(norm) if norm >= 0.0 => Ok(Some(norm)),
-            _ => Err(FolderError::NormValue {
+        let refused = |says: &serde_json::Value| {
+            let refusal = || FolderError::NormValue {
                 name: name.to_owned(),
-                says: said.to_string(),
-            }),
+                says: says.to_string(),
+            };
+            // elsewhere the word may mean something else
+            self.is_ours().then(refusal).map_or(Ok(None), Err)
+        };
+        let Some(of_names) = norms.as_object() else {
+            return refused(norms);
+        };
+        match of_names.get(name).map(|said| (said, said.as_f64())) {
+            None => Ok(None),
+            Some((_, Some(norm))) if norm >= 0.0 => Ok(Some(norm)),
+            Some((said, _)) => refused(said),
         }
     }
 

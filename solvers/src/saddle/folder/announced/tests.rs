@@ -3,10 +3,14 @@
 use super::super::tests::{folder, sparse, system};
 use super::super::{read_folder, write_folder};
 use super::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A folder with these blocks and this manifest, whatever it says.
 fn with_manifest(blocks: &SaddleBlocks, manifest: &str) -> Result<(), String> {
-    let folder = folder("announced");
+    // tests that run side by side do not share a folder
+    static FOLDERS: AtomicUsize = AtomicUsize::new(0);
+    let number = FOLDERS.fetch_add(1, Ordering::Relaxed);
+    let folder = folder(&format!("announced-{number}"));
     write_folder(&folder, blocks, &Manifest::default()).unwrap();
     std::fs::write(folder.join("manifest.json"), manifest).unwrap();
     read_folder(&folder)
@@ -217,14 +221,59 @@ fn a_file_that_was_not_written_beside_the_manifest_is_an_error() {
         write_folder(&written, &system(), &scene).unwrap();
     }
     for norm in ["-1", "\"x\"", "null"] {
-        let error = with_manifest(&system(), &format!(r#"{{"norms": {{"A": {norm}}}}}"#));
-        let error = error.unwrap_err();
-        assert!(
-            error.contains(&format!("that A has the norm {norm}:")),
-            "{error}"
-        );
+        let foreign = format!(r#"{{"norms": {{"A": {norm}}}}}"#);
+        assert_eq!(with_manifest(&system(), &foreign), Ok(()));
+        let ours = format!(r#"{{"norms": {{"A": {norm}}}, "version": "fracas 0.1.0"}}"#);
+        let error = with_manifest(&system(), &ours).unwrap_err();
+        let says = format!("that A has the norm {norm}:");
+        assert!(error.contains(&says), "{error}");
     }
+    let ours = r#"{"norms": 3, "version": "fracas 0.1.0"}"#;
+    let error = with_manifest(&system(), ours).unwrap_err();
+    assert!(error.contains("that A has the norm 3:"), "{error}");
     // numbers of another code, to ten digits
     let norm = norms(&system())[0].1 * (1.0 + 1e-11);
     with_manifest(&system(), &format!(r#"{{"norms": {{"A": {norm:e}}}}}"#)).unwrap();
+}
+
+/// What the import leaves out is compared, too, and a file that is lost is told as lost.
+#[test]
+fn norms_of_what_is_left_out_or_lost_are_held() {
+    let zero = SaddleBlocks {
+        h: Some(sparse(3, 3, |_, _| 0.0)),
+        ..system()
+    };
+    let transposed = SaddleBlocks {
+        b2: Some(system().b1.transpose_view().to_csr()),
+        ..system()
+    };
+    for (blocks, name, own, other) in [
+        (&zero, "H", 0.0, 0.17),
+        (&transposed, "B2", norms(&system())[1].1, 0.5),
+    ] {
+        let says = |norm: f64| format!(r#"{{"norms": {{"{name}": {norm:e}}}}}"#);
+        assert_eq!(with_manifest(blocks, &says(own)), Ok(()));
+        let error = with_manifest(blocks, &says(other)).unwrap_err();
+        assert!(
+            error.contains(&format!("{name}.mtx has the Frobenius norm")),
+            "{error}"
+        );
+    }
+    let error = with_manifest(&bare(), r#"{"norms": {"H": 0.17}}"#).unwrap_err();
+    let lost = "manifest.json says norms.H = 1.7e-1, but the folder holds no H.mtx";
+    assert!(error.starts_with(lost), "{error}");
+}
+
+/// Squares of numbers beyond 1e154 are none.
+#[test]
+fn a_norm_beyond_the_numbers_is_left_out() {
+    let folder = folder("beyond");
+    let blocks = SaddleBlocks {
+        a: system().a.map(|v| 1e160 * v),
+        ..system()
+    };
+    write_folder(&folder, &blocks, &Manifest::default()).unwrap();
+    let manifest = read_folder(&folder).unwrap().manifest;
+    assert_eq!(manifest.norm("A").unwrap(), None);
+    assert!(manifest.norm("B1").unwrap().is_some());
 }
