@@ -1,8 +1,9 @@
-//! e19: a tilted well through four fractures.
+//! e19: a tilted well through nine fractures.
 
 use crate::flow_runs::{FlowRun, table};
-use crate::plot::{Axis, Figure, Mark, Series};
-use crate::report::{Check, Experiment, Findings, Level, Table};
+use crate::plot::{Axis, Cells, Colors, Figure, Mark, Series};
+use crate::report::{Check, Experiment, Findings, Level, Panels, Table};
+use fracas::nonlinear::FaceFields;
 use fracas::scene::Scene;
 use fracas_solvers::Observer;
 
@@ -10,8 +11,17 @@ use fracas_solvers::Observer;
 #[derive(Debug)]
 pub struct TiltedWell;
 
-/// The scene, on 24 cells per axis.
+/// The scene, with cells of 1 m.
 const SCENE: &str = include_str!("e19_tilted_well.toml");
+
+/// Of the block [m].
+const LENGTHS: [usize; 3] = [40, 40, 200];
+
+/// The fracture that pictures show: the one in the middle.
+const SHOWN: u16 = 4;
+
+/// Times of the pictures [s]: rising, most, just turned, withdrawn, at the end.
+const TIMES: [f64; 5] = [1.5, 3.0, 3.25, 4.0, 5.0];
 
 /// Pressure that holds the fractures closed [Pa].
 const CLOSING: f64 = 5e6;
@@ -22,7 +32,7 @@ impl Experiment for TiltedWell {
     }
 
     fn title(&self) -> &'static str {
-        "A tilted well through four fractures"
+        "A tilted well through nine fractures"
     }
 
     fn question(&self) -> &'static str {
@@ -30,9 +40,9 @@ impl Experiment for TiltedWell {
     }
 
     fn setup(&self) -> &'static str {
-        "A cube of 24 m under 5 MPa on four parallel fractures of 12 m × 12 m; a well of 0.05 m cuts each of them in another place; its rate \
-         grows to 20 L/s in 3 s, then 10 L/s are withdrawn until 5 s. Paper 72 cells per axis, n_p as printed, 40 steps; smoke 12 cells, 10 \
-         steps. Place and size of fractures and well are not printed."
+        "A block of 40 m × 40 m × 200 m under 5 MPa on nine level fractures of 24 m × 24 m; a well of 0.05 m cuts each of them in another place; its rate \
+         grows to 90 L/s in 3 s, then 45 L/s are withdrawn until 5 s. Paper cells of 1 m, 40 steps: the printed sizes are those of 40 × 40 × 200 cells with nine fractures of \
+         24 × 24 faces, n_u = 3(41·41·201 + 9·23²). Smoke cells of 4 m, 10 steps. Place of fractures and well, stress and rates are not printed."
     }
 
     fn expect(&self) -> &'static str {
@@ -43,14 +53,19 @@ impl Experiment for TiltedWell {
     fn run(&self, level: Level, observer: &mut dyn Observer) -> anyhow::Result<Findings> {
         let mut findings = Findings::default();
         findings.set("scene", SCENE).set("level", level.word());
-        let (cells, steps, printed) = match level {
-            Level::Smoke => (12, 10, "not printed"),
-            Level::Paper => (72, 40, "1,027,926 + 15,552 + 5,184"),
+        let (size, steps, printed) = match level {
+            Level::Smoke => (4, 10, "not printed"),
+            Level::Paper => (1, 40, "1,027,926 + 15,552 + 5,184"),
         };
-        let sets = ["x", "y", "z"].map(|axis| format!("mesh.{axis}.cells={cells}"));
-        let sets = [&sets[..], &[format!("time.steps={steps}")]].concat();
+        let cells = LENGTHS.map(|length| length / size);
+        let sets = ["x", "y", "z"].iter().zip(cells);
+        let mut sets: Vec<String> = sets
+            .map(|(axis, cells)| format!("mesh.{axis}.cells={cells}"))
+            .collect();
+        sets.push(format!("time.steps={steps}"));
         let scene = Scene::from_toml(SCENE, "e19_tilted_well.toml")?.with_overrides(&sets)?;
-        let run = FlowRun::of(&format!("{cells}³"), &scene, observer)?;
+        let [x, y, z] = cells;
+        let run = FlowRun::of(&format!("{x} × {y} × {z}"), &scene, observer)?;
         let mut sheet = table(
             "e19_tilted_well",
             "Iterations; medians over the steps with flow.",
@@ -119,6 +134,69 @@ impl Experiment for TiltedWell {
             "volume [L]",
             held,
         ));
+        findings.panels = pictures(&run);
         Ok(findings)
     }
+}
+
+/// A quantity of the faces that is shown.
+type Quantity = (&'static str, &'static str, fn(&FaceFields, usize) -> f64);
+
+/// Pressure, aperture and slip of the fracture in the middle at five times, each with one scale.
+fn pictures(run: &FlowRun) -> Vec<Panels> {
+    const QUANTITIES: [Quantity; 3] = [
+        ("pressure", "pressure [MPa]", |fields, f| {
+            1e-6 * fields.pressure[f]
+        }),
+        ("aperture", "aperture [mm]", |fields, f| {
+            1e3 * fields.aperture[f]
+        }),
+        ("slip", "slip [mm]", |fields, f| 1e3 * fields.slip[f]),
+    ];
+    let faces = &run.body.fractures.faces;
+    let shown = (0..faces.len()).filter(|f| faces[*f].fracture == SHOWN);
+    let shown: Vec<usize> = shown.collect();
+    let place = |node: u32| {
+        let [x, y, _] = run.body.mesh.nodes[node as usize];
+        [x, y]
+    };
+    let quads: Vec<_> = (shown.iter().map(|f| faces[*f].minus.nodes.map(place))).collect();
+    // the step at each time, or the one after it
+    let steps = TIMES.map(|time| {
+        let reached = |step: &fracas::nonlinear::Accepted| step.record.time >= time - 1e-9;
+        let at = run.steps.iter().position(reached);
+        at.unwrap_or(run.steps.len() - 1)
+    });
+    let panels = QUANTITIES.iter().map(|(id, label, of)| {
+        let values = steps.map(|k| shown.iter().map(|f| of(&run.fields[k], *f)).collect());
+        let all = || values.iter().flat_map(|v: &Vec<f64>| v.iter().copied());
+        let [least, most] = [
+            all().fold(f64::INFINITY, f64::min),
+            all().fold(f64::NEG_INFINITY, f64::max),
+        ];
+        let picture = |(k, values): (usize, &Vec<f64>)| {
+            let mut figure = Figure::new(
+                &format!("e19_{id}_{}", k + 1),
+                &format!("t = {} s", run.steps[steps[k]].record.time),
+                "",
+                Axis::linear("x [m]"),
+                Axis::linear("y [m]"),
+            );
+            figure.cells = Some(Cells {
+                label: (*label).into(),
+                colors: Colors::Sequential,
+                quads: quads.clone(),
+                values: values.clone(),
+                range: [least, if most > least { most } else { least + 1.0 }],
+            });
+            figure.equal_aspect = true;
+            figure
+        };
+        Panels {
+            title: String::new(),
+            caption: format!("The fracture in the middle, at a height of 100 m: {label}, one scale for all times."),
+            figures: values.iter().enumerate().map(picture).collect(),
+        }
+    });
+    panels.collect()
 }

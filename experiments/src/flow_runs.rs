@@ -1,7 +1,7 @@
 //! Coupled runs of experiments: a scene from its first step to its last, and what its systems cost.
 
 use crate::report::{Cell, Check, Table};
-use fracas::nonlinear::{Accepted, Simulation};
+use fracas::nonlinear::{Accepted, FaceFields, Simulation};
 use fracas::scene::{Body, Scene};
 use fracas_solvers::Observer;
 
@@ -13,6 +13,8 @@ pub(crate) struct FlowRun {
     pub(crate) name: String,
     pub(crate) body: Body,
     pub(crate) steps: Vec<Accepted>,
+    /// Fields of the faces after every step.
+    pub(crate) fields: Vec<FaceFields>,
 }
 
 impl FlowRun {
@@ -23,11 +25,19 @@ impl FlowRun {
         observer: &mut dyn Observer,
     ) -> anyhow::Result<Self> {
         let body = scene.build()?;
-        let mut steps = Vec::new();
+        let (mut steps, mut fields) = (Vec::new(), Vec::new());
         let mut simulation = Simulation::new(&body)?;
-        simulation.run(observer, |_, _, done| steps.push(done.clone()))?;
-        let name = name.to_owned();
-        Ok(Self { name, body, steps })
+        simulation.run(observer, |simulation, _, done| {
+            steps.push(done.clone());
+            fields.push(simulation.face_fields(&done.state));
+        })?;
+        drop(simulation);
+        Ok(Self {
+            name: name.to_owned(),
+            body,
+            steps,
+            fields,
+        })
     }
 
     /// Steps in which fluid flows.

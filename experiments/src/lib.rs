@@ -17,6 +17,7 @@ pub mod e17_four_fractures;
 pub mod e19_tilted_well;
 pub mod e22_gas_storage;
 pub mod e23_ground_ruptures;
+pub mod e27_ranks;
 pub mod fault;
 mod flow_runs;
 pub mod list;

@@ -31,6 +31,7 @@ pub static EXPERIMENTS: &[&dyn Experiment] = &[
     &gallery::E24,
     &gallery::E25,
     &gallery::E26,
+    &crate::e27_ranks::Ranks,
     &gallery::E28,
 ];
 

@@ -16,6 +16,7 @@ mod fracture_mesh;
 mod fracture_patches;
 mod fronts;
 mod gmsh;
+mod graph;
 mod hex_mesh;
 mod incidence;
 pub(crate) mod jacobian;
@@ -47,6 +48,7 @@ pub use gmsh::{
     GmshDefect, GmshError, GmshFile, GmshMesh, GroupName, Spot, Surface, SurfaceFracture,
     SurfaceUse,
 };
+pub use graph::node_graph;
 pub use hex_mesh::{EDGES, Grid, HexMesh};
 pub(crate) use incidence::{Incidence, Places};
 pub use jacobian::{brick_size, check_jacobians, min_jacobian};

@@ -7,16 +7,16 @@ use fracas_operators::random::Random;
 use fracas_solvers::Silent;
 use fracas_solvers::saddle::{EnergyNorms, T, U};
 
-/// That of `[solver]` by default.
+/// The tolerance of `[solver]` by default.
 const TOLERANCE: f64 = 1e-8;
 
-/// Layers of contrast up to 1e±5, cells to 1:50, a fault that sticks or slips, a crossing one, sides pressed or displaced.
-fn scene(seed: u64) -> String {
+/// Layers of contrast up to 1e±5, cells to 1:`flattest`, a fault that sticks or slips, a crossing one, sides pressed or displaced.
+fn scene(seed: u64, flattest: f64) -> String {
     let r = &mut Random::new(seed);
     let cells = [r.whole(4, 6), r.whole(2, 4), r.whole(4, 6)];
     let thin = r.whole(0, 2) as usize;
     let ratio = if r.chance(0.6) {
-        r.scale(1.0, 50.0)
+        r.scale(1.0, flattest)
     } else {
         1.0
     };
@@ -75,11 +75,13 @@ struct Ran {
     said: f64,
 }
 
-fn run(text: &str, solver: &[&str]) -> Result<Ran, Failure> {
+fn run(text: &str, tolerance: f64, solver: &[&str]) -> Result<Ran, Failure> {
+    let tolerance_set = format!("solver.tolerance={tolerance:e}");
+    let solver = [solver, &[&tolerance_set]].concat();
     let scene = Scene::from_toml(text, "scene.toml").unwrap();
-    let body = scene.with_overrides(solver).unwrap().build().unwrap();
+    let body = scene.with_overrides(&solver).unwrap().build().unwrap();
     let mut simulation = Simulation::new(&body).unwrap();
-    let (mut own, mut said) = (true, TOLERANCE);
+    let (mut own, mut said) = (true, tolerance);
     let end = simulation.run(&mut Silent, |_, _, done| {
         for event in &done.events {
             match event {
@@ -120,8 +122,8 @@ fn errors(text: &str, state: &State, exact: &State, springs: bool) -> [f64; 2] {
 /// Seeds of scenes that were wrong once: a face at its limit that its neighbours hold, whose shear no equation of the states directed.
 const ONCE_WRONG: [u64; 1] = [12_915_195_640_016_087_521];
 
-/// Runs of a family with this method beside their references.
-fn judge(method: &str) {
+/// Runs of a family with this method and tolerance beside their references.
+fn judge(method: &str, tolerance: f64, flattest: f64) {
     let number = |name: &str, otherwise: u64| {
         std::env::var(name).map_or(otherwise, |value| value.parse().unwrap())
     };
@@ -131,16 +133,16 @@ fn judge(method: &str) {
     let (mut compared, mut refused, mut loose) = (0, 0, 0.0f64);
     let drawn = (0..cases).map(|seed| first.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(seed));
     for seed in ONCE_WRONG.into_iter().chain(drawn) {
-        let text = scene(seed);
+        let text = scene(seed, flattest);
         let inner = ["exact", "amg", "geometric", "fsai"][(seed % 4) as usize];
         let own = match inner {
             "fsai" => "solver.racp={inner='fsai'}".into(),
             inner => format!("solver.inner='{inner}'"),
         };
-        let found = match run(&text, &[&method, &own]) {
+        let found = match run(&text, tolerance, &[&method, &own]) {
             Ok(found) => found,
             Err(Failure::Inaccurate { error, .. }) => {
-                assert!(error > TOLERANCE, "seed {seed}: {error}");
+                assert!(error > tolerance, "seed {seed}: {error}");
                 refused += 1;
                 continue;
             }
@@ -150,12 +152,11 @@ fn judge(method: &str) {
                 continue;
             }
         };
-        let exact = |tolerance: &str| {
-            let tolerance = format!("solver.tolerance={tolerance}");
+        let exact = |tolerance: f64| {
             let own = ["solver.inner='exact'", "solver.state_tolerance=1e-8"];
-            run(&text, &[&method, own[0], own[1], &tolerance])
+            run(&text, tolerance, &[&method, own[0], own[1]])
         };
-        let Ok(exact) = exact("1e-13").or_else(|_| exact("1e-11")) else {
+        let Ok(exact) = exact(1e-13).or_else(|_| exact(1e-11)) else {
             println!("seed {seed}: no reference");
             continue;
         };
@@ -171,8 +172,11 @@ fn judge(method: &str) {
             "seed {seed}, {inner}: errors {u:.1e}, {t:.1e}\n{text}"
         );
         // what the residual alone would have passed
-        if let Ok(found) = run(&text, &[&method, &own, "solver.measure='residual'"])
-            && same(&found)
+        if let Ok(found) = run(
+            &text,
+            tolerance,
+            &[&method, &own, "solver.measure='residual'"],
+        ) && same(&found)
         {
             let [u, t] = errors(&text, &found.state, &exact.state, springs);
             loose = loose.max(u).max(t);
@@ -183,17 +187,23 @@ fn judge(method: &str) {
     );
     assert!(2 * compared > cases, "{compared} of {cases} compared");
     assert!(8 * refused <= cases, "{refused} of {cases} refused");
-    assert!(loose > 10.0 * TOLERANCE, "{loose}");
+    assert!(loose > 10.0 * tolerance, "{loose}");
 }
 
 #[test]
 fn accepted_steps_are_accurate() {
-    judge("lagrange");
+    judge("lagrange", TOLERANCE, 50.0);
 }
 
 #[test]
 fn accepted_steps_of_springs_are_accurate() {
-    judge("{penalty={factor=1e2}}");
+    judge("{penalty={factor=1e2}}", TOLERANCE, 50.0);
+}
+
+/// Across flat cells loads show little of a traction that is constant on a short fracture, so that a loose tolerance has the most to hide.
+#[test]
+fn steps_of_a_loose_tolerance_are_accurate_across_flat_cells() {
+    judge("lagrange", 1e-4, 300.0);
 }
 
 /// Steep friction beside rock of strong contrast: the merit of the natural map has minima that are no solution, and friction that grows from
@@ -203,7 +213,11 @@ fn friction_that_grows_leads_to_what_steps_from_stick_do_not_find() {
     let mut finished = 0;
     for seed in [16_511_653_963_616_609_002, 4_429_046_113_753_850_369] {
         for inner in ["exact", "amg", "geometric"] {
-            match run(&scene(seed), &[&format!("solver.inner='{inner}'")]) {
+            match run(
+                &scene(seed, 50.0),
+                TOLERANCE,
+                &[&format!("solver.inner='{inner}'")],
+            ) {
                 Ok(_) => finished += 1,
                 Err(Failure::Inaccurate { error, .. }) if error < 1e-5 => {}
                 Err(other) => panic!("seed {seed}, {inner}: {other}"),

@@ -17,7 +17,6 @@ mod graph;
 #[cfg(feature = "petsc")]
 pub(crate) mod mumps;
 pub mod nested_dissection;
-#[cfg(feature = "petsc")]
 mod partition;
 mod pattern;
 mod pivots;
@@ -32,7 +31,6 @@ pub use condition::reciprocal_condition;
 pub use faer_backend::Faer;
 #[cfg(feature = "petsc")]
 pub use mumps::Mumps;
-#[cfg(feature = "petsc")]
 pub use partition::partition;
 #[cfg(feature = "suitesparse")]
 pub use umfpack::Umfpack;

@@ -62,6 +62,30 @@ impl SaddleBlocks {
         self.flow.as_ref().map_or(0, |f| f.t.rows())
     }
 
+    /// A, B1, B2, H, Q1, Q2 and T by name; `None` for one that there is not.
+    pub(super) fn matrices(&self) -> [(&'static str, Option<&SparseMatrix<f64>>); 7] {
+        let flow = self.flow.as_ref();
+        [
+            ("A", Some(&self.a)),
+            ("B1", Some(&self.b1)),
+            ("B2", self.b2.as_ref()),
+            ("H", self.h.as_ref()),
+            ("Q1", flow.map(|flow| &flow.q1)),
+            ("Q2", flow.map(|flow| &flow.q2)),
+            ("T", flow.map(|flow| &flow.t)),
+        ]
+    }
+
+    /// The right-hand sides by name; `None` for that of pressures where there are none.
+    pub(super) fn right_hand_sides(&self) -> [(&'static str, Option<&[f64]>); 3] {
+        let flow = self.flow.as_ref();
+        [
+            ("rhs_u", Some(&self.rhs_u)),
+            ("rhs_t", Some(&self.rhs_t)),
+            ("rhs_p", flow.map(|flow| flow.rhs_p.as_slice())),
+        ]
+    }
+
     /// Diagonal entry i of H.
     pub(crate) fn h_ii(&self, i: usize) -> f64 {
         let entry = self.h.as_ref().and_then(|h| h.get(i, i).copied());
@@ -82,43 +106,20 @@ impl SaddleBlocks {
     /// [`SetupError::Shape`] or [`SetupError::NotFinite`] naming the block, row and column.
     pub fn check(&self) -> Result<(), SetupError> {
         let (n_u, n_t, n_p) = (self.n_u(), self.n_t(), self.n_p());
-        let flow = self.flow.as_ref();
-        let present = [
-            ("A", Some(&self.a), Shape::square(n_u), "A is square"),
-            (
-                "B1",
-                Some(&self.b1),
-                Shape::new(n_u, n_t),
-                "B1 has a row for every row of A",
-            ),
-            (
-                "B2",
-                self.b2.as_ref(),
-                Shape::new(n_t, n_u),
-                "B2 has the shape of B1ᵀ",
-            ),
-            (
-                "H",
-                self.h.as_ref(),
-                Shape::square(n_t),
-                "H has a row for every column of B1",
-            ),
-            ("T", flow.map(|f| &f.t), Shape::square(n_p), "T is square"),
-            (
-                "Q1",
-                flow.map(|f| &f.q1),
-                Shape::new(n_u, n_p),
-                "Q1 has a row for every row of A and a column for every row of T",
-            ),
-            (
-                "Q2",
-                flow.map(|f| &f.q2),
-                Shape::new(n_p, n_u),
-                "Q2 has the shape of Q1ᵀ",
-            ),
-        ];
-        for (block, matrix, expected, reason) in present {
+        for (block, matrix) in self.matrices() {
             let Some(matrix) = matrix else { continue };
+            let (expected, reason) = match block {
+                "A" => (Shape::square(n_u), "A is square"),
+                "B1" => (Shape::new(n_u, n_t), "B1 has a row for every row of A"),
+                "B2" => (Shape::new(n_t, n_u), "B2 has the shape of B1ᵀ"),
+                "H" => (Shape::square(n_t), "H has a row for every column of B1"),
+                "Q1" => (
+                    Shape::new(n_u, n_p),
+                    "Q1 has a row for every row of A and a column for every row of T",
+                ),
+                "Q2" => (Shape::new(n_p, n_u), "Q2 has the shape of Q1ᵀ"),
+                _ => (Shape::square(n_p), "T is square"),
+            };
             let found = Shape::new(matrix.rows(), matrix.cols());
             if found != expected {
                 return Err(SetupError::Shape {

@@ -2,12 +2,12 @@
 
 use super::super::{Solve, SolveError, StuckBody};
 use super::Replicated;
-use super::graph::neighbours;
 use super::strain::strain_of;
 use crate::contact::{Coupling, prescribed_jump};
 use crate::elasticity::{lift, reduced, stiffness_of_rows};
 use crate::matrix_free::MatrixFreeError;
 use crate::memory;
+use crate::mesh::node_graph;
 use crate::scene::Body;
 use fracas_operators::sparse::SparseMatrix;
 use fracas_solvers::Observer;
@@ -102,7 +102,7 @@ impl BodyRows {
         let Body {
             mesh, fractures, ..
         } = &*self.body;
-        let (offsets, around) = neighbours(mesh, fractures, self.count, |n| self.number(n));
+        let (offsets, around) = node_graph(mesh, fractures, self.count, |n| self.number(n));
         Ok(partition(&offsets, &around, parts)?)
     }
 

@@ -4,13 +4,11 @@
 //! |---|---|
 //! | `body` | rows of a scene, from the elements around the nodes of a rank |
 //! | `blocks` | rows of a system folder |
-//! | `graph` | the nodes of a mesh, to be divided |
 //! | `strain` | the strain of a rank's elements, where displacements are prescribed |
 //! | `times` | what a product, an M⁻¹ and a message take |
 
 mod blocks;
 mod body;
-mod graph;
 mod strain;
 mod times;
 

@@ -19,7 +19,6 @@ pub(super) fn contradictions(
     blocks: &SaddleBlocks,
     exists: &dyn Fn(&str) -> Result<bool, FolderError>,
 ) -> Result<(), FolderError> {
-    const FILE: &str = "H.mtx";
     for (key, says, found, file) in [
         ("n_u", manifest.n_u, blocks.n_u(), "A.mtx"),
         ("n_t", manifest.n_t, blocks.n_t(), "B1.mtx"),
@@ -45,7 +44,10 @@ pub(super) fn contradictions(
     }
     states(manifest, blocks.n_t())?;
     empty_lists(folder, manifest, exists)?;
-    for name in ["H", "B2", "Q1", "Q2", "T"] {
+    let count = |m: &SparseMatrix<f64>| m.data().iter().filter(|v| **v != 0.0).count();
+    // without A and B1 there is no system
+    let [_, _, optional @ ..] = blocks.matrices();
+    for (name, _) in optional {
         let file = format!("{name}.mtx");
         if manifest.lists(name) == Some(true) && !exists(&file)? {
             return Err(FolderError::Lost {
@@ -64,20 +66,12 @@ pub(super) fn contradictions(
         }
     }
     numbers(manifest, blocks, exists)?;
-    let count = |m: &SparseMatrix<f64>| m.data().iter().filter(|v| **v != 0.0).count();
-    let flow = blocks.flow.as_ref();
-    for (name, file, block) in [
-        ("H", FILE, blocks.h.as_ref()),
-        ("B2", "B2.mtx", blocks.b2.as_ref()),
-        ("Q1", "Q1.mtx", flow.map(|flow| &flow.q1)),
-        ("Q2", "Q2.mtx", flow.map(|flow| &flow.q2)),
-        ("T", "T.mtx", flow.map(|flow| &flow.t)),
-    ] {
+    for (name, block) in optional {
         let entries = block.map_or(0, count);
         if manifest.leaves_out(name) && entries > 0 {
             return Err(FolderError::Unannounced {
                 says: manifest.said(Manifest::BLOCKS),
-                file,
+                file: format!("{name}.mtx"),
                 entries,
             });
         }
@@ -86,13 +80,15 @@ pub(super) fn contradictions(
     // rows of slip and opening have entries of H without a stabilization
     let sticks = (manifest.states.iter().flatten()).all(|state| *state == 0);
     match manifest.is_stabilized()? {
-        Some(true) if manifest.lists("H").is_none() && !exists(FILE)? => Err(FolderError::Lost {
-            says: manifest.said(Manifest::STABILIZATION),
-            file: FILE.into(),
-        }),
+        Some(true) if manifest.lists("H").is_none() && !exists("H.mtx")? => {
+            Err(FolderError::Lost {
+                says: manifest.said(Manifest::STABILIZATION),
+                file: "H.mtx".into(),
+            })
+        }
         Some(false) if entries > 0 && sticks => Err(FolderError::Unannounced {
             says: manifest.said(Manifest::STABILIZATION),
-            file: FILE,
+            file: "H.mtx".into(),
             entries,
         }),
         _ => Ok(()),
@@ -101,23 +97,10 @@ pub(super) fn contradictions(
 
 /// Frobenius norms of the blocks and of the right-hand sides that are there, by name.
 pub(super) fn norms(blocks: &SaddleBlocks) -> Vec<(&'static str, f64)> {
-    let flow = blocks.flow.as_ref();
-    let matrices = [
-        ("A", Some(&blocks.a)),
-        ("B1", Some(&blocks.b1)),
-        ("B2", blocks.b2.as_ref()),
-        ("H", blocks.h.as_ref()),
-        ("Q1", flow.map(|flow| &flow.q1)),
-        ("Q2", flow.map(|flow| &flow.q2)),
-        ("T", flow.map(|flow| &flow.t)),
-    ];
-    let sides = [
-        ("rhs_u", Some(&blocks.rhs_u)),
-        ("rhs_t", Some(&blocks.rhs_t)),
-        ("rhs_p", flow.map(|flow| &flow.rhs_p)),
-    ];
+    let matrices = blocks.matrices();
     let matrices = matrices.map(|(name, block)| (name, block.map(|block| norm2(block.data()))));
-    let sides = sides.map(|(name, side)| (name, side.map(|side| norm2(side))));
+    let sides = blocks.right_hand_sides();
+    let sides = sides.map(|(name, side)| (name, side.map(norm2)));
     let all = matrices.into_iter().chain(sides);
     all.filter_map(|(name, norm)| Some((name, norm?))).collect()
 }
@@ -138,8 +121,10 @@ fn numbers(
             all.push((name, norm));
         }
     }
+    let said = manifest.norms()?;
     for (name, found) in all {
-        let Some(says) = manifest.norm(name)?.filter(|_| found.is_finite()) else {
+        let says = said.iter().find(|(said, _)| said == name);
+        let Some(&(_, says)) = says.filter(|_| found.is_finite()) else {
             continue;
         };
         let file = format!("{name}.mtx");

@@ -108,10 +108,10 @@ pub enum FolderError {
         says: String,
     },
     /// No norm.
-    #[error("manifest.json says that {name} has the norm {says}: that is a number, 0 or larger")]
+    #[error("manifest.json says {key} = {says}: a norm is a number, 0 or larger")]
     NormValue {
-        /// Block or right-hand side.
-        name: String,
+        /// `norms`, or the norm of one block or right-hand side.
+        key: String,
         /// As written.
         says: String,
     },
@@ -185,7 +185,7 @@ pub enum FolderError {
         /// What the manifest says.
         says: String,
         /// The file.
-        file: &'static str,
+        file: String,
         /// Its entries.
         entries: usize,
     },

@@ -47,20 +47,16 @@ pub fn write_folder(
         }
     }
     let at = |name: &str| folder.join(name);
-    write_sparse(&at("B1.mtx"), &blocks.b1, Symmetry::General)?;
-    if let Some(b2) = &blocks.b2 {
-        write_sparse(&at("B2.mtx"), b2, Symmetry::General)?;
+    let matrices = blocks.matrices().into_iter();
+    let matrices: Vec<_> = matrices.filter_map(|(name, m)| Some((name, m?))).collect();
+    let sides = blocks.right_hand_sides().into_iter();
+    let sides: Vec<_> = sides.filter_map(|(name, b)| Some((name, b?))).collect();
+    // A is the last, below
+    for (name, block) in &matrices[1..] {
+        write_sparse(&at(&format!("{name}.mtx")), block, Symmetry::General)?;
     }
-    if let Some(h) = &blocks.h {
-        write_sparse(&at("H.mtx"), h, Symmetry::General)?;
-    }
-    write_vector(&at("rhs_u.mtx"), &blocks.rhs_u)?;
-    write_vector(&at("rhs_t.mtx"), &blocks.rhs_t)?;
-    if let Some(flow) = &blocks.flow {
-        write_sparse(&at("Q1.mtx"), &flow.q1, Symmetry::General)?;
-        write_sparse(&at("Q2.mtx"), &flow.q2, Symmetry::General)?;
-        write_sparse(&at("T.mtx"), &flow.t, Symmetry::General)?;
-        write_vector(&at("rhs_p.mtx"), &flow.rhs_p)?;
+    for (name, side) in &sides {
+        write_vector(&at(&format!("{name}.mtx")), side)?;
     }
     if let Some(c) = &blocks.coordinates {
         write_dense(&at("coords.mtx"), &coordinates::to_table(c))?;
@@ -72,27 +68,10 @@ pub fn write_folder(
         n_p: Some(blocks.n_p()),
         ..manifest.clone()
     };
-    let listed = [
-        ("A", true),
-        ("B1", true),
-        ("B2", blocks.b2.is_some()),
-        ("H", blocks.h.is_some()),
-        ("Q1", blocks.flow.is_some()),
-        ("Q2", blocks.flow.is_some()),
-        ("T", blocks.flow.is_some()),
-    ];
-    let listed = listed.iter().filter(|(_, is)| *is).map(|(name, _)| *name);
-    let listed = listed.collect::<Vec<_>>();
-    manifest
-        .other
-        .insert(Manifest::BLOCKS.into(), listed.into());
-    let sides: &[&str] = match blocks.flow {
-        Some(_) => &["rhs_u", "rhs_t", "rhs_p"],
-        None => &["rhs_u", "rhs_t"],
-    };
-    manifest
-        .other
-        .insert(Manifest::SIDES.into(), sides.to_vec().into());
+    let names: Vec<&str> = matrices.iter().map(|(name, _)| *name).collect();
+    manifest.other.insert(Manifest::BLOCKS.into(), names.into());
+    let names: Vec<&str> = sides.iter().map(|(name, _)| *name).collect();
+    manifest.other.insert(Manifest::SIDES.into(), names.into());
     // beyond 1e154 squares are no numbers
     let norms = norms(blocks)
         .into_iter()

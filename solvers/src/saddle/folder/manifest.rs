@@ -54,33 +54,39 @@ impl Manifest {
     /// The key of [`is_stabilized`](Self::is_stabilized).
     pub(super) const STABILIZATION: &'static str = "stabilization";
 
-    /// The key of [`norm`](Self::norm).
+    /// The key of [`norms`](Self::norms).
     pub(super) const NORMS: &'static str = "norms";
 
-    /// The Frobenius norm that it says of a block or of a right-hand side; `None` where it says none.
+    /// The Frobenius norms that it says of blocks and right-hand sides, by name; none where it says none.
     ///
     /// # Errors
     /// [`FolderError::NormValue`] in a folder of ours for what is no norm.
-    pub(super) fn norm(&self, name: &str) -> Result<Option<f64>, FolderError> {
-        let Some(norms) = self.other.get(Self::NORMS) else {
-            return Ok(None);
-        };
-        let refused = |says: &serde_json::Value| {
-            let refusal = || FolderError::NormValue {
-                name: name.to_owned(),
-                says: says.to_string(),
-            };
+    pub(super) fn norms(&self) -> Result<Vec<(String, f64)>, FolderError> {
+        let norms = match self.other.get(Self::NORMS) {
+            Some(serde_json::Value::Object(norms)) => norms.iter(),
+            Some(says) if self.is_ours() => {
+                return Err(FolderError::NormValue {
+                    key: Self::NORMS.into(),
+                    says: says.to_string(),
+                });
+            }
             // elsewhere the word may mean something else
-            self.is_ours().then(refusal).map_or(Ok(None), Err)
+            _ => return Ok(Vec::new()),
         };
-        let Some(of_names) = norms.as_object() else {
-            return refused(norms);
-        };
-        match of_names.get(name).map(|said| (said, said.as_f64())) {
-            None => Ok(None),
-            Some((_, Some(norm))) if norm >= 0.0 => Ok(Some(norm)),
-            Some((said, _)) => refused(said),
+        let mut all = Vec::new();
+        for (name, says) in norms {
+            match says.as_f64().filter(|norm| *norm >= 0.0) {
+                Some(norm) => all.push((name.clone(), norm)),
+                None if self.is_ours() => {
+                    return Err(FolderError::NormValue {
+                        key: format!("{}.{name}", Self::NORMS),
+                        says: says.to_string(),
+                    });
+                }
+                None => {}
+            }
         }
+        Ok(all)
     }
 
     /// True where it says that there is a jump stabilization, false where it says that there is none, `None` where it says neither in a folder

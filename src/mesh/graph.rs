@@ -1,10 +1,12 @@
 //! The nodes of a mesh as a graph.
 
-use crate::mesh::{EDGES, FractureMesh, HexMesh};
+use super::{EDGES, FractureMesh, HexMesh};
 
 /// Neighbours of node after node, among the nodes that have a `number`: along edges of elements, and across fractures, so that both
-/// sides of a face stay together where they can.
-pub(super) fn neighbours(
+/// sides of a face stay together where they can. Offsets of the lists, and the lists one after the other.
+///
+/// [`partition`](fracas_solvers::direct::partition) divides such a graph.
+pub fn node_graph(
     mesh: &HexMesh,
     fractures: &FractureMesh,
     count: usize,
