@@ -109,6 +109,23 @@ impl Constraints {
         &self.free
     }
 
+    /// In the place of a number of [`free_nodes`](Self::free_nodes): no displacement of the node is free.
+    pub const NO_NUMBER: u32 = u32::MAX;
+
+    /// Numbers of the nodes with a free displacement, in the order of the mesh, and how many there are.
+    pub fn free_nodes(&self) -> (Vec<u32>, usize) {
+        let mut numbers = vec![Self::NO_NUMBER; self.full_len / 3];
+        self.free
+            .iter()
+            .for_each(|dof| numbers[*dof as usize / 3] = 0);
+        let mut count = 0;
+        for number in numbers.iter_mut().filter(|n| **n != Self::NO_NUMBER) {
+            *number = count;
+            count += 1;
+        }
+        (numbers, count as usize)
+    }
+
     /// Full numbers and values [m] of the prescribed unknowns, increasing.
     pub fn prescribed(&self) -> &[(u32, f64)] {
         &self.prescribed

@@ -2,10 +2,13 @@
 
 use super::{EDGES, FractureMesh, HexMesh};
 
-/// Neighbours of node after node, among the nodes that have a `number`: along edges of elements, and across fractures, so that both
+/// Neighbours of node after node, among the `count` nodes that have a `number` below it: along edges of elements, and across fractures, so that both
 /// sides of a face stay together where they can. Offsets of the lists, and the lists one after the other.
 ///
 /// [`partition`](fracas_solvers::direct::partition) divides such a graph.
+///
+/// # Panics
+/// Where a number is not below `count`.
 pub fn node_graph(
     mesh: &HexMesh,
     fractures: &FractureMesh,

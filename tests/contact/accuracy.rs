@@ -10,6 +10,9 @@ use fracas_solvers::saddle::{EnergyNorms, T, U};
 /// The tolerance of `[solver]` by default.
 const TOLERANCE: f64 = 1e-8;
 
+/// Cells of the scenes of the default tolerance. Unit: 1.
+const FLATTEST: f64 = 50.0;
+
 /// Layers of contrast up to 1e±5, cells to 1:`flattest`, a fault that sticks or slips, a crossing one, sides pressed or displaced.
 fn scene(seed: u64, flattest: f64) -> String {
     let r = &mut Random::new(seed);
@@ -96,7 +99,7 @@ fn run(text: &str, tolerance: f64, solver: &[&str]) -> Result<Ran, Failure> {
 }
 
 /// Relative errors of u and t in the norms that runs are judged in.
-fn errors(text: &str, state: &State, exact: &State, springs: bool) -> [f64; 2] {
+fn errors(text: &str, tolerance: f64, [state, exact]: [&State; 2], springs: bool) -> [f64; 2] {
     let body = Scene::from_toml(text, "scene.toml")
         .unwrap()
         .build()
@@ -115,7 +118,7 @@ fn errors(text: &str, state: &State, exact: &State, springs: bool) -> [f64; 2] {
     };
     let (x, y) = (whole(state), whole(exact));
     let e: Vec<f64> = x.iter().zip(&y).map(|(x, y)| x - y).collect();
-    let errors = EnergyNorms::relative(norms.error(&e), exact.size, TOLERANCE);
+    let errors = EnergyNorms::relative(norms.error(&e), exact.size, tolerance);
     [U, T].map(|field| errors[field])
 }
 
@@ -132,7 +135,9 @@ fn judge(method: &str, tolerance: f64, flattest: f64) {
     let method = format!("solver.method={method}");
     let (mut compared, mut refused, mut loose) = (0, 0, 0.0f64);
     let drawn = (0..cases).map(|seed| first.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(seed));
-    for seed in ONCE_WRONG.into_iter().chain(drawn) {
+    // those scenes have no flatter cells
+    let once_wrong = ONCE_WRONG.into_iter().filter(|_| flattest == FLATTEST);
+    for seed in once_wrong.chain(drawn) {
         let text = scene(seed, flattest);
         let inner = ["exact", "amg", "geometric", "fsai"][(seed % 4) as usize];
         let own = match inner {
@@ -165,7 +170,7 @@ fn judge(method: &str, tolerance: f64, flattest: f64) {
             println!("seed {seed}: a face at its limit is in another state, or was");
             continue;
         }
-        let [u, t] = errors(&text, &found.state, &exact.state, springs);
+        let [u, t] = errors(&text, tolerance, [&found.state, &exact.state], springs);
         compared += 1;
         assert!(
             u.max(t) <= 10.0 * found.said.max(exact.said),
@@ -178,7 +183,7 @@ fn judge(method: &str, tolerance: f64, flattest: f64) {
             &[&method, &own, "solver.measure='residual'"],
         ) && same(&found)
         {
-            let [u, t] = errors(&text, &found.state, &exact.state, springs);
+            let [u, t] = errors(&text, tolerance, [&found.state, &exact.state], springs);
             loose = loose.max(u).max(t);
         }
     }
@@ -192,12 +197,12 @@ fn judge(method: &str, tolerance: f64, flattest: f64) {
 
 #[test]
 fn accepted_steps_are_accurate() {
-    judge("lagrange", TOLERANCE, 50.0);
+    judge("lagrange", TOLERANCE, FLATTEST);
 }
 
 #[test]
 fn accepted_steps_of_springs_are_accurate() {
-    judge("{penalty={factor=1e2}}", TOLERANCE, 50.0);
+    judge("{penalty={factor=1e2}}", TOLERANCE, FLATTEST);
 }
 
 /// Across flat cells loads show little of a traction that is constant on a short fracture, so that a loose tolerance has the most to hide.
@@ -214,7 +219,7 @@ fn friction_that_grows_leads_to_what_steps_from_stick_do_not_find() {
     for seed in [16_511_653_963_616_609_002, 4_429_046_113_753_850_369] {
         for inner in ["exact", "amg", "geometric"] {
             match run(
-                &scene(seed, 50.0),
+                &scene(seed, FLATTEST),
                 TOLERANCE,
                 &[&format!("solver.inner='{inner}'")],
             ) {

@@ -1,12 +1,10 @@
 //! What ranks have and what they ask of each other: a body divided by METIS.
 
+use fracas::elasticity::Constraints;
 use fracas::mesh::node_graph;
 use fracas::scene::Body;
 use fracas_solvers::SetupError;
 use fracas_solvers::direct::partition;
-
-/// No free displacement.
-const NONE: u32 = u32::MAX;
 
 /// A body in parts.
 pub(super) struct Division {
@@ -16,7 +14,7 @@ pub(super) struct Division {
     pub(super) nodes: usize,
     /// Such nodes of the largest part.
     pub(super) most: usize,
-    /// Nodes of other parts that rows of a part name, of the part with the most.
+    /// Nodes of other parts that rows of A and B of a part name, of the part with the most.
     pub(super) ghosts: usize,
     /// Parts that have them, of the part with the most.
     pub(super) neighbours: usize,
@@ -45,16 +43,9 @@ pub(super) fn shell(nodes: f64) -> f64 {
 /// Those of [`partition`].
 pub(super) fn divide(body: &Body, parts: usize) -> Result<Division, SetupError> {
     let mesh = &body.mesh;
-    let mut number = vec![NONE; mesh.nodes.len()];
-    let free = body.constraints.free();
-    free.iter().for_each(|dof| number[*dof as usize / 3] = 0);
-    let mut nodes = 0;
-    for number in number.iter_mut().filter(|number| **number == 0) {
-        *number = nodes;
-        nodes += 1;
-    }
-    let numbered = |node: u32| Some(number[node as usize]).filter(|n| *n != NONE);
-    let (offsets, around) = node_graph(mesh, &body.fractures, nodes as usize, numbered);
+    let (number, nodes) = body.constraints.free_nodes();
+    let numbered = |node: u32| Some(number[node as usize]).filter(|n| *n != Constraints::NO_NUMBER);
+    let (offsets, around) = node_graph(mesh, &body.fractures, nodes, numbered);
     let part = partition(&offsets, &around, parts)?;
     let mut own = vec![0; parts];
     part.iter().for_each(|p| own[*p as usize] += 1);
@@ -89,7 +80,7 @@ pub(super) fn divide(body: &Body, parts: usize) -> Result<Division, SetupError> 
     let largest = |of: &[usize]| of.iter().copied().max().unwrap_or(0);
     Ok(Division {
         parts,
-        nodes: nodes as usize,
+        nodes,
         most: largest(&own),
         ghosts: largest(&ghosts),
         neighbours: largest(&neighbours),

@@ -1,7 +1,7 @@
 //! Solves on the ranks of `mpirun`, each a process of its own, with what they say of their time and memory.
 
 use serde_json::Value;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The scene, on `cells` cells per axis.
@@ -33,6 +33,8 @@ pub(super) struct Run {
     pub(super) n_u: usize,
     pub(super) n_t: usize,
     pub(super) iterations: usize,
+    /// Displacements of other ranks that a rank reads, of the one with the most.
+    pub(super) ghosts: Option<usize>,
     /// Of the rank with the most [bytes].
     pub(super) peak: f64,
     /// Of the rows of A [s].
@@ -78,8 +80,8 @@ pub(super) fn program() -> Result<PathBuf, String> {
         return Err(format!("{} is not fracas", program.display()));
     }
     match Command::new("mpirun").arg("--version").output() {
-        Ok(_) => Ok(program),
-        Err(_) => Err("there is no mpirun".into()),
+        Ok(output) if output.status.success() => Ok(program),
+        _ => Err("there is no mpirun".into()),
     }
 }
 
@@ -87,7 +89,7 @@ pub(super) fn program() -> Result<PathBuf, String> {
 ///
 /// # Errors
 /// What keeps a solve from its end, in the words of the program.
-pub(super) fn solve(program: &PathBuf, who: Who, cells: usize) -> anyhow::Result<Run> {
+pub(super) fn solve(program: &Path, who: Who, cells: usize) -> anyhow::Result<Run> {
     let mut command = match who {
         Who::Ranks(ranks) => {
             let mut command = Command::new("mpirun");
@@ -129,6 +131,8 @@ pub(super) fn solve(program: &PathBuf, who: Who, cells: usize) -> anyhow::Result
         Some(all) => all.iter().filter_map(Value::as_f64).fold(0.0, f64::max),
         None => number(&report, "peak_memory_bytes")?,
     };
+    let ghosts = engine["ghosts"].as_array();
+    let ghosts = ghosts.and_then(|all| all.iter().filter_map(Value::as_u64).max());
     let times = &engine["times"];
     let times = match times.is_object() {
         true => Some(Times {
@@ -145,6 +149,7 @@ pub(super) fn solve(program: &PathBuf, who: Who, cells: usize) -> anyhow::Result
         n_u: number(&report, "n_u")? as usize,
         n_t: number(&report, "n_t")? as usize,
         iterations: number(&report, "iterations")? as usize,
+        ghosts: ghosts.map(|n| n as usize),
         peak,
         assembly: engine["assembly_s"].as_f64(),
         setup: number(&report, "setup_s")?,

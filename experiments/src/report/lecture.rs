@@ -13,10 +13,10 @@ enum Standing {
     Same,
     /// Another mesh or geometry of the same character: that of the lecture is not public.
     Analogue,
+    /// Curves of a model, whose parts are measured.
+    Modelled,
     /// Data or photographs that are not public.
     NotPublic,
-    /// Nothing here answers it.
-    Missing,
 }
 
 impl Standing {
@@ -24,8 +24,8 @@ impl Standing {
         match self {
             Self::Same => "same problem",
             Self::Analogue => "analogue",
+            Self::Modelled => "model",
             Self::NotPublic => "not public",
-            Self::Missing => "missing",
         }
     }
 }
@@ -48,7 +48,7 @@ const LINES: &[Line] = &[
     ("Conditioning of A and S_u, tests A, B, C", &["e03"], Standing::Analogue, "The meshes are not public; n_t/n_u agrees."),
     ("Table of n_it, c_app and C_s: RACP, MCP+AMG, MCP+FSAI on tests A, B, C", &["e04"], Standing::Analogue, "The meshes are not public; sizes and character agree."),
     ("Mesh independence", &["e05"], Standing::Analogue, "Numbers are not printed."),
-    ("Weak and strong scalability on distributed memory", &["e27", "e08"], Standing::Analogue, "e27 measures one and two ranks of one machine around PETSc's GAMG and draws 4,096 from a model of messages; Chronos and its cluster are not public. e08 has time and memory per unknown on one machine, up to the published size."),
+    ("Weak and strong scalability on distributed memory", &["e27", "e08"], Standing::Modelled, "No cluster was measured: e27 measures 1, 2 and 4 ranks of one machine around PETSc's GAMG, and its curves to 4,096 are those of a model of messages; Chronos and its cluster are not public. e08 has time and memory per unknown on one machine, up to the published size."),
     ("Weak scalability with flow: four fractures, coarse and fine", &["e17"], Standing::Analogue, "Sizes agree; the geometry is not public."),
     ("Linear iterations for ratios between fracture and body, six meshes", &["e17"], Standing::Analogue, "Sizes agree for nine square fractures in a cube, with 8,748 for the printed 8,749 and 420,660 for 420,600, as the printed totals have them; geometry and loads are not public."),
     ("Tilted well through several fractures", &["e19"], Standing::Analogue, "Sizes agree for nine square fractures in a tall block; geometry and rates are not public."),

@@ -13,6 +13,9 @@ const AT_ONCE: usize = 8;
 /// # Errors
 /// [`SetupError::NotApplicable`] for more parts than METIS finds nodes for; [`SetupError::OutOfMemory`] beyond 2³¹ − 1 edges.
 ///
+/// # Panics
+/// Where the offsets are none of the lists: they begin with 0, ascend and end with the number of neighbours; and where a neighbour is no node.
+///
 /// # Source
 /// G. Karypis, V. Kumar, SIAM J. Sci. Comput. 20 (1998) 359–392.
 pub fn partition(

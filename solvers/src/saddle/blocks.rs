@@ -106,7 +106,10 @@ impl SaddleBlocks {
     /// [`SetupError::Shape`] or [`SetupError::NotFinite`] naming the block, row and column.
     pub fn check(&self) -> Result<(), SetupError> {
         let (n_u, n_t, n_p) = (self.n_u(), self.n_t(), self.n_p());
-        for (block, matrix) in self.matrices() {
+        let mut matrices = self.matrices();
+        // T says how many pressures there are
+        matrices[4..].rotate_right(1);
+        for (block, matrix) in matrices {
             let Some(matrix) = matrix else { continue };
             let (expected, reason) = match block {
                 "A" => (Shape::square(n_u), "A is square"),
@@ -118,7 +121,8 @@ impl SaddleBlocks {
                     "Q1 has a row for every row of A and a column for every row of T",
                 ),
                 "Q2" => (Shape::new(n_p, n_u), "Q2 has the shape of Q1ᵀ"),
-                _ => (Shape::square(n_p), "T is square"),
+                "T" => (Shape::square(n_p), "T is square"),
+                other => unreachable!("block {other} has no shape"),
             };
             let found = Shape::new(matrix.rows(), matrix.cols());
             if found != expected {

@@ -4,7 +4,7 @@ use super::super::{Solve, SolveError, StuckBody};
 use super::Replicated;
 use super::strain::strain_of;
 use crate::contact::{Coupling, prescribed_jump};
-use crate::elasticity::{lift, reduced, stiffness_of_rows};
+use crate::elasticity::{Constraints, lift, reduced, stiffness_of_rows};
 use crate::matrix_free::MatrixFreeError;
 use crate::memory;
 use crate::mesh::node_graph;
@@ -16,9 +16,6 @@ use fracas_solvers::distributed::{Contact, Nodes, Numbering, PartStrain, Ranks, 
 use fracas_solvers::saddle::Racp;
 use std::sync::Arc;
 use std::time::Instant;
-
-/// No free displacement, no node.
-const NONE: u32 = u32::MAX;
 
 /// A mesh that every rank has.
 pub(super) struct BodyRows {
@@ -55,22 +52,17 @@ impl BodyRows {
             .augmentation(racp.augmentation, unit, h.as_ref())
             .map_err(MatrixFreeError::from)?;
         let c_s = start.elapsed().as_secs_f64();
-        let mut numbers = vec![NONE; body.mesh.nodes.len()];
+        let (numbers, count) = body.constraints.free_nodes();
         let free = body.constraints.free();
-        free.iter().for_each(|dof| numbers[*dof as usize / 3] = 0);
-        let mut positions = Vec::new();
-        for (node, number) in numbers.iter_mut().enumerate() {
-            if *number != NONE {
-                *number = positions.len() as u32;
-                positions.push(body.mesh.nodes[node]);
-            }
-        }
+        let numbered = body.mesh.nodes.iter().zip(&numbers);
+        let numbered = numbered.filter(|(_, number)| **number != Constraints::NO_NUMBER);
+        let positions = numbered.map(|(x, _)| *x).collect();
         let slot = |dof: &u32| 3 * numbers[*dof as usize / 3] + dof % 3;
         let jump = prescribed_jump(&body.fractures, &body.constraints);
         let replicated = Replicated {
             nodes: Nodes {
                 slots: free.iter().map(slot).collect(),
-                count: positions.len(),
+                count,
                 positions,
             },
             contact: Contact {
@@ -94,7 +86,7 @@ impl BodyRows {
     }
 
     fn number(&self, node: u32) -> Option<u32> {
-        Some(self.numbers[node as usize]).filter(|number| *number != NONE)
+        Some(self.numbers[node as usize]).filter(|number| *number != Constraints::NO_NUMBER)
     }
 
     /// Part of every node with a free displacement.
