@@ -4,12 +4,12 @@ mod columns;
 mod constant;
 mod networks;
 
-use crate::plot::{Axis, Figure, Mark, Series};
 use crate::report::{Check, Experiment, Findings, Level, Table};
 use constant::{Row, measure};
 use fracas::contact::JumpStabilization;
 use fracas::elasticity::Elastic;
 use fracas::mesh::{BoxGrid, BuiltMesh, PlaneFracture};
+use fracas_figures::{Axis, Figure, Mark, Series};
 use fracas_solvers::{Observer, Step};
 use std::ops::ControlFlow;
 

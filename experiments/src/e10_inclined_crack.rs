@@ -1,10 +1,10 @@
 //! e10: an inclined crack under compression slides as its closed form says.
 
 use crate::crack::{Answer, Family, INCLINED, Profile, Strip};
-use crate::plot::{Axis, Figure, Mark, Series};
 use crate::report::{Check, Experiment, Findings, Level, Table};
 use fracas::analytic::{InclinedCrack, Rock};
 use fracas::contact::ContactState;
+use fracas_figures::{Axis, Figure, Mark, Series};
 use fracas_solvers::{Observer, Step};
 use std::ops::ControlFlow;
 

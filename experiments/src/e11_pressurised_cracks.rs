@@ -1,11 +1,11 @@
 //! e11: a line crack and a penny crack opened by pressure.
 
 use crate::crack::{Answer, CrackScene, Family, LINE, PENNY, Profile, Strip};
-use crate::plot::{Axis, Figure, Mark, Series};
 use crate::report::{Check, Experiment, Findings, Level, Table};
 use fracas::analytic::{LineCrack, PennyCrack, Rock};
 use fracas::contact::ContactState;
 use fracas::scene::Body;
+use fracas_figures::{Axis, Figure, Mark, Series};
 use fracas_solvers::{Observer, Step};
 use std::ops::ControlFlow;
 

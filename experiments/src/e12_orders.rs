@@ -3,8 +3,8 @@
 use crate::crack::{Family, Profile, Strip, between, fitted};
 use crate::e10_inclined_crack as inclined;
 use crate::e11_pressurised_cracks as pressurised;
-use crate::plot::{Axis, Figure, Mark, Series};
 use crate::report::{Cell, Check, Experiment, Findings, Level, Table};
+use fracas_figures::{Axis, Figure, Mark, Series};
 use fracas_solvers::{Observer, Step};
 use std::ops::ControlFlow;
 

@@ -4,13 +4,13 @@ mod field;
 mod junctions;
 
 use crate::crack::fitted;
-use crate::plot::{Axis, Cells, Colors, Figure, Mark, Series};
 use crate::report::{Cell, Check, Experiment, Findings, Level, Table};
 use anyhow::Context;
 use field::Solved;
 use fracas::contact::JumpStabilization;
 use fracas::mesh::PlaneFracture;
 use fracas::scene::named;
+use fracas_figures::{Axis, Cells, Colors, Figure, Mark, Series};
 use fracas_solvers::{Observer, Step};
 use std::ops::ControlFlow;
 

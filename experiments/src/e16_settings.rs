@@ -4,8 +4,8 @@ mod runs;
 mod solves;
 mod sweep;
 
-use crate::plot::{Axis, Figure, Mark, Series};
 use crate::report::{Cell, Check, Experiment, Findings, Level, Table};
+use fracas_figures::{Axis, Figure, Mark, Series};
 use fracas_solvers::Observer;
 use sweep::{Count, Row};
 

@@ -77,9 +77,8 @@ impl Family {
             let run = FlowRun::of(&format!("{cells}³"), &scene, observer)?;
             sheet.rows.push(run.row(printed));
             checks.extend(run.checks());
-            let iterations = run.iterations();
             if 3 * run.body.mesh.nodes.len() >= TELLS {
-                medians.push(iterations.get(iterations.len() / 2).copied().unwrap_or(0));
+                medians.push(run.median_iterations());
             }
         }
         if let [first, finer @ ..] = &medians[..]

@@ -1,10 +1,10 @@
 //! e19: a tilted well through nine fractures.
 
 use crate::flow_runs::{FlowRun, table};
-use crate::plot::{Axis, Cells, Colors, Figure, Mark, Series};
 use crate::report::{Check, Experiment, Findings, Level, Panels, Table};
 use fracas::nonlinear::FaceFields;
 use fracas::scene::Scene;
+use fracas_figures::{Axis, Cells, Colors, Figure, Mark, Series};
 use fracas_solvers::Observer;
 
 /// What do the fractures do while a well that crosses them injects and withdraws?

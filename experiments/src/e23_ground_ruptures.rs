@@ -1,9 +1,9 @@
 //! e23: where the ground tears as water is drawn.
 
-use crate::plot::{Axis, Cells, Colors, Figure, Mark, Series};
 use crate::report::{Cell, Check, Experiment, Findings, Level, Table};
 use fracas::nonlinear::Simulation;
 use fracas::scene::{Body, Scene, named};
+use fracas_figures::{Axis, Cells, Colors, Figure, Mark, Series};
 use fracas_solvers::Observer;
 
 /// Where does the ground tear?

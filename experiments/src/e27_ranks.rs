@@ -4,10 +4,10 @@ mod division;
 mod measured;
 mod model;
 
-use crate::plot::{Axis, Figure, Mark, Series};
 use crate::report::{Cell, Check, Experiment, Findings, Level, Table};
 use division::{Division, divide, shell};
 use fracas::scene::named;
+use fracas_figures::{Axis, Figure, Mark, Series};
 use fracas_solvers::Observer;
 use measured::{Run, SCENE, Times, Who};
 use model::{Model, NETWORK, Wire};
@@ -17,13 +17,20 @@ use model::{Model, NETWORK, Wire};
 pub struct Ranks;
 
 /// Cells per axis of the bodies that are divided, and the most parts.
-const DIVIDED: [(Level, &[usize], usize); 2] = [
-    (Level::Smoke, &[16, 24], 32),
-    (Level::Paper, &[24, 48, 72], 512),
-];
+const fn divided_at(level: Level) -> (&'static [usize], usize) {
+    match level {
+        Level::Smoke => (&[16, 24], 32),
+        Level::Paper => (&[24, 48, 72], 512),
+    }
+}
 
 /// Cells per axis with which one and two ranks solve, and of about half as many for one rank.
-const SOLVED: [(Level, usize, usize); 2] = [(Level::Smoke, 24, 16), (Level::Paper, 72, 56)];
+const fn solved_at(level: Level) -> [usize; 2] {
+    match level {
+        Level::Smoke => [24, 16],
+        Level::Paper => [72, 56],
+    }
+}
 
 /// Displacements of the test of scalability of the lecture (M. Ferronato, SNA'25).
 const PUBLISHED: f64 = 73_042_971.0;
@@ -86,7 +93,7 @@ impl Experiment for Ranks {
                 "No times and no curves: {why}. docs/clusters.md has those of a machine with two cores."
             )),
             Ok(program) => {
-                let (_, cells, half) = SOLVED[usize::from(level == Level::Paper)];
+                let [cells, half] = solved_at(level);
                 let solves = [
                     (Who::Ranks(1), half),
                     (Who::Ranks(1), cells),
@@ -115,7 +122,7 @@ impl Experiment for Ranks {
 fn divisions(level: Level) -> anyhow::Result<Vec<(usize, Vec<Division>)>> {
     let scene = named(SCENE).ok_or_else(|| anyhow::anyhow!("no scene {SCENE}"))?;
     let scene = scene.scene()?;
-    let (_, sizes, most) = DIVIDED[usize::from(level == Level::Paper)];
+    let (sizes, most) = divided_at(level);
     let mut all = Vec::new();
     for cells in sizes {
         let sets = ["x", "y", "z"].map(|axis| format!("mesh.{axis}.cells={cells}"));

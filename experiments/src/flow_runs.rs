@@ -1,12 +1,10 @@
 //! Coupled runs of experiments: a scene from its first step to its last, and what its systems cost.
 
+use crate::rates::{quantile, to_eight_digits};
 use crate::report::{Cell, Check, Table};
 use fracas::nonlinear::{Accepted, FaceFields, Simulation};
 use fracas::scene::{Body, Scene};
 use fracas_solvers::Observer;
-
-/// Reductions of the residual below which a system tells nothing of its rate. Unit: 1.
-const TOLD: f64 = 1e-4;
 
 /// A body and its steps.
 pub(crate) struct FlowRun {
@@ -45,27 +43,22 @@ impl FlowRun {
         self.steps.iter().filter(|step| step.flow.is_some())
     }
 
-    /// Iterations that a factor of 1e-8 takes, for every system with flow that was solved well enough to tell, ascending.
-    pub(crate) fn iterations(&self) -> Vec<usize> {
+    /// Iterations that a factor of 1e-8 takes, for every system with flow that was solved well enough to tell.
+    fn iterations(&self) -> Vec<usize> {
         let systems = self.flowing().flat_map(|step| &step.linear);
-        let told = systems.filter(|l| l.relative_residual < TOLD && l.krylov != "direct");
-        let of = |l: &fracas::nonlinear::LinearRecord| {
-            let digits = -l.relative_residual.max(f64::EPSILON).log10();
-            (8.0 * l.iterations as f64 / digits).ceil() as usize
-        };
-        let mut all: Vec<usize> = told.map(of).collect();
-        all.sort_unstable();
-        all
+        let told =
+            systems.filter_map(|l| to_eight_digits(l.krylov, l.iterations, l.relative_residual));
+        told.collect()
     }
 
-    fn median(mut all: Vec<usize>) -> usize {
-        all.sort_unstable();
-        all.get(all.len() / 2).copied().unwrap_or(0)
+    /// The median of [`iterations`](Self::iterations).
+    pub(crate) fn median_iterations(&self) -> usize {
+        quantile(self.iterations(), 0.5)
     }
 
     /// Newton steps per step, the median.
     pub(crate) fn newton(&self) -> usize {
-        Self::median(self.flowing().map(|s| s.record.newton_it).collect())
+        quantile(self.flowing().map(|s| s.record.newton_it).collect(), 0.5)
     }
 
     /// Volume lost over the whole run, over what came in.
@@ -91,10 +84,10 @@ impl FlowRun {
             self.body.fractures.faces.len().into(),
             printed.into(),
             self.flowing().count().into(),
-            Self::median(rounds).into(),
+            quantile(rounds, 0.5).into(),
             self.newton().into(),
-            Self::median(iterations.clone()).into(),
-            iterations.last().copied().into(),
+            self.median_iterations().into(),
+            iterations.iter().max().copied().into(),
             self.faces(3).into(),
             self.faces(2).into(),
         ]
@@ -112,7 +105,7 @@ impl FlowRun {
             Check::at_most(
                 of("Krylov iterations per factor of 1e-8, the median"),
                 25.0,
-                Self::median(self.iterations()) as f64,
+                self.median_iterations() as f64,
             ),
             Check::at_most(
                 of("Newton steps of a step, the median"),

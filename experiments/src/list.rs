@@ -26,6 +26,7 @@ pub static EXPERIMENTS: &[&dyn Experiment] = &[
     &crate::e16_settings::Sensitivity,
     &crate::e17_four_fractures::FourFractures,
     &crate::e19_tilted_well::TiltedWell,
+    &gallery::E20,
     &crate::e22_gas_storage::GasStorage,
     &crate::e23_ground_ruptures::GroundRuptures,
     &gallery::E24,

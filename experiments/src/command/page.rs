@@ -7,11 +7,11 @@ mod steps;
 mod unit;
 mod written;
 
-use crate::plot::{Axis, Figure, Mark, Series};
 use crate::report::{FIGURES, Findings, Formats, Panels, Sheet, Table};
 use anyhow::Context;
 use fracas::run::{History, Running};
 use fracas::scene::Scene;
+use fracas_figures::{Axis, Figure, Mark, Series};
 use ground::{Moment, Scale};
 use std::path::Path;
 pub use steps::PageSteps;

@@ -1,9 +1,9 @@
 //! `fracas solve`: what is known of a solve, in lines for people.
 
 use super::{explain, output};
-use crate::report::format_real;
 use crate::sentence::with_flags;
 use fracas::solve::{End, OverRanks, Solved, Times};
+use fracas_figures::format_real;
 use std::io::Write;
 
 fn outcome(end: End) -> &'static str {

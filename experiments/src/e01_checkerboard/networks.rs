@@ -2,11 +2,11 @@
 
 use super::constant::{all, constant};
 use super::{ROCK, SIDE};
-use crate::plot::{Axis, Figure, Mark, Series};
 use crate::report::{Check, Findings, Level, Table};
 use fracas::contact::{JumpStabilization, Junctions, Lengths};
 use fracas::elasticity::Elastic;
 use fracas::mesh::{BoxGrid, BuiltMesh, PlaneFracture};
+use fracas_figures::{Axis, Figure, Mark, Series};
 
 /// Fractures in a body of N × N × N cells.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,9 +1,9 @@
 //! Path, shares of the states, and where slip spreads.
 
 use super::steps::{Row, Run};
-use crate::plot::{Axis, Cells, Colors, Figure, Mark, Series};
 use fracas::contact::ContactState;
 use fracas::scene::Body;
+use fracas_figures::{Axis, Cells, Colors, Figure, Mark, Series};
 
 /// Mean shear against mean slip, a line per mesh.
 pub(super) fn path(runs: &[Run]) -> Figure {

@@ -2,9 +2,9 @@
 
 use super::fault::{Profile, fractured};
 use super::run::{Counts, Run, Way};
-use crate::plot::{Axis, Figure, Mark, Series};
 use crate::report::{Cell, Check, Findings, Level, Table};
 use fracas::nonlinear::ContactProblem;
+use fracas_figures::{Axis, Figure, Mark, Series};
 use fracas_solvers::Observer;
 use fracas_solvers::direct::{DirectChoice, DirectSolver};
 use fracas_solvers::saddle::AugmentationMatrix;

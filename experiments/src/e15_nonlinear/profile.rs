@@ -2,9 +2,9 @@
 
 use super::fault::fractured;
 use super::run::{Counts, Run, Way};
-use crate::plot::{Axis, Figure, Mark, Series};
 use crate::report::{Cell, Check, Findings, Level, Table};
 use fracas::scene::{Scene, named};
+use fracas_figures::{Axis, Figure, Mark, Series};
 use fracas_solvers::Observer;
 
 /// A scene with what makes it a path in time.

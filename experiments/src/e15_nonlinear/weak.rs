@@ -2,8 +2,8 @@
 
 use super::fault::{Profile, across, fractured, layered};
 use super::run::Run;
-use crate::plot::{Axis, Figure, Mark, Series};
 use crate::report::{Check, Findings, Level, Table};
+use fracas_figures::{Axis, Figure, Mark, Series};
 use fracas_operators::Preconditioner;
 use fracas_solvers::Observer;
 use fracas_solvers::saddle::InnerChoice;

@@ -1,7 +1,7 @@
 //! Slipping area, dip slip and energies in time, criticality on the central fault.
 
 use super::run::{Run, Stage};
-use crate::plot::{Axis, Cells, Colors, Figure, Mark, Series};
+use fracas_figures::{Axis, Cells, Colors, Figure, Mark, Series};
 
 /// Slipping area of every fault against time.
 pub(super) fn area(run: &Run) -> Figure {

@@ -2,8 +2,8 @@
 
 use super::curve::height;
 use super::{Curve, FaultFile, Sampled};
-use crate::plot::{Axis, Figure, Mark, Series};
 use crate::report::{Findings, Table};
+use fracas_figures::{Axis, Figure, Mark, Series};
 
 /// Pascals in a megapascal, metres in a millimetre.
 const MEGA: f64 = 1e6;

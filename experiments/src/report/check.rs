@@ -1,6 +1,6 @@
 //! A claim held against a number.
 
-use super::table::format_real;
+use fracas_figures::format_real;
 use serde::{Deserialize, Serialize};
 
 /// Where the bound of a claim is from.

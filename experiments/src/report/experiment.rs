@@ -1,7 +1,7 @@
 //! What an experiment is: a question, a set-up, an expectation, and a function that answers.
 
 use super::{Check, Table};
-use crate::plot::Figure;
+use fracas_figures::Figure;
 use fracas_solvers::Observer;
 use serde::{Deserialize, Serialize};
 

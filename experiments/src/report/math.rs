@@ -6,7 +6,7 @@
 mod set;
 
 use super::html::escape;
-use crate::plot::with_indices;
+use fracas_figures::with_indices;
 use set::set;
 use std::fmt::Write as _;
 

@@ -20,4 +20,3 @@ pub use folder::{Chapter, Formats, Outcome, run_chapter, write_report};
 pub(crate) use sheet::FIGURES;
 pub use sheet::Sheet;
 pub use table::{Cell, Column, Table};
-pub(crate) use table::{format_real, quote, superscript};

@@ -1,5 +1,6 @@
 //! Typed tables.
 
+use fracas_figures::{format_real, quote};
 use std::fmt::Write as _;
 
 /// A column: name and unit (empty for pure numbers).
@@ -151,54 +152,4 @@ impl Table {
         }
         text
     }
-}
-
-/// A CSV field (RFC 4180).
-pub(crate) fn quote(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text.into()
-    }
-}
-
-/// Four significant digits; powers of ten as `1.234×10⁻⁵` outside 10⁻³…10⁵.
-pub(crate) fn format_real(value: f64) -> String {
-    if !value.is_finite() {
-        return if value.is_nan() {
-            "–".into()
-        } else {
-            format!("{}∞", if value < 0.0 { "−" } else { "" })
-        };
-    }
-    if value == 0.0 {
-        return "0".into();
-    }
-    let scientific = format!("{:.3e}", value.abs());
-    let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
-    let exponent: i32 = exponent.parse().unwrap_or(0);
-    let sign = if value < 0.0 { "−" } else { "" };
-    if (-3..5).contains(&exponent) {
-        let decimals = usize::try_from(3 - exponent).unwrap_or(0);
-        let digits = format!("{:.decimals$}", value.abs());
-        return format!("{sign}{}", trim_zeros(&digits));
-    }
-    format!("{sign}{}×10{}", trim_zeros(mantissa), superscript(exponent))
-}
-
-fn trim_zeros(digits: &str) -> &str {
-    if digits.contains('.') {
-        digits.trim_end_matches('0').trim_end_matches('.')
-    } else {
-        digits
-    }
-}
-
-/// A whole number in raised digits.
-pub(crate) fn superscript(n: i32) -> String {
-    const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
-    n.to_string()
-        .chars()
-        .map(|c| c.to_digit(10).map_or('⁻', |d| RAISED[d as usize]))
-        .collect()
 }

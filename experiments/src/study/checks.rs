@@ -1,7 +1,8 @@
 //! Claims of a study, held against its rows.
 
 use super::findings::{Fields, Findings, PUBLISHED};
-use crate::report::{Basis, Check, format_real};
+use crate::report::{Basis, Check};
+use fracas_figures::format_real;
 use serde::{Deserialize, Serialize};
 use toml::Table;
 

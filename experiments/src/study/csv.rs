@@ -1,5 +1,8 @@
 //! Records of a CSV file (RFC 4180) as fields.
 
+use anyhow::Context;
+use std::str::FromStr;
+
 /// A record, and where the next one begins.
 #[derive(Debug, PartialEq)]
 pub(super) struct Record {
@@ -33,10 +36,47 @@ pub(super) fn records(text: &str) -> Vec<Record> {
     records
 }
 
+/// The fields of the columns `names` of every row below the heading of `file`.
+///
+/// # Errors
+/// Of a column that is missing.
+pub(super) fn columns<const N: usize>(
+    file: &str,
+    text: &str,
+    names: [&str; N],
+) -> anyhow::Result<Vec<[String; N]>> {
+    let records = records(text);
+    let Some((heading, rows)) = records.split_first() else {
+        return Ok(Vec::new());
+    };
+    let mut places = [0; N];
+    for (place, name) in places.iter_mut().zip(names) {
+        let found = heading.fields.iter().position(|field| field == name);
+        *place = found.with_context(|| format!("{file} has no column {name}"))?;
+    }
+    let of = |row: &Record| places.map(|place| row.fields.get(place).cloned().unwrap_or_default());
+    Ok(rows.iter().map(of).collect())
+}
+
+/// A field as a number; `row` counts from 0 below the heading.
+///
+/// # Errors
+/// Of what is no number.
+pub(super) fn number<T: FromStr>(
+    file: &str,
+    row: usize,
+    name: &str,
+    field: &str,
+) -> anyhow::Result<T> {
+    let line = row + 2;
+    let number = field.parse().ok();
+    number.with_context(|| format!("{file}, line {line}: {name} is {field:?}, not a number"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::quote;
+    use fracas_figures::quote;
 
     #[test]
     fn quoted_fields_come_back_and_the_torn_end_does_not() {

@@ -6,9 +6,8 @@ use super::findings::{Fields, Findings, number};
 use super::labels::named;
 use super::measure::Group;
 use super::product::Wanted;
-use crate::plot::{Axis, Figure, Mark, Series};
-use crate::report::format_real;
 use fracas::units::Quantity;
+use fracas_figures::{Axis, Figure, Mark, Series, format_real};
 use fracas_solvers::words::by_number;
 
 /// Place of black in the palette: reference lines are nobody's curve.

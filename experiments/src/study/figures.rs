@@ -8,7 +8,7 @@ use super::labels::named;
 use super::map::map;
 use super::page::OWN_TABLES;
 use super::tornado::tornado;
-use crate::plot::{Axis, Figure, Mark, Series, Spectrum};
+use fracas_figures::{Axis, Figure, Mark, Series, Spectrum};
 use std::collections::BTreeSet;
 use toml::Table;
 

@@ -3,7 +3,7 @@
 use super::curves::axis_label;
 use super::figure_section::FigureSection;
 use super::findings::{Fields, Findings};
-use crate::plot::{Axis, Cells, Colors, Figure, Mark, Series};
+use fracas_figures::{Axis, Cells, Colors, Figure, Mark, Series};
 use fracas_solvers::words::by_number;
 
 /// Part of the place of a value that its cells take where others stand within it.

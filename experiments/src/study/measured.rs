@@ -70,7 +70,7 @@ pub(super) struct Contact {
     pub(super) overlap: usize,
 }
 
-/// Sums over the load steps of a run.
+/// Sums over the load steps of a run, and what most of its steps and systems take.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Steps {
     pub(super) steps: usize,
@@ -78,6 +78,13 @@ pub(super) struct Steps {
     pub(super) newton: usize,
     pub(super) krylov: usize,
     pub(super) cuts: usize,
+    /// Rounds that 95 % of the steps do not exceed, and the median of Newton steps; the equilibrium at time 0 does not count.
+    pub(super) rounds_95: usize,
+    pub(super) newton_median: usize,
+    /// Median of the iterations per factor of 1e-8 of the residual, of the systems that tell it; none where none does.
+    pub(super) rate: Option<usize>,
+    /// Fluid that is missing at the end over what was injected. Unit: 1.
+    pub(super) lost: Option<f64>,
     /// Of this process [s].
     pub(super) wall_s: f64,
 }

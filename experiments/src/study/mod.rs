@@ -47,6 +47,7 @@ mod solving;
 mod sources;
 mod state;
 mod stepping;
+mod steps;
 mod tables;
 mod tornado;
 

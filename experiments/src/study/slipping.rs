@@ -1,47 +1,33 @@
 //! What the fractures of a run did, from the rows of its `fault.csv`.
 
-use super::csv::records;
+use super::csv::{columns, number};
 use super::measured::Faults;
-use anyhow::{Context, bail};
+
+/// Its columns that are read.
+const NAMES: [&str; 9] = [
+    "step",
+    "time_s",
+    "slipping_area_m2",
+    "slip_max_m",
+    "chi_max",
+    "open_area_m2",
+    "moment_step_Nm",
+    "dissipated_J",
+    "aperture_max_m",
+];
 
 /// Sums and largest values over all fractures and steps; `None` where the run has no fracture or no step.
 ///
 /// # Errors
 /// Of a column that is missing, and of what is no number.
 pub(super) fn faults(text: &str) -> anyhow::Result<Option<Faults>> {
-    let records = records(text);
-    let Some((heading, rows)) = records.split_first() else {
-        return Ok(None);
-    };
-    let names = [
-        "step",
-        "time_s",
-        "slipping_area_m2",
-        "slip_max_m",
-        "chi_max",
-        "open_area_m2",
-        "moment_step_Nm",
-        "dissipated_J",
-        "aperture_max_m",
-    ];
-    let mut columns = [0; 9];
-    for (column, name) in columns.iter_mut().zip(names) {
-        let found = heading.fields.iter().position(|field| field == name);
-        *column = found.with_context(|| format!("fault.csv has no column {name}"))?;
-    }
+    let rows = columns("fault.csv", text, NAMES)?;
     let mut faults = Faults::default();
     let (mut step, mut areas) = (f64::NAN, [0.0; 2]);
     for (k, row) in rows.iter().enumerate() {
-        let mut values = [0.0; 9];
-        for ((value, column), name) in values.iter_mut().zip(columns).zip(names) {
-            let field = row.fields.get(column).map_or("", String::as_str);
-            let Ok(number) = field.parse() else {
-                bail!(
-                    "fault.csv, line {}: {name} is {field:?}, not a number",
-                    k + 2
-                );
-            };
-            *value = number;
+        let mut values = [0.0; NAMES.len()];
+        for ((value, field), name) in values.iter_mut().zip(row).zip(NAMES) {
+            *value = number("fault.csv", k, name, field)?;
         }
         let [
             of,

@@ -5,9 +5,12 @@ use super::outcome::Outcome;
 use super::product::Case;
 use super::slipping::faults;
 use super::solving::Watch;
+use super::steps::{lost, rate};
+use crate::rates::quantile;
 use anyhow::Context;
 use fracas::run::{Outcome as Ending, Run, Taken, holds_run};
 use fracas_solvers::Silent;
+use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -56,14 +59,24 @@ pub(super) fn run(
         }
     };
     let sum = |column: &str| run.history().column(column).sum::<f64>() as usize;
-    measured.steps = Some(Steps {
+    let later = |column: &str| {
+        let times = run.history().column("time_s");
+        let steps = times.zip(run.history().column(column));
+        let later = steps.filter(|(time, _)| *time > 0.0);
+        later.map(|(_, count)| count as usize).collect()
+    };
+    let mut steps = Steps {
         steps: run.history().len(),
+        rounds_95: quantile(later("active_it"), 0.95),
+        newton_median: quantile(later("newton_it"), 0.5),
+        rate: None,
+        lost: None,
         rounds: sum("active_it"),
         newton: sum("newton_it"),
         krylov: sum("lin_it"),
         cuts: sum("cuts"),
         wall_s: start.elapsed().as_secs_f64(),
-    });
+    };
     measured.sizes = Some([run.state().u.len(), run.state().t.len(), 0]);
     let outcome = match ended.outcome {
         Ending::NotConverged => Outcome::IterationLimit,
@@ -76,10 +89,15 @@ pub(super) fn run(
     measured.reasons.extend(ended.reason.clone());
     run.close(&ended)?;
     drop(folder);
-    let fractures = out.join("fault.csv");
-    if fractures.exists() {
-        measured.faults = faults(&std::fs::read_to_string(fractures)?)?;
-    }
+    // a file that the scene does not need is not written
+    let read = |file: &str| match std::fs::read_to_string(out.join(file)) {
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(String::new()),
+        text => text,
+    };
+    steps.rate = rate(&read("solver.csv")?)?;
+    steps.lost = lost(&read("flow.csv")?)?;
+    measured.steps = Some(steps);
+    measured.faults = faults(&read("fault.csv")?)?;
     if place.is_none() {
         std::fs::remove_dir_all(&out)?;
     }

@@ -3,7 +3,7 @@
 use super::curves::axis_label;
 use super::figure_section::FigureSection;
 use super::findings::{Fields, Findings};
-use crate::plot::{Axis, Figure, Mark, Series};
+use fracas_figures::{Axis, Figure, Mark, Series};
 use fracas_solvers::words::by_number;
 
 /// Between a setting and its value in the name of a variant: `Biot = 0.6`.

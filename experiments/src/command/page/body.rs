@@ -2,11 +2,11 @@
 
 use super::ground::{Ground, Moment, Quantity, Scale};
 use super::unit::Kind;
-use crate::plot::Outline;
 use crate::report::Panels;
-use crate::section::{Section, planes};
 use fracas::run::Stored;
 use fracas::scene::Body;
+use fracas_figures::Outline;
+use fracas_figures::section::{Section, planes};
 
 /// Width of the edges of bodies and materials, and of fractures, in points.
 const EDGE: f64 = 0.7;

@@ -3,9 +3,9 @@
 use super::ground::{Ground, Moment, Quantity, Scale};
 use super::unit::Kind;
 use crate::report::Panels;
-use crate::section::{Patches, in_plane};
 use fracas::run::Stored;
 use fracas::scene::Body;
+use fracas_figures::section::{Patches, in_plane};
 
 /// Fractures that are shown.
 const FRACTURES: usize = 6;

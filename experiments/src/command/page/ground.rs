@@ -1,10 +1,10 @@
 //! Something flat, a section or a fracture, with quantities on it at some steps.
 
 use super::unit::Kind;
-use crate::plot::{Axis, Cells, Colors, Figure, Mark, Outline, Series};
-use crate::report::{Panels, format_real};
-use crate::section::{Direction, Patches};
+use crate::report::Panels;
 use fracas::run::Stored;
+use fracas_figures::section::{Direction, Patches};
+use fracas_figures::{Axis, Cells, Colors, Figure, Mark, Outline, Series, format_real};
 
 /// Differences over the largest value that are none, and values over the largest of the body. Unit: 1.
 const EVEN: f64 = 1e-9;

@@ -1,7 +1,7 @@
 //! Curves of what a run has written, a row per step: energies, volumes of fluid, wells.
 
 use super::{series, time_axis, unit};
-use crate::plot::{Axis, Figure, Series};
+use fracas_figures::{Axis, Figure, Series};
 use std::path::Path;
 
 /// A table of numbers with their times.

@@ -11,15 +11,17 @@ use std::collections::HashMap;
 type OnEdge = (u32, u32, f64);
 
 /// A plane section of a body.
-pub(crate) struct Section {
-    pub(crate) plane: Plane,
-    pub(crate) directions: [Direction; 2],
+pub struct Section {
+    /// What cuts it.
+    pub plane: Plane,
+    /// The axes of its figure.
+    pub directions: [Direction; 2],
     /// Pieces of elements, `of` being the element.
-    pub(crate) patches: Patches,
+    pub patches: Patches,
     /// Edges of the body and of its materials.
-    pub(crate) edges: Vec<Vec<[f64; 2]>>,
+    pub edges: Vec<Vec<[f64; 2]>>,
     /// Where fractures cross the plane.
-    pub(crate) traces: Vec<Vec<[f64; 2]>>,
+    pub traces: Vec<Vec<[f64; 2]>>,
 }
 
 impl Section {
@@ -27,7 +29,7 @@ impl Section {
     ///
     /// # Cost
     /// O(elements), and O(elements cut) for the lines.
-    pub(crate) fn new(body: &Body, plane: Plane, most: usize) -> Self {
+    pub fn new(body: &Body, plane: Plane, most: usize) -> Self {
         let mesh = &body.mesh;
         let directions = in_plane(plane.normal, mesh.nodes.iter().copied());
         let flat = |x: [f64; 3]| [0, 1].map(|d: usize| directions[d].at(x));
@@ -65,7 +67,7 @@ impl Section {
     }
 
     /// Mean over the corners of the piece of an element of what is linear along edges, three per node.
-    pub(crate) fn mean(&self, mesh: &HexMesh, e: usize, of_nodes: &[f64]) -> [f64; 3] {
+    pub fn mean(&self, mesh: &HexMesh, e: usize, of_nodes: &[f64]) -> [f64; 3] {
         let nodes = &mesh.elements[e];
         let sides = nodes.map(|a| self.plane.at(mesh.nodes[a as usize]));
         let mut sum = [0.0; 3];

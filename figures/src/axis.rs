@@ -1,6 +1,6 @@
 //! Axes: scale, range, ticks.
 
-use crate::report::superscript;
+use crate::text::superscript;
 
 /// How an axis maps values to lengths.
 #[derive(Clone, Debug, PartialEq)]

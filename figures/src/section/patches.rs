@@ -2,16 +2,18 @@
 
 /// Quadrilaterals, each with the number of what its value belongs to.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Patches {
-    pub(crate) quads: Vec<[[f64; 2]; 4]>,
-    pub(crate) of: Vec<usize>,
+pub struct Patches {
+    /// Corners, in the plane [m].
+    pub quads: Vec<[[f64; 2]; 4]>,
+    /// Number of what the value of each belongs to.
+    pub of: Vec<usize>,
     /// True where squares stand for what lies at their centres.
-    pub(crate) is_raster: bool,
+    pub is_raster: bool,
 }
 
 impl Patches {
     /// Convex polygons, cut into quadrilaterals from their first corner.
-    pub(crate) fn add(&mut self, corners: &[[f64; 2]], of: usize) {
+    pub fn add(&mut self, corners: &[[f64; 2]], of: usize) {
         let mut k = 1;
         while k + 1 < corners.len() {
             let last = (k + 2).min(corners.len() - 1);
@@ -22,7 +24,7 @@ impl Patches {
     }
 
     /// Left and right, low and high end.
-    pub(crate) fn extent(&self) -> [[f64; 2]; 2] {
+    pub fn extent(&self) -> [[f64; 2]; 2] {
         let mut ends = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         for p in self.quads.iter().flatten() {
             for d in 0..2 {
@@ -36,7 +38,7 @@ impl Patches {
     ///
     /// # Cost
     /// O(quadrilaterals + squares).
-    pub(crate) fn thinned(self, most: usize) -> Self {
+    pub fn thinned(self, most: usize) -> Self {
         if self.quads.len() <= most {
             return self;
         }

@@ -2,7 +2,7 @@
 
 use super::axis::Axis;
 use super::cells::Cells;
-use crate::report::quote;
+use crate::text::quote;
 use std::fmt::Write as _;
 
 /// A figure: an SVG and a CSV file.

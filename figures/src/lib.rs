@@ -13,9 +13,11 @@ mod marks;
 mod non_normal;
 mod palette;
 mod pdf;
+pub mod section;
 mod series;
 mod spectrum;
 mod svg;
+mod text;
 mod window;
 
 #[cfg(test)]
@@ -24,6 +26,7 @@ mod tests;
 pub use axis::{Axis, Scale};
 pub use cells::{Cells, Colors};
 pub use figure::{Figure, Mark, Outline, Region, Series, Shade, Slope};
-pub(crate) use indices::with_indices;
+pub use indices::with_indices;
 pub use non_normal::{Gmres, Level};
 pub use spectrum::Spectrum;
+pub use text::{format_real, quote, superscript};

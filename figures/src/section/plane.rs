@@ -2,11 +2,11 @@
 
 /// `n·x = offset`.
 #[derive(Clone, Debug)]
-pub(crate) struct Plane {
+pub struct Plane {
     /// Of length 1.
-    pub(crate) normal: [f64; 3],
+    pub normal: [f64; 3],
     /// m.
-    pub(crate) offset: f64,
+    pub offset: f64,
 }
 
 /// Cosine of the angle below which two directions are the same: 3°.
@@ -37,7 +37,7 @@ impl Plane {
     }
 
     /// Where it lies, for a caption: `y = 2.5 m`.
-    pub(crate) fn words(&self) -> String {
+    pub fn words(&self) -> String {
         let axis = (0..3).find(|k| self.normal[*k].abs() > 1.0 - 1e-9);
         match axis {
             Some(k) => {
@@ -65,13 +65,13 @@ fn short(x: f64) -> String {
 
 /// A direction in a plane, and what is read along it.
 #[derive(Clone, Debug)]
-pub(crate) struct Direction {
+pub struct Direction {
     /// Of length 1.
-    pub(crate) along: [f64; 3],
+    pub along: [f64; 3],
     /// `x`, or `along strike`.
-    pub(crate) name: String,
+    pub name: String,
     /// What is read along it: `x`, or `along strike, from the end`.
-    pub(crate) label: String,
+    pub label: String,
     /// Gradient of the coordinate: `along`, or the axis z in a plane that is steep enough. Unit: 1.
     reading: [f64; 3],
     /// Where the coordinate is 0, over `reading` [m].
@@ -125,19 +125,19 @@ impl Direction {
     }
 
     /// m.
-    pub(crate) fn at(&self, x: [f64; 3]) -> f64 {
+    pub fn at(&self, x: [f64; 3]) -> f64 {
         dot(self.reading, x) - self.origin
     }
 
     /// Length in the plane over the difference of the coordinate. Unit: 1.
-    pub(crate) fn stretch(&self) -> f64 {
+    pub fn stretch(&self) -> f64 {
         1.0 / dot(self.along, self.reading)
     }
 }
 
 /// Along strike and up dip of a plane with this normal, of any length; x and y of a level one. Where the plane dips by more than 30° heights z
 /// are read in it; where neither an axis nor z serves, lengths from the lower end of what these points span.
-pub(crate) fn in_plane(
+pub fn in_plane(
     normal: [f64; 3],
     points: impl Iterator<Item = [f64; 3]> + Clone,
 ) -> [Direction; 2] {

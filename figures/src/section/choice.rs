@@ -35,7 +35,7 @@ struct Fault {
 ///
 /// # Cost
 /// O(elements) per direction looked at, of which there are eight or fewer.
-pub(crate) fn planes(body: &Body) -> Vec<Plane> {
+pub fn planes(body: &Body) -> Vec<Plane> {
     let faults = faults(body);
     let view = View::new(body, faults.first());
     let mut planes: Vec<Plane> = Vec::new();

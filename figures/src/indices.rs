@@ -41,7 +41,7 @@ pub(super) fn runs(text: &str) -> Vec<(&str, bool)> {
 }
 
 /// The text with every index, less its underscore, as `set` writes it: `S_u` becomes `S<sub>u</sub>` in HTML.
-pub(crate) fn with_indices(text: &str, set: impl Fn(&str) -> String) -> String {
+pub fn with_indices(text: &str, set: impl Fn(&str) -> String) -> String {
     let parts = runs(text).into_iter();
     let parts = parts.map(|(part, is_index)| match is_index {
         true => set(part),

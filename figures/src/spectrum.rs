@@ -3,7 +3,7 @@
 use super::figure::{Figure, Mark, Region, Series};
 use super::non_normal::{self, Gmres, Level};
 use super::{Axis, Scale};
-use crate::report::format_real;
+use crate::text::format_real;
 use fracas_solvers::spectrum::region::is_non_real;
 use fracas_solvers::spectrum::report::Method;
 use fracas_solvers::spectrum::{Part, SpectrumReport};

@@ -14,7 +14,7 @@ mod lines;
 mod patches;
 mod plane;
 
-pub(crate) use choice::planes;
-pub(crate) use cut::Section;
-pub(crate) use patches::Patches;
-pub(crate) use plane::{Direction, in_plane};
+pub use choice::planes;
+pub use cut::Section;
+pub use patches::Patches;
+pub use plane::{Direction, Plane, in_plane};

@@ -1,7 +1,7 @@
 //! Letters of DejaVu Sans, the first choice of our SVGs: widths, and a font of those that a page shows.
 
 use super::COMPRESSION;
-use crate::plot::indices::{INDEX_DROP, INDEX_SIZE, runs};
+use crate::indices::{INDEX_DROP, INDEX_SIZE, runs};
 use anyhow::Context;
 use miniz_oxide::deflate::compress_to_vec_zlib;
 use pdf_writer::types::{CidFontType, FontFlags, SystemInfo, UnicodeCmap};
@@ -152,7 +152,7 @@ impl Letters {
 
 /// True where the font has this letter.
 #[cfg(test)]
-pub(in crate::plot) fn knows(letter: char) -> bool {
+pub(crate) fn knows(letter: char) -> bool {
     Letters::new().is_ok_and(|letters| {
         letters
             .face

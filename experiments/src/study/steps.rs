@@ -1,0 +1,70 @@
+//! What the systems and the fluid of a run tell, from the rows of its `solver.csv` and `flow.csv`.
+
+use super::csv::{columns, number};
+use crate::rates::{quantile, to_eight_digits};
+
+/// Median of the iterations per factor of 1e-8 of the residual, of all systems but those of the equilibrium at time 0, which is step 0; none where none tells it.
+///
+/// # Errors
+/// Of a column that is missing, and of what is no number.
+pub(super) fn rate(text: &str) -> anyhow::Result<Option<usize>> {
+    const FILE: &str = "solver.csv";
+    const NAMES: [&str; 4] = ["step", "krylov", "iterations", "relative_residual"];
+    let mut told = Vec::new();
+    for (k, row) in columns(FILE, text, NAMES)?.iter().enumerate() {
+        let [step, krylov, iterations, residual] = row;
+        let step: usize = number(FILE, k, NAMES[0], step)?;
+        let iterations = number(FILE, k, NAMES[2], iterations)?;
+        let residual = number(FILE, k, NAMES[3], residual)?;
+        if step > 0 {
+            told.extend(to_eight_digits(krylov, iterations, residual));
+        }
+    }
+    Ok((!told.is_empty()).then(|| quantile(told, 0.5)))
+}
+
+/// Balance errors of all steps together over what was injected; none where nothing flows or nothing was injected. Unit: 1.
+///
+/// # Errors
+/// Of a column that is missing, and of what is no number.
+pub(super) fn lost(text: &str) -> anyhow::Result<Option<f64>> {
+    const FILE: &str = "flow.csv";
+    const NAMES: [&str; 2] = ["injected_m3", "balance_error_m3"];
+    let mut sums = [0.0; 2];
+    for (k, row) in columns(FILE, text, NAMES)?.iter().enumerate() {
+        for ((sum, field), name) in sums.iter_mut().zip(row).zip(NAMES) {
+            *sum += number::<f64>(FILE, k, name, field)?;
+        }
+    }
+    let [injected, error] = sums;
+    Ok((injected != 0.0).then(|| (error / injected).abs()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn systems_that_tell_nothing_are_left_out() {
+        let heading = "step,krylov,iterations,relative_residual\n";
+        let rows = "0,fgmres,90,1e-8\n1,fgmres,10,1e-8\n1,direct,1,1e-15\n2,fgmres,30,1e-3\n2,fgmres,12,1e-6\n2,fgmres,20,1e-8\n";
+        assert_eq!(rate(&format!("{heading}{rows}")).unwrap(), Some(16));
+        assert_eq!(rate(heading).unwrap(), None);
+        assert_eq!(rate("").unwrap(), None);
+        let torn = format!("{heading}1,fgmres,x,1e-8\n");
+        let error = rate(&torn).unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "solver.csv, line 2: iterations is \"x\", not a number"
+        );
+    }
+
+    #[test]
+    fn fluid_is_counted_over_the_whole_run() {
+        let heading = "step,injected_m3,balance_error_m3\n";
+        let rows = "1,2.0,1e-3\n2,2.0,-3e-3\n";
+        assert_eq!(lost(&format!("{heading}{rows}")).unwrap(), Some(5e-4));
+        assert_eq!(lost(heading).unwrap(), None);
+        assert_eq!(lost("").unwrap(), None);
+    }
+}
