@@ -16,6 +16,9 @@ const BLACK: usize = 6;
 /// Largest value of a reference line over that of the data at which it is drawn. Unit: 1.
 const BEYOND: f64 = 5.0;
 
+/// Characters of the names of several measures that fit beside an axis.
+const LONG: usize = 48;
+
 /// A point of a curve; y is not a number where a row has none.
 struct Point {
     series: String,
@@ -32,7 +35,14 @@ pub(super) fn figure(
 ) -> Option<Figure> {
     let chosen = section.series.as_deref().unwrap_or(varying);
     let is_taken = |name: &String| *name == section.x || Some(name) == section.facet.as_ref();
-    let chosen: Vec<&String> = chosen.iter().filter(|name| !is_taken(name)).collect();
+    // curves of several measures have names already, to which what all rows share adds nothing
+    let is_told = |name: &String| {
+        let mut fields = rows.iter().map(|row| findings.field(row, name));
+        let first = fields.next();
+        section.series.is_some() || section.y.len() == 1 || fields.any(|f| Some(f) != first)
+    };
+    let chosen = chosen.iter().filter(|name| !is_taken(name));
+    let chosen: Vec<&String> = chosen.filter(|name| is_told(name)).collect();
     let names = categories(section, rows, findings);
     let unit = unit(section, rows, findings);
     let scale = unit.as_ref().map_or(1.0, |(_, scale)| *scale);
@@ -116,6 +126,10 @@ pub(super) fn figure(
     }
     let plain = section.y.iter().filter(|y| !y.starts_with("published."));
     y.label = plain.map(|y| axis_label(y)).collect::<Vec<_>>().join(", ");
+    if section.y.len() > 1 && y.label.chars().count() > LONG {
+        // the legend has the names
+        y.label.clear();
+    }
     // what the clock tells and what a sweep moves to and fro is joined in the order of the rows
     let group = Name::find(&section.x).map(Name::group);
     let is_timed = matches!(group, Some(Group::Clock | Group::Condition));
