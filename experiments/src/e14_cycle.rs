@@ -5,6 +5,7 @@ mod phases;
 mod steps;
 
 use crate::report::{Check, Experiment, Findings, Level};
+use crate::scenes::with_cells;
 use fracas::contact::ContactState;
 use fracas::scene::{Scene, named};
 use fracas_solvers::Observer;
@@ -35,12 +36,8 @@ fn scenes(level: Level) -> anyhow::Result<Vec<Scene>> {
     let scenes = match level {
         Level::Smoke => vec![entry.small_scene()?],
         Level::Paper => {
-            let cells = |times: usize| {
-                [("x", 8), ("y", 10), ("z", 10)]
-                    .map(|(axis, n)| format!("mesh.{axis}.cells={}", times * n))
-            };
             let scene = entry.scene()?;
-            let scenes = TIMES.map(|times| scene.with_overrides(&cells(times)));
+            let scenes = TIMES.map(|times| with_cells(&scene, [8, 10, 10].map(|n| times * n)));
             scenes.into_iter().collect::<Result<_, _>>()?
         }
     };

@@ -2,6 +2,7 @@
 
 use crate::flow_runs::{FlowRun, table};
 use crate::report::{Check, Experiment, Findings, Level, Table};
+use crate::scenes::with_cells;
 use fracas::scene::Scene;
 use fracas_solvers::Observer;
 
@@ -72,8 +73,7 @@ impl Family {
         let scene = Scene::from_toml(self.text, self.file)?;
         let (mut checks, mut medians) = (Vec::new(), Vec::new());
         for (cells, printed) in self.meshes {
-            let sets = ["x", "y", "z"].map(|axis| format!("mesh.{axis}.cells={cells}"));
-            let scene = scene.with_overrides(&sets)?;
+            let scene = with_cells(&scene, [*cells; 3])?;
             let run = FlowRun::of(&format!("{cells}³"), &scene, observer)?;
             sheet.rows.push(run.row(printed));
             checks.extend(run.checks());

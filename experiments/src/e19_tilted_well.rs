@@ -2,6 +2,7 @@
 
 use crate::flow_runs::{FlowRun, table};
 use crate::report::{Check, Experiment, Findings, Level, Panels, Table};
+use crate::scenes::with_cells;
 use fracas::nonlinear::FaceFields;
 use fracas::scene::Scene;
 use fracas_figures::{Axis, Cells, Colors, Figure, Mark, Series};
@@ -58,12 +59,9 @@ impl Experiment for TiltedWell {
             Level::Paper => (1, 40, "1,027,926 + 15,552 + 5,184"),
         };
         let cells = LENGTHS.map(|length| length / size);
-        let sets = ["x", "y", "z"].iter().zip(cells);
-        let mut sets: Vec<String> = sets
-            .map(|(axis, cells)| format!("mesh.{axis}.cells={cells}"))
-            .collect();
-        sets.push(format!("time.steps={steps}"));
-        let scene = Scene::from_toml(SCENE, "e19_tilted_well.toml")?.with_overrides(&sets)?;
+        let scene = Scene::from_toml(SCENE, "e19_tilted_well.toml")?;
+        let scene = scene.with_overrides(&[format!("time.steps={steps}")])?;
+        let scene = with_cells(&scene, cells)?;
         let [x, y, z] = cells;
         let run = FlowRun::of(&format!("{x} × {y} × {z}"), &scene, observer)?;
         let mut sheet = table(

@@ -5,6 +5,7 @@ mod measured;
 mod model;
 
 use crate::report::{Cell, Check, Experiment, Findings, Level, Table};
+use crate::scenes::with_cells;
 use division::{Division, divide, shell};
 use fracas::scene::named;
 use fracas_figures::{Axis, Figure, Mark, Series};
@@ -125,8 +126,7 @@ fn divisions(level: Level) -> anyhow::Result<Vec<(usize, Vec<Division>)>> {
     let (sizes, most) = divided_at(level);
     let mut all = Vec::new();
     for cells in sizes {
-        let sets = ["x", "y", "z"].map(|axis| format!("mesh.{axis}.cells={cells}"));
-        let body = scene.with_overrides(&sets)?.build()?;
+        let body = with_cells(&scene, [*cells; 3])?.build()?;
         let parts = (1..).map(|k| 1 << k).take_while(|parts| *parts <= most);
         let divisions: Result<Vec<_>, _> = parts.map(|parts| divide(&body, parts)).collect();
         all.push((*cells, divisions?));

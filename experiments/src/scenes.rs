@@ -42,6 +42,16 @@ pub fn load(name: &str) -> anyhow::Result<Scene> {
     })
 }
 
+/// A scene on a grid of so many cells along x, y and z.
+///
+/// # Errors
+/// A grid that does not fit its fractures.
+pub(crate) fn with_cells(scene: &Scene, cells: [usize; 3]) -> anyhow::Result<Scene> {
+    let axes = ["x", "y", "z"].iter().zip(cells);
+    let sets = axes.map(|(axis, cells)| format!("mesh.{axis}.cells={cells}"));
+    Ok(scene.with_overrides(&sets.collect::<Vec<_>>())?)
+}
+
 /// A scene of the gallery.
 pub(crate) fn of_gallery(name: &str) -> anyhow::Result<&'static GalleryScene> {
     let unknown = || UnknownScene {

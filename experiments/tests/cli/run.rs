@@ -37,9 +37,9 @@ pub(crate) fn fracas_in(folder: &Path, arguments: &[&str]) -> Ran {
     }
 }
 
-/// A fresh folder for one test.
+/// A fresh folder for one test, beside what is built.
 pub(crate) fn scratch(name: &str) -> PathBuf {
-    let folder = std::env::temp_dir().join(format!("fracas-cli-{}-{name}", std::process::id()));
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("cli-{name}"));
     if folder.exists() {
         std::fs::remove_dir_all(&folder).unwrap();
     }
