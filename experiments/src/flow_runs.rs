@@ -1,6 +1,6 @@
 //! Coupled runs of experiments: a scene from its first step to its last, and what its systems cost.
 
-use crate::rates::{quantile, to_eight_digits};
+use crate::rates::{median, to_eight_digits};
 use crate::report::{Cell, Check, Table};
 use fracas::nonlinear::{Accepted, FaceFields, Simulation};
 use fracas::scene::{Body, Scene};
@@ -53,12 +53,12 @@ impl FlowRun {
 
     /// The median of [`iterations`](Self::iterations).
     pub(crate) fn median_iterations(&self) -> usize {
-        quantile(self.iterations(), 0.5)
+        median(self.iterations()).unwrap_or(0)
     }
 
     /// Newton steps per step, the median.
     pub(crate) fn newton(&self) -> usize {
-        quantile(self.flowing().map(|s| s.record.newton_it).collect(), 0.5)
+        median(self.flowing().map(|s| s.record.newton_it).collect()).unwrap_or(0)
     }
 
     /// Volume lost over the whole run, over what came in.
@@ -84,7 +84,7 @@ impl FlowRun {
             self.body.fractures.faces.len().into(),
             printed.into(),
             self.flowing().count().into(),
-            quantile(rounds, 0.5).into(),
+            median(rounds).into(),
             self.newton().into(),
             self.median_iterations().into(),
             iterations.iter().max().copied().into(),

@@ -1,7 +1,7 @@
 //! What the systems of a run tell of the rate of their iteration.
 
-/// Residual above which a system tells nothing of its rate, relative. Unit: 1.
-const TOLD: f64 = 1e-4;
+/// Residual above which a system tells nothing of its rate, relative: below half of the eight digits the rest would be a guess. Unit: 1.
+const TELLING: f64 = 1e-4;
 
 /// Iterations per factor of 1e-8 of the residual, of an iteration that made it `relative_residual` times as large; none where it did not go
 /// far enough to tell, or nothing iterated.
@@ -10,18 +10,24 @@ pub(crate) fn to_eight_digits(
     iterations: usize,
     relative_residual: f64,
 ) -> Option<usize> {
-    let tells = relative_residual < TOLD && krylov != "direct";
+    let tells = relative_residual < TELLING && krylov != "direct";
     tells.then(|| {
         let digits = -relative_residual.max(f64::EPSILON).log10();
         (8.0 * iterations as f64 / digits).ceil() as usize
     })
 }
 
-/// The least of `all` that more than `share` of them do not exceed, or the largest; 0 of none.
-pub(crate) fn quantile(mut all: Vec<usize>, share: f64) -> usize {
+/// The least of `all` that at least `share` of them do not exceed; none of none.
+pub(crate) fn quantile(mut all: Vec<usize>, share: f64) -> Option<usize> {
     all.sort_unstable();
-    let below = (share * all.len() as f64) as usize;
-    all.get(below).or(all.last()).copied().unwrap_or(0)
+    let rank = (share * all.len() as f64).ceil() as usize;
+    all.get(rank.saturating_sub(1)).copied()
+}
+
+/// The median of `all`, of two in the middle the larger one; none of none.
+pub(crate) fn median(mut all: Vec<usize>) -> Option<usize> {
+    all.sort_unstable();
+    all.get(all.len() / 2).copied()
 }
 
 #[cfg(test)]
@@ -41,11 +47,12 @@ mod tests {
     #[test]
     fn quantiles_are_values_of_the_list() {
         let all: Vec<usize> = (1..=20).rev().collect();
-        assert_eq!(quantile(all.clone(), 0.95), 20);
-        assert_eq!(quantile(all.clone(), 0.5), 11);
-        assert_eq!(quantile(all.clone(), 0.94), 19);
-        assert_eq!(quantile(all, 1.0), 20);
-        assert_eq!(quantile(vec![7], 0.5), 7);
-        assert_eq!(quantile(Vec::new(), 0.5), 0);
+        assert_eq!(quantile(all.clone(), 0.95), Some(19));
+        assert_eq!(quantile(all.clone(), 1.0), Some(20));
+        assert_eq!(median(all), Some(11));
+        assert_eq!(quantile((1..=18).collect(), 0.95), Some(18));
+        assert_eq!(median(vec![7]), Some(7));
+        assert_eq!(quantile(Vec::new(), 0.5), None);
+        assert_eq!(median(Vec::new()), None);
     }
 }

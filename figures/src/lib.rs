@@ -1,5 +1,5 @@
 //! Figures as data: series over two axes, shaded regions, coloured cells, reference slopes. A figure draws itself as SVG or
-//! PDF and lists itself as CSV.
+//! PDF and lists itself as CSV. [`section`] is what a plane cuts out of a body; numbers have the form that a page shows.
 
 mod axis;
 mod canvas;
@@ -29,4 +29,4 @@ pub use figure::{Figure, Mark, Outline, Region, Series, Shade, Slope};
 pub use indices::with_indices;
 pub use non_normal::{Gmres, Level};
 pub use spectrum::Spectrum;
-pub use text::{format_real, quote, superscript};
+pub use text::{format_real, quote};

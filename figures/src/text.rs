@@ -42,7 +42,7 @@ fn trim_zeros(digits: &str) -> &str {
 }
 
 /// A whole number in raised digits.
-pub fn superscript(n: i32) -> String {
+pub(crate) fn superscript(n: i32) -> String {
     const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     n.to_string()
         .chars()

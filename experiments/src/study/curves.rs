@@ -16,8 +16,8 @@ const BLACK: usize = 6;
 /// Largest value of a reference line over that of the data at which it is drawn. Unit: 1.
 const BEYOND: f64 = 5.0;
 
-/// Characters of the names of several measures that fit beside an axis.
-const LONG: usize = 48;
+/// Characters of a label that fit beside the axis of a figure of usual height.
+const LABEL: usize = 48;
 
 /// A point of a curve; y is not a number where a row has none.
 struct Point {
@@ -35,14 +35,16 @@ pub(super) fn figure(
 ) -> Option<Figure> {
     let chosen = section.series.as_deref().unwrap_or(varying);
     let is_taken = |name: &String| *name == section.x || Some(name) == section.facet.as_ref();
+    let is_published = |y: &String| y.starts_with("published.");
+    let told_by_measure = section.y.len() > 1 && !section.y.iter().any(is_published);
     // curves of several measures have names already, to which what all rows share adds nothing
-    let is_told = |name: &String| {
+    let varies = |name: &String| {
         let mut fields = rows.iter().map(|row| findings.field(row, name));
         let first = fields.next();
-        section.series.is_some() || section.y.len() == 1 || fields.any(|f| Some(f) != first)
+        section.series.is_some() || !told_by_measure || fields.any(|f| Some(f) != first)
     };
     let chosen = chosen.iter().filter(|name| !is_taken(name));
-    let chosen: Vec<&String> = chosen.filter(|name| is_told(name)).collect();
+    let chosen: Vec<&String> = chosen.filter(|name| varies(name)).collect();
     let names = categories(section, rows, findings);
     let unit = unit(section, rows, findings);
     let scale = unit.as_ref().map_or(1.0, |(_, scale)| *scale);
@@ -64,7 +66,7 @@ pub(super) fn figure(
             if parts.len() == 1 {
                 parts.push(axis_label(measure));
             }
-        } else if section.y.len() > 1 && !section.y.iter().any(|y| y.starts_with("published.")) {
+        } else if told_by_measure {
             parts.push(axis_label(y));
         }
         parts.join(", ")
@@ -126,9 +128,9 @@ pub(super) fn figure(
     }
     let plain = section.y.iter().filter(|y| !y.starts_with("published."));
     y.label = plain.map(|y| axis_label(y)).collect::<Vec<_>>().join(", ");
-    if section.y.len() > 1 && y.label.chars().count() > LONG {
+    if told_by_measure && y.label.chars().count() > LABEL {
         // the legend has the names
-        y.label.clear();
+        y.label = "number".to_owned();
     }
     // what the clock tells and what a sweep moves to and fro is joined in the order of the rows
     let group = Name::find(&section.x).map(Name::group);

@@ -182,9 +182,9 @@ measures! {
     RunRounds "run_rounds" Run "rounds of the active set" |m| count(m.steps.map(|s| s.rounds));
     RunNewton "run_newton" Run "Newton steps of the run" |m| count(m.steps.map(|s| s.newton));
     RunKrylov "run_krylov" Run "Krylov iterations of the run" |m| count(m.steps.map(|s| s.krylov));
-    RunRounds95 "run_rounds_95" Run "rounds of a step, 95 % of them" |m| count(m.steps.map(|s| s.rounds_95));
-    RunNewtonMedian "run_newton_median" Run "Newton steps of a step, median" |m| count(m.steps.map(|s| s.newton_median));
-    RunRate "run_rate" Run "Krylov iterations to 1e-8, median" |m| count(m.steps.and_then(|s| s.rate));
+    RunRounds95 "run_rounds_95" Run "rounds of a step, 95 % of them" |m| count(m.steps.and_then(|s| s.rounds_95));
+    RunNewtonMedian "run_newton_median" Run "Newton steps of a step, median" |m| count(m.steps.and_then(|s| s.newton_median));
+    RunKrylovMedian "run_krylov_median" Run "Krylov iterations to 1e-8, median" |m| count(m.steps.and_then(|s| s.krylov_median));
     RunLost "run_lost" Run "fluid lost over fluid injected" |m| real(m.steps.and_then(|s| s.lost));
     RunCuts "run_cuts" Run "halvings of load steps" |m| count(m.steps.map(|s| s.cuts));
     RunTime "run_s" Run "run [s]" |m| real(m.steps.map(|s| s.wall_s));

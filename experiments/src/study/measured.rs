@@ -79,10 +79,10 @@ pub(super) struct Steps {
     pub(super) krylov: usize,
     pub(super) cuts: usize,
     /// Rounds that 95 % of the steps do not exceed, and the median of Newton steps; the equilibrium at time 0 does not count.
-    pub(super) rounds_95: usize,
-    pub(super) newton_median: usize,
+    pub(super) rounds_95: Option<usize>,
+    pub(super) newton_median: Option<usize>,
     /// Median of the iterations per factor of 1e-8 of the residual, of the systems that tell it; none where none does.
-    pub(super) rate: Option<usize>,
+    pub(super) krylov_median: Option<usize>,
     /// Fluid that is missing at the end over what was injected. Unit: 1.
     pub(super) lost: Option<f64>,
     /// Of this process [s].

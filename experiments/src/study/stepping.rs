@@ -5,8 +5,8 @@ use super::outcome::Outcome;
 use super::product::Case;
 use super::slipping::faults;
 use super::solving::Watch;
-use super::steps::{lost, rate};
-use crate::rates::quantile;
+use super::steps::{krylov_median, lost};
+use crate::rates::{median, quantile};
 use anyhow::Context;
 use fracas::run::{Outcome as Ending, Run, Taken, holds_run};
 use fracas_solvers::Silent;
@@ -17,6 +17,9 @@ use std::time::Instant;
 
 /// Folder of the runs of a study.
 const RUNS: &str = "runs";
+
+/// File of the systems of a run.
+const SYSTEMS: &str = "solver.csv";
 
 /// Folders of this process that do not stay: studies may run at once, and number their rows alike.
 static FOLDERS: AtomicUsize = AtomicUsize::new(0);
@@ -68,8 +71,8 @@ pub(super) fn run(
     let mut steps = Steps {
         steps: run.history().len(),
         rounds_95: quantile(later("active_it"), 0.95),
-        newton_median: quantile(later("newton_it"), 0.5),
-        rate: None,
+        newton_median: median(later("newton_it")),
+        krylov_median: None,
         lost: None,
         rounds: sum("active_it"),
         newton: sum("newton_it"),
@@ -77,6 +80,9 @@ pub(super) fn run(
         cuts: sum("cuts"),
         wall_s: start.elapsed().as_secs_f64(),
     };
+    measured.steps = Some(steps);
+    let at_rest = run.history().column("time_s").filter(|time| *time == 0.0);
+    let at_rest = at_rest.count();
     measured.sizes = Some([run.state().u.len(), run.state().t.len(), 0]);
     let outcome = match ended.outcome {
         Ending::NotConverged => Outcome::IterationLimit,
@@ -89,12 +95,12 @@ pub(super) fn run(
     measured.reasons.extend(ended.reason.clone());
     run.close(&ended)?;
     drop(folder);
-    // a file that the scene does not need is not written
+    // files of flow and faults are not written for a scene without them
     let read = |file: &str| match std::fs::read_to_string(out.join(file)) {
-        Err(error) if error.kind() == ErrorKind::NotFound => Ok(String::new()),
-        text => text,
+        Err(error) if error.kind() == ErrorKind::NotFound && file != SYSTEMS => Ok(String::new()),
+        text => text.with_context(|| format!("cannot read {}", out.join(file).display())),
     };
-    steps.rate = rate(&read("solver.csv")?)?;
+    steps.krylov_median = krylov_median(&read(SYSTEMS)?, at_rest)?;
     steps.lost = lost(&read("flow.csv")?)?;
     measured.steps = Some(steps);
     measured.faults = faults(&read("fault.csv")?)?;

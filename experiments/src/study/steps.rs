@@ -1,13 +1,13 @@
 //! What the systems and the fluid of a run tell, from the rows of its `solver.csv` and `flow.csv`.
 
 use super::csv::{columns, number};
-use crate::rates::{quantile, to_eight_digits};
+use crate::rates::{median, to_eight_digits};
 
-/// Median of the iterations per factor of 1e-8 of the residual, of all systems but those of the equilibrium at time 0, which is step 0; none where none tells it.
+/// Median of the iterations per factor of 1e-8 of the residual, of all systems from step `first` on; none where none tells it.
 ///
 /// # Errors
 /// Of a column that is missing, and of what is no number.
-pub(super) fn rate(text: &str) -> anyhow::Result<Option<usize>> {
+pub(super) fn krylov_median(text: &str, first: usize) -> anyhow::Result<Option<usize>> {
     const FILE: &str = "solver.csv";
     const NAMES: [&str; 4] = ["step", "krylov", "iterations", "relative_residual"];
     let mut told = Vec::new();
@@ -16,11 +16,11 @@ pub(super) fn rate(text: &str) -> anyhow::Result<Option<usize>> {
         let step: usize = number(FILE, k, NAMES[0], step)?;
         let iterations = number(FILE, k, NAMES[2], iterations)?;
         let residual = number(FILE, k, NAMES[3], residual)?;
-        if step > 0 {
+        if step >= first {
             told.extend(to_eight_digits(krylov, iterations, residual));
         }
     }
-    Ok((!told.is_empty()).then(|| quantile(told, 0.5)))
+    Ok(median(told))
 }
 
 /// Balance errors of all steps together over what was injected; none where nothing flows or nothing was injected. Unit: 1.
@@ -48,11 +48,14 @@ mod tests {
     fn systems_that_tell_nothing_are_left_out() {
         let heading = "step,krylov,iterations,relative_residual\n";
         let rows = "0,fgmres,90,1e-8\n1,fgmres,10,1e-8\n1,direct,1,1e-15\n2,fgmres,30,1e-3\n2,fgmres,12,1e-6\n2,fgmres,20,1e-8\n";
-        assert_eq!(rate(&format!("{heading}{rows}")).unwrap(), Some(16));
-        assert_eq!(rate(heading).unwrap(), None);
-        assert_eq!(rate("").unwrap(), None);
+        assert_eq!(
+            krylov_median(&format!("{heading}{rows}"), 1).unwrap(),
+            Some(16)
+        );
+        assert_eq!(krylov_median(heading, 1).unwrap(), None);
+        assert_eq!(krylov_median("", 1).unwrap(), None);
         let torn = format!("{heading}1,fgmres,x,1e-8\n");
-        let error = rate(&torn).unwrap_err().to_string();
+        let error = krylov_median(&torn, 1).unwrap_err().to_string();
         assert_eq!(
             error,
             "solver.csv, line 2: iterations is \"x\", not a number"
