@@ -38,13 +38,11 @@ pub(super) fn figure(
     let is_published = |y: &String| y.starts_with("published.");
     let told_by_measure = section.y.len() > 1 && !section.y.iter().any(is_published);
     // curves of several measures have names already, to which what all rows share adds nothing
-    let varies = |name: &String| {
-        let mut fields = rows.iter().map(|row| findings.field(row, name));
-        let first = fields.next();
-        section.series.is_some() || !told_by_measure || fields.any(|f| Some(f) != first)
+    let is_told = |name: &String| {
+        section.series.is_some() || !told_by_measure || findings.values(rows, name).len() > 1
     };
     let chosen = chosen.iter().filter(|name| !is_taken(name));
-    let chosen: Vec<&String> = chosen.filter(|name| varies(name)).collect();
+    let chosen: Vec<&String> = chosen.filter(|name| is_told(name)).collect();
     let names = categories(section, rows, findings);
     let unit = unit(section, rows, findings);
     let scale = unit.as_ref().map_or(1.0, |(_, scale)| *scale);

@@ -62,11 +62,11 @@ pub(super) fn run(
         }
     };
     let sum = |column: &str| run.history().column(column).sum::<f64>() as usize;
+    let at_rest = run.history().column("time_s").filter(|time| *time == 0.0);
+    let at_rest = at_rest.count();
     let later = |column: &str| {
-        let times = run.history().column("time_s");
-        let steps = times.zip(run.history().column(column));
-        let later = steps.filter(|(time, _)| *time > 0.0);
-        later.map(|(_, count)| count as usize).collect()
+        let later = run.history().column(column).skip(at_rest);
+        later.map(|count| count as usize).collect()
     };
     let mut steps = Steps {
         steps: run.history().len(),
@@ -81,8 +81,6 @@ pub(super) fn run(
         wall_s: start.elapsed().as_secs_f64(),
     };
     measured.steps = Some(steps);
-    let at_rest = run.history().column("time_s").filter(|time| *time == 0.0);
-    let at_rest = at_rest.count();
     measured.sizes = Some([run.state().u.len(), run.state().t.len(), 0]);
     let outcome = match ended.outcome {
         Ending::NotConverged => Outcome::IterationLimit,
