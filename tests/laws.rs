@@ -27,6 +27,7 @@ use fracas_operators::{
 use fracas_solvers::Silent;
 use fracas_solvers::direct::{DirectChoice, Kind};
 use fracas_solvers::fsai::{Fsai, FsaiInverse};
+use fracas_solvers::krylov::Narrowed;
 use fracas_solvers::saddle::{
     AugmentationChoice, Form, PressureSchur, Racp, SaddleBlocks, SaddleMethod, SaddleOperator, T,
     ThreeFields, U, schur,
@@ -360,6 +361,15 @@ fn preconditioners(pools: &[ThreadPool; 2], name: &str, body: &Body) {
             seen = Some(own);
         }
     }
+    let (around, m, _) = list.last().unwrap();
+    let (narrowed, subject) = (Narrowed(&**m), format!("{around}, for f32"));
+    pools[0]
+        .install(|| check_preconditioner::<f32>(&subject, &narrowed, None, 1e-3))
+        .unwrap();
+    let r = probe::<f32>(m.size(), 22);
+    let (mut z, mut work) = (vec![0.0; m.size()], vec![f32::NAN; narrowed.work_len()]);
+    let made = allocations_again(&pools[0], &mut || narrowed.solve(&r, &mut z, &mut work));
+    assert_eq!(made, 0, "{subject} allocates");
     let s_u = schur::primal_schur(&blocks.a, &blocks.b1, &c(&blocks)).unwrap();
     pools[0].install(|| {
         let fsai: FsaiInverse<Tally> = Fsai::default().build(&s_u).unwrap().cast();

@@ -21,6 +21,7 @@ use fracas_solvers::saddle::{
 };
 use fracas_solvers::spectrum::region::is_non_real;
 use fracas_solvers::spectrum::{SpectrumReport, SpectrumRequest};
+use rayon::prelude::*;
 
 /// Systems of the family where the environment names no number.
 const FEW: u64 = 10;
@@ -120,47 +121,49 @@ fn judge(what: &str, report: &SpectrumReport, is_published: bool) {
 fn every_eigenvalue_of_the_gallery_lies_inside_and_the_lower_end_is_positive() {
     let [limit, most] = [("REGIONS_DENSE", DENSE), ("REGIONS_LARGEST", MOST)]
         .map(|(name, default)| of_environment(name, default) as usize);
-    let (mut judged, mut dense, mut without) = (0, 0, Vec::new());
-    for entry in gallery() {
+    let cases = gallery().iter().flat_map(|entry| {
         let scene = entry.small_scene().unwrap();
-        let size = (scene.build().unwrap())
+        let blocks = (scene.build().unwrap())
             .saddle_blocks(Some(JumpStabilization::default()))
-            .unwrap()
-            .size();
-        for &inner in INNER {
-            // with exact S_u a problem of the size of the tractions
-            let is_dense = size <= limit || inner == "exact";
-            if size > most && inner != "exact" {
-                continue;
-            }
-            for (method, is_published) in methods(inner).iter().zip([true, false]) {
-                if is_published && !is_dense {
-                    continue;
-                }
-                let report = report(&scene, method, if is_dense { LARGEST } else { limit });
-                let what = format!("{}, {method}, {inner}", entry.name);
-                judge(&what, &report, is_published);
-                let b = &report.bounds;
-                let (low, high) = (b.real_low.unwrap(), b.real_high.unwrap());
-                println!(
-                    "{what}: n = {size}, real [{:.4e}, {:.4}], proved [{low:.4e}, {high:.4}]; delta {:.4e}, Delta {:.3}, eta {:.3}",
-                    report.real_min.unwrap_or(f64::NAN),
-                    report.real_max.unwrap_or(f64::NAN),
-                    report.delta.unwrap(),
-                    report.Delta.unwrap(),
-                    report.eta.unwrap()
-                );
-                let is_excepted = |(scene, of, _): &(&str, &str, &str)| {
-                    !is_dense && *scene == entry.name && *of == inner
-                };
-                if low <= 0.0 && !WITHOUT.iter().any(is_excepted) {
-                    without.push(what);
-                }
-                judged += 1;
-                dense += usize::from(is_dense);
-            }
+            .unwrap();
+        let of_inner = INNER.iter().flat_map(|inner| {
+            let methods = methods(inner).into_iter().zip([true, false]);
+            methods.map(move |(method, is_published)| (*inner, method, is_published))
+        });
+        let of_scene = move |case| (entry.name, scene.clone(), blocks.size(), case);
+        of_inner.map(of_scene)
+    });
+    let cases: Vec<_> = cases.collect();
+    let found = cases.into_par_iter().filter_map(|case| {
+        let (name, scene, size, (inner, method, is_published)) = case;
+        // with exact S_u a problem of the size of the tractions
+        let is_dense = size <= limit || inner == "exact";
+        if size > most && inner != "exact" || is_published && !is_dense {
+            return None;
         }
-    }
+        let report = report(&scene, &method, if is_dense { LARGEST } else { limit });
+        let what = format!("{name}, {method}, {inner}");
+        judge(&what, &report, is_published);
+        let b = &report.bounds;
+        let (low, high) = (b.real_low.unwrap(), b.real_high.unwrap());
+        println!(
+            "{what}: n = {size}, real [{:.4e}, {:.4}], proved [{low:.4e}, {high:.4}]; delta {:.4e}, Delta {:.3}, eta {:.3}",
+            report.real_min.unwrap_or(f64::NAN),
+            report.real_max.unwrap_or(f64::NAN),
+            report.delta.unwrap(),
+            report.Delta.unwrap(),
+            report.eta.unwrap()
+        );
+        let is_excepted = |(scene, of, _): &(&str, &str, &str)| {
+            !is_dense && *scene == name && *of == inner
+        };
+        let is_without = low <= 0.0 && !WITHOUT.iter().any(is_excepted);
+        Some((is_dense, is_without.then_some(what)))
+    });
+    let found: Vec<_> = found.collect();
+    let judged = found.len();
+    let dense = found.iter().filter(|(is_dense, _)| *is_dense).count();
+    let without: Vec<_> = found.iter().filter_map(|(_, what)| what.as_ref()).collect();
     println!("{judged} spectra, {dense} of them whole");
     assert!(judged >= 93 && dense >= 66);
     assert!(without.is_empty(), "no positive lower end: {without:?}");

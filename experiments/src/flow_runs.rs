@@ -1,6 +1,6 @@
 //! Coupled runs of experiments: a scene from its first step to its last, and what its systems cost.
 
-use crate::rates::{median, to_eight_digits};
+use crate::rates::{lost, median, to_eight_digits};
 use crate::report::{Cell, Check, Table};
 use fracas::nonlinear::{Accepted, FaceFields, Simulation};
 use fracas::scene::{Body, Scene};
@@ -63,9 +63,8 @@ impl FlowRun {
 
     /// Volume lost over the whole run, over what came in.
     pub(crate) fn loss(&self) -> f64 {
-        let flows = || self.steps.iter().filter_map(|step| step.flow);
-        let injected: f64 = flows().map(|flow| flow.injected).sum();
-        flows().map(|flow| flow.error).sum::<f64>().abs() / injected
+        let flows = self.steps.iter().filter_map(|step| step.flow);
+        lost(flows.map(|flow| [flow.injected, flow.error])).unwrap_or(f64::NAN)
     }
 
     fn faces(&self, state: usize) -> usize {

@@ -1,5 +1,7 @@
 //! What the systems of a run tell of the rate of their iteration.
 
+use fracas::nonlinear::digits_of;
+
 /// Residual above which a system tells nothing of its rate, relative: below half of the eight digits the rest would be a guess. Unit: 1.
 const TELLING: f64 = 1e-4;
 
@@ -11,10 +13,14 @@ pub(crate) fn to_eight_digits(
     relative_residual: f64,
 ) -> Option<usize> {
     let tells = relative_residual < TELLING && krylov != "direct";
-    tells.then(|| {
-        let digits = -relative_residual.max(f64::EPSILON).log10();
-        (8.0 * iterations as f64 / digits).ceil() as usize
-    })
+    tells.then(|| (8.0 * iterations as f64 / digits_of(relative_residual)).ceil() as usize)
+}
+
+/// Errors of the balance of all steps together over what was injected, from both of every step [m³]; none where nothing was. Unit: 1.
+pub(crate) fn lost(steps: impl IntoIterator<Item = [f64; 2]>) -> Option<f64> {
+    let add = |[a, b]: [f64; 2], [injected, error]: [f64; 2]| [a + injected, b + error];
+    let [injected, error] = steps.into_iter().fold([0.0; 2], add);
+    (injected != 0.0).then(|| (error / injected).abs())
 }
 
 /// The least of `all` that at least `share` of them do not exceed; none of none.

@@ -18,6 +18,7 @@ pub mod petsc;
 pub mod prepare;
 pub mod registry;
 pub mod saddle;
+mod scratch;
 pub mod smoothers;
 pub mod spectrum;
 pub mod steering;

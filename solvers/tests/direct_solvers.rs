@@ -140,7 +140,7 @@ fn rows_and_columns_as_storage_are_the_same_matrix() {
 fn the_order_of_threads_changes_no_bit() {
     for kind in KINDS {
         // the last separator is wide enough for dense kernels on several threads
-        let a = example(kind, 15);
+        let a = example(kind, 13);
         let columns = 10;
         let b = probe::<f64>(a.rows() * columns, 5);
         for choice in backends(kind) {

@@ -3,7 +3,11 @@
 use super::newton::{Attempt, Iterate};
 use super::{Event, Failure, LinearFailure};
 use fracas_operators::Fields;
+use fracas_solvers::krylov::System;
 use fracas_solvers::saddle::{EnergyNorms, ErrorJudge, Judged, Measure, P, T};
+
+/// Times the length of M⁻¹r that what follows may give it. Unit: 1.
+const FOLLOWS: f64 = 10.0;
 
 /// Errors of every field at states that no longer change: `e = J⁻¹r ≈ M⁻¹r` of a Newton iterate, judged as in `solve`, against
 /// the largest norms of the run so far.
@@ -128,5 +132,28 @@ impl<'s> Accuracy<'s> {
                 residual,
             }),
         }
+    }
+}
+
+/// Makes `e = M⁻¹r` as long as what follows it in `J⁻¹r = Σ (I − M⁻¹J)ᵏ M⁻¹r`: where the second term is θ times as long as the first, and
+/// those behind it fall alike, the sum is 1/(1 − θ) times as long, field by field.
+///
+/// Faces in slip make J unsymmetric and M⁻¹J far from normal, of which the Ritz values of a few iterations tell little: tractions were
+/// wrong by 2.6e-3 where 4.7e-5 was said, beside a Ritz value of 0.12.
+///
+/// # Cost
+/// A product with J and a solve with M.
+pub(super) fn lengthen(e: &mut [f64], system: &System<'_, f64>, norms: &EnergyNorms<'_>) {
+    let (jacobian, inverse) = (system.operator, system.preconditioner);
+    let mut work = vec![0.0; jacobian.work_len().max(inverse.work_len())];
+    let (mut r, mut next) = (system.rhs.to_vec(), vec![0.0; e.len()]);
+    jacobian.apply_add(-1.0, e, &mut r, &mut work);
+    inverse.solve(&r, &mut next, &mut work);
+    let (first, second) = (norms.error(e), norms.error(&next));
+    let layout = norms.layout();
+    for (field, first) in first.iter().filter(|(_, first)| *first > 0.0) {
+        let share = (second[field] / first).min(1.0 - FOLLOWS.recip());
+        let place = &mut e[layout.range(field)];
+        place.iter_mut().for_each(|e| *e /= 1.0 - share);
     }
 }

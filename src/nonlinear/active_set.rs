@@ -152,7 +152,7 @@ pub(super) fn active_set(
     let (form, why) = match search.rounds(states, &mut x, None, patience, log)? {
         Ended::Settled(found) => {
             let form = search.returning.form(&found.states);
-            return Ok(search.accepted(*found, x, &form, log));
+            return search.own(*found, x, &form, log);
         }
         // linear equations that cannot be solved are no matter of states, and those at the start no matter of the load
         Ended::Not(_, Some(why)) if attempt.is_linear(&log.states) => {
@@ -214,7 +214,7 @@ impl Search<'_, '_> {
             match self.rounds(found.states.clone(), &mut z, None, most, log) {
                 Ok(Ended::Settled(own)) => {
                     let form = self.returning.form(&own.states);
-                    return Ok(Some(self.accepted(*own, z, &form, log)));
+                    return self.own(*own, z, &form, log).map(Some);
                 }
                 Ok(Ended::Not(form, None)) => {
                     if let Some(settled) = self.by_held_form(form, &y, log)? {
@@ -244,7 +244,7 @@ impl Search<'_, '_> {
             let joined = self.returning.joins();
             match self.rounds(form.clone(), &mut y, Some(h.as_ref()), most, log) {
                 Ok(Ended::Settled(found)) if !grow(&mut form, &found.states) => {
-                    return Ok(Some(self.accepted(*found, y, &form, log)));
+                    return self.own(*found, y, &form, log).map(Some);
                 }
                 Ok(Ended::Settled(_)) => {}
                 Ok(Ended::Not(other, None))
@@ -254,6 +254,33 @@ impl Search<'_, '_> {
             }
         }
         Ok(None)
+    }
+
+    /// What settles with H of the states themselves, from where rounds with that of `form` ended: states that return far from equilibrium may
+    /// settle beside it. Else what was found. With flow that was not tried: it is held there from the first return on.
+    fn own(
+        &mut self,
+        found: Found,
+        x: Iterate,
+        form: &[ContactState],
+        log: &mut Log,
+    ) -> Result<Settled, Failure> {
+        let is_own = beyond(form, &found.states) + beyond(&found.states, form) == 0;
+        if !is_own && self.attempt.flow.is_none() {
+            let (told, mut y) = (log.events.len(), x.clone());
+            self.returning.own = true;
+            let ended = self.rounds(found.states.clone(), &mut y, None, self.finishing(), log);
+            self.returning.own = false;
+            match ended {
+                Ok(Ended::Settled(own)) => {
+                    let form = own.states.clone();
+                    return Ok(self.accepted(*own, y, &form, log));
+                }
+                Err(Failure::Stopped) => return Err(Failure::Stopped),
+                Ok(Ended::Not(..)) | Err(_) => log.events.truncate(told),
+            }
+        }
+        Ok(self.accepted(found, x, form, log))
     }
 
     /// Rounds that finish: front by front where a fluid opens fractures.

@@ -1,5 +1,6 @@
 //! The linear systems of Newton: one preconditioner for as long as it serves.
 
+use super::accuracy::lengthen;
 use super::active_set::{Log, Settled, active_set};
 use super::assembled::Assembled;
 use super::jacobian::FaceTangent;
@@ -12,6 +13,7 @@ use super::state_c::{StickC, c_of};
 use super::workspace::Resources;
 use super::{
     ContactJacobian, ContactProblem, Failure, LinearFailure, NewtonSystem, Prepared, State,
+    digits_of,
 };
 use crate::contact::ContactState;
 use crate::matrix_free::MatrixFreeError;
@@ -20,7 +22,7 @@ use fracas_operators::Preconditioner;
 use fracas_operators::sparse::SparseMatrix;
 use fracas_solvers::krylov::{KrylovChoice, Sqmr, System, least};
 use fracas_solvers::saddle::{
-    Block, EnergyNorms, InnerChoice, Racp, RacpInverse, SaddleBlocks, T, U,
+    Block, EnergyNorms, InnerChoice, Racp, RacpInverse, SaddleBlocks, T, TRUSTED, U,
 };
 use fracas_solvers::{Observer, Step};
 
@@ -185,8 +187,7 @@ impl Linear {
     /// Whether a preconditioner for the states at hand is worth its set-up.
     pub(super) fn judge_speed(&mut self, problem: &ContactProblem<'_>, solved: &Solved) {
         self.smallest_ritz = least([self.smallest_ritz, solved.smallest_ritz]);
-        let digits = -solved.relative_residual.max(f64::EPSILON).log10();
-        let digits = digits.max(1.0);
+        let digits = digits_of(solved.relative_residual).max(1.0);
         let iterations = solved.iterations as f64;
         let reference = *self.reference.get_or_insert(iterations / digits);
         let served = problem.body().solver.rounds.slow * reference * digits;
@@ -214,18 +215,22 @@ impl Linear {
         let inverse = self.inverse(problem, jacobian, states)?;
         let mut e = vec![0.0; residual.len()];
         inverse.solve(residual, &mut e, &mut vec![0.0; inverse.work_len()]);
+        let system = System {
+            operator: jacobian,
+            preconditioner: &inverse,
+            rhs: residual,
+        };
+        let mut ritz = self.smallest_ritz;
         if !self.probed {
-            let system = System {
-                operator: jacobian,
-                preconditioner: &inverse,
-                rhs: residual,
-            };
-            let found = small_eigenvalue(&system, norms, observer);
-            drop(inverse);
-            self.smallest_ritz = least([self.smallest_ritz, found]);
-            self.probed = true;
+            ritz = least([ritz, small_eigenvalue(&system, norms, observer)]);
         }
-        Ok((e, self.smallest_ritz))
+        // around a poor M its Ritz value bounds what follows
+        if !jacobian.is_symmetric() && ritz.is_some_and(|ritz| ritz >= TRUSTED) {
+            lengthen(&mut e, &system, norms);
+        }
+        drop(inverse);
+        (self.smallest_ritz, self.probed) = (ritz, true);
+        Ok((e, ritz))
     }
 
     /// RACP around the S̃_u made for the states nearest to these.

@@ -72,7 +72,7 @@ pub use loads::Loads;
 pub use newton_system::{NewtonSystem, NewtonSystemError};
 pub use onset::{Begins, Onsets, SlipOnset};
 pub use problem::{ContactProblem, Evaluation};
-pub use record::{Accepted, Event, LinearRecord, StepRecord};
+pub use record::{Accepted, Event, LinearRecord, StepRecord, digits_of};
 pub use remarks::{Remark, friction_remarks};
 pub use simulation::Simulation;
 pub use stability::Instability;

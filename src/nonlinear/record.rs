@@ -82,6 +82,11 @@ pub struct LinearRecord {
     pub setup: bool,
 }
 
+/// Decimal digits that a solution with this relative residual has, no more than f64 holds.
+pub fn digits_of(relative_residual: f64) -> f64 {
+    -relative_residual.max(f64::EPSILON).log10()
+}
+
 /// Something worth telling.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {

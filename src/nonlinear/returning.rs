@@ -29,6 +29,8 @@ const TURNS: u8 = 3;
 pub(super) struct Returning {
     /// Of states that return, the one that constrains most counts for H, not the one that constrains least.
     most_constrained: bool,
+    /// Nothing is held: states that return end the rounds.
+    pub(super) own: bool,
     /// Per face the state whose rows of H it keeps; empty: none.
     form: Vec<Option<ContactState>>,
     /// Per face the state of whose rows of H it has no more; empty: none.
@@ -73,6 +75,7 @@ impl Returning {
     pub(super) fn begin(&mut self) {
         *self = Self {
             most_constrained: self.most_constrained,
+            own: self.own,
             joined: std::mem::take(&mut self.joined),
             torn: std::mem::take(&mut self.torn),
             ..Self::default()
@@ -164,6 +167,9 @@ impl Returning {
     /// States have returned where nothing flows: faces that change among them keep what H does in the state that constrains least. False
     /// where they have no more than that already.
     pub(super) fn freed(&mut self, cycle: &Cycle) -> bool {
+        if self.own {
+            return false;
+        }
         let mut grown = false;
         for f in &cycle.faces {
             let states = [cycle.least_constrained[*f], cycle.most_constrained[*f]];

@@ -13,6 +13,9 @@ const TOLERANCE: f64 = 1e-8;
 /// Cells of the scenes of the default tolerance. Unit: 1.
 const FLATTEST: f64 = 50.0;
 
+/// Cells of those of a loose one. Unit: 1.
+const FLATTER: f64 = 300.0;
+
 /// Layers of contrast up to 1e±5, cells to 1:`flattest`, a fault that sticks or slips, a crossing one, sides pressed or displaced.
 fn scene(seed: u64, flattest: f64) -> String {
     let r = &mut Random::new(seed);
@@ -69,7 +72,7 @@ fn scene(seed: u64, flattest: f64) -> String {
 
 /// The equilibrium under the loads of time 0.
 ///
-/// Where H acts on more than the states constrain, the solution is that of other equations.
+/// Where H acts on more or less than the states constrain, the solution is that of other equations.
 struct Ran {
     state: State,
     /// H is that of the states.
@@ -88,7 +91,7 @@ fn run(text: &str, tolerance: f64, solver: &[&str]) -> Result<Ran, Failure> {
     let end = simulation.run(&mut Silent, |_, _, done| {
         for event in &done.events {
             match event {
-                Event::Stabilized { .. } => own = false,
+                Event::Stabilized { .. } | Event::Unstabilized { .. } => own = false,
                 Event::Rounding { error, .. } => said = said.max(*error),
                 _ => {}
             }
@@ -122,8 +125,14 @@ fn errors(text: &str, tolerance: f64, [state, exact]: [&State; 2], springs: bool
     [U, T].map(|field| errors[field])
 }
 
-/// Seeds of scenes that were wrong once: a face at its limit that its neighbours hold, whose shear no equation of the states directed.
-const ONCE_WRONG: [u64; 1] = [12_915_195_640_016_087_521];
+/// Seeds of scenes that were wrong once, and the cells of their family: a face at its limit that its neighbours hold, whose shear no equation
+/// of the states directed; states that returned on the way to stick, and stayed without H of four faces; a face that slips little, whose
+/// error one application of M⁻¹ hid.
+const ONCE_WRONG: [(u64, f64); 3] = [
+    (12_915_195_640_016_087_521, FLATTEST),
+    (4_329_692_357_810_165_686, FLATTEST),
+    (4_329_692_357_810_165_848, FLATTER),
+];
 
 /// Runs of a family with this method and tolerance beside their references.
 fn judge(method: &str, tolerance: f64, flattest: f64) {
@@ -135,9 +144,9 @@ fn judge(method: &str, tolerance: f64, flattest: f64) {
     let method = format!("solver.method={method}");
     let (mut compared, mut refused, mut loose) = (0, 0, 0.0f64);
     let drawn = (0..cases).map(|seed| first.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(seed));
-    // those scenes have no flatter cells
-    let once_wrong = ONCE_WRONG.into_iter().filter(|_| flattest == FLATTEST);
-    for seed in once_wrong.chain(drawn) {
+    let known = ONCE_WRONG.iter().filter(|(_, cells)| *cells == flattest);
+    let known: Vec<u64> = known.map(|(seed, _)| *seed).collect();
+    for seed in known.iter().copied().chain(drawn) {
         let text = scene(seed, flattest);
         let inner = ["exact", "amg", "geometric", "fsai"][(seed % 4) as usize];
         let own = match inner {
@@ -167,6 +176,7 @@ fn judge(method: &str, tolerance: f64, flattest: f64) {
         };
         let same = |found: &Ran| found.state.states == exact.state.states && found.own && exact.own;
         if !same(&found) {
+            assert!(!known.contains(&seed) || springs, "seed {seed}");
             println!("seed {seed}: a face at its limit is in another state, or was");
             continue;
         }
@@ -208,7 +218,7 @@ fn accepted_steps_of_springs_are_accurate() {
 /// Across flat cells loads show little of a traction that is constant on a short fracture, so that a loose tolerance has the most to hide.
 #[test]
 fn steps_of_a_loose_tolerance_are_accurate_across_flat_cells() {
-    judge("lagrange", 1e-4, 300.0);
+    judge("lagrange", 1e-4, FLATTER);
 }
 
 /// Steep friction beside rock of strong contrast: the merit of the natural map has minima that are no solution, and friction that grows from

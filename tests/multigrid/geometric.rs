@@ -356,7 +356,7 @@ fn a_k_cycle_takes_no_more_iterations_than_a_v_cycle() {
         ("layered", sample("layered", &[], local_h)),
         (
             "unlike",
-            with_cells("layered_crossing", [24; 3], soft.into(), local_h),
+            with_cells("layered_crossing", [16; 3], soft.into(), local_h),
         ),
     ] {
         let of = |cycle| Geometric { cycle, ..exact() };

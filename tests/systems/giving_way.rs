@@ -11,7 +11,7 @@ use fracas_solvers::saddle::folder::{Manifest, write_folder};
 use fracas_solvers::saddle::{Racp, SaddleMethod};
 
 /// Networks that are tried.
-const NETWORKS: u64 = 5;
+const NETWORKS: u64 = 3;
 
 /// Beyond the displacements up to which the program factorizes: 12 × 12 × 12 cells, flat along one axis by 1:3 to 1:300, fractures on every or
 /// every second line across two axes, held on two sides and pressed on others, so much that nothing slips or opens.

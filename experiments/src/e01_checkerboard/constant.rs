@@ -8,6 +8,7 @@ use fracas::system::StickSystem;
 use fracas_solvers::direct::{DirectChoice, Kind};
 use fracas_solvers::eigen::dense::{symmetric_eigen, symmetric_eigenvalues, to_dense};
 use fracas_solvers::eigen::{Ends, LanczosSettings, extreme_eigenvalues};
+use fracas_solvers::saddle::augmentation::dual_schur;
 use fracas_solvers::saddle::{AugmentationChoice, SaddleBlocks, T};
 
 /// A singular value below this fraction of the largest belongs to the kernel (rounding gives 1e-8 in the square root).
@@ -47,27 +48,6 @@ fn blocks(
     Ok(system.assemble(&vec![0.0; constraints.full_len()])?)
 }
 
-/// `S = BᵀA⁻¹B`, dense, by one factorization.
-fn dual_schur(blocks: &SaddleBlocks) -> anyhow::Result<Mat<f64>> {
-    let (n_u, n_t) = (blocks.n_u(), blocks.n_t());
-    let solver = DirectChoice::Auto.solver()?;
-    let factor = solver.analyze(&blocks.a, Kind::Spd)?.factor(&blocks.a)?;
-    let b = to_dense(&blocks.b1);
-    let mut columns: Vec<f64> = (0..n_t)
-        .flat_map(|j| (0..n_u).map(move |i| (i, j)))
-        .map(|at| b[at])
-        .collect();
-    factor.solve_many(n_t, &mut columns);
-    let mut s = Mat::<f64>::zeros(n_t, n_t);
-    for j in 0..n_t {
-        for (i, row) in blocks.b1.outer_iterator().enumerate() {
-            let x = columns[j * n_u + i];
-            row.iter().for_each(|(k, value)| s[(k, j)] += value * x);
-        }
-    }
-    Ok(Mat::from_fn(n_t, n_t, |i, j| 0.5 * (s[(i, j)] + s[(j, i)])))
-}
-
 /// What one mesh says.
 pub(super) struct Row {
     pub(super) n_u: usize,
@@ -95,7 +75,7 @@ pub(super) fn measure(
         .filter(|v| **v < KERNEL * KERNEL * largest)
         .count();
 
-    let s = dual_schur(&blocks)?;
+    let s = dual_schur(&blocks, &*DirectChoice::Auto.solver()?)?;
     let c = local(&blocks)?;
     let h = h_of(&blocks);
     let (bare, modes) = symmetric_eigen(scaled(&s, None, &c).as_ref())?;
@@ -120,7 +100,10 @@ pub(super) fn all<const N: usize>(
 ) -> anyhow::Result<[f64; N]> {
     let first = blocks(built, rock, forms[0])?;
     // A and B, and with them S and C_local, know nothing of H
-    let (s, c) = (dual_schur(&first)?, local(&first)?);
+    let (s, c) = (
+        dual_schur(&first, &*DirectChoice::Auto.solver()?)?,
+        local(&first)?,
+    );
     let mut found = [0.0; N];
     for (found, form) in found.iter_mut().zip(forms) {
         let h = h_of(&blocks(built, rock, form)?);

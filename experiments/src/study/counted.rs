@@ -1,7 +1,6 @@
 //! A solve as published counts are made: 𝒜 is assembled, the true residual ends the iteration, and nothing takes the place of what fails.
 
 use super::measured::Run;
-use super::narrow::Narrow;
 use super::outcome::Outcome;
 use super::prepared::Prepared;
 use super::product::Case;
@@ -13,7 +12,7 @@ use fracas::solve::{RightHandSide, Solve};
 use fracas_operators::LinearOperator;
 use fracas_operators::sparse::Csr;
 use fracas_operators::vector::norm2;
-use fracas_solvers::krylov::{Criteria, Outcome as Ended, System};
+use fracas_solvers::krylov::{Criteria, Narrowed, Outcome as Ended, System};
 use fracas_solvers::saddle::{
     Cost, Elimination, Racp, RacpInverse, Ready, SaddleBlocks, SaddleMethod, SaddleOperator, T,
 };
@@ -141,7 +140,6 @@ impl Equations<'_> {
         let setup_s = start.elapsed().as_secs_f64();
         let asked = settings.krylov.unwrap_or_default();
         let krylov = asked.flexible_for(inverse.as_ref());
-        let narrow = Narrow::new(&*inverse);
         let (mut solve_s, mut x, mut result) = (f64::INFINITY, Vec::new(), None);
         for _ in 0..repetitions {
             let start = Instant::now();
@@ -164,7 +162,7 @@ impl Equations<'_> {
                     let b: Vec<f32> = self.rhs.iter().map(|b| (b / size) as f32).collect();
                     let system = System {
                         operator,
-                        preconditioner: &narrow,
+                        preconditioner: &Narrowed(inverse.as_ref()),
                         rhs: &b,
                     };
                     let mut single = vec![0.0_f32; b.len()];

@@ -3,9 +3,9 @@
 use super::measured::{Measured, Steps};
 use super::outcome::Outcome;
 use super::product::Case;
+use super::run_files::{krylov_median, lost};
 use super::slipping::faults;
 use super::solving::Watch;
-use super::steps::{krylov_median, lost};
 use crate::rates::{median, quantile};
 use anyhow::Context;
 use fracas::run::{Outcome as Ending, Run, Taken, holds_run};

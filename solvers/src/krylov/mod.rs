@@ -24,6 +24,7 @@ mod fitted;
 mod gmres;
 mod judge;
 mod minres;
+mod narrowed;
 #[cfg(test)]
 pub(crate) mod oracle;
 mod ritz;
@@ -40,6 +41,7 @@ pub use fitted::Fitted;
 pub use gmres::Gmres;
 pub use judge::{Candidate, Judge, Verdict, Watch};
 pub use minres::Minres;
+pub use narrowed::Narrowed;
 pub use ritz::least;
 pub use sqmr::Sqmr;
 pub use system::{Criteria, Outcome, Report, System};

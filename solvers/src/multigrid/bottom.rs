@@ -2,7 +2,7 @@
 
 use super::LevelSummary;
 use super::direct::{Direct, Factors};
-use super::scratch::doubles_of;
+use crate::scratch::doubles_of;
 use fracas_operators::{Preconditioner, Properties, Real};
 
 /// `A⁻¹`, or an approximation of it, on the coarsest level.

@@ -3,7 +3,7 @@
 use super::Summary;
 use super::cycle::Hierarchy;
 use super::places::Places;
-use super::scratch::{cast, doubles};
+use crate::scratch::{cast, doubles};
 use fracas_operators::vector::norm_inf;
 use fracas_operators::{Preconditioner, Properties, Real};
 

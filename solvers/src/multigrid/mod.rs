@@ -30,7 +30,6 @@ pub(crate) mod lambda;
 mod level;
 mod noise;
 mod places;
-mod scratch;
 mod settings;
 mod smooth;
 mod step_length;

@@ -42,7 +42,21 @@ pub(super) fn exact(
     Ok(AugmentationMatrix::dense(c))
 }
 
-/// `S = Bᵀ A⁻¹ B`, symmetric to the last bit.
+/// The dual Schur complement `S = Bᵀ A⁻¹ B` of B = B1, symmetric to the last bit, also where it is singular: n_t × n_t.
+///
+/// # Cost
+/// That of the exact augmentation: one sparse Cholesky factorization of A and n_t solves.
+///
+/// # Errors
+/// [`SetupError::NotApplicable`] when A is not positive definite.
+pub fn dual_schur(
+    blocks: &SaddleBlocks,
+    direct: &dyn DirectSolver,
+) -> Result<Mat<f64>, SetupError> {
+    schur_complement(blocks, &Columns::new(&blocks.b1), direct)
+}
+
+/// The same, of columns at hand.
 pub(super) fn schur_complement(
     blocks: &SaddleBlocks,
     columns: &Columns,

@@ -22,6 +22,7 @@ mod support;
 
 pub use block::Block;
 pub use custom::{Custom, CustomAugmentation};
+pub use exact::dual_schur;
 pub(super) use face_block::well_conditioned_factor;
 pub use matrix::AugmentationMatrix;
 pub use rule::AugmentationRule;

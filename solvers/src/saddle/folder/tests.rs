@@ -5,13 +5,30 @@ use crate::saddle::{DofCoordinate, FlowBlocks, SaddleBlocks};
 use fracas_operators::sparse::{SparseMatrix, Triplets};
 use std::path::{Path, PathBuf};
 
-pub(super) fn folder(name: &str) -> PathBuf {
+/// A folder that is gone with this value.
+pub(super) struct Folder(PathBuf);
+
+impl std::ops::Deref for Folder {
+    type Target = Path;
+
+    fn deref(&self) -> &Path {
+        &self.0
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+pub(super) fn folder(name: &str) -> Folder {
     let folder = std::env::temp_dir().join(format!("fracas-folder-{}-{name}", std::process::id()));
     if folder.exists() {
         std::fs::remove_dir_all(&folder).unwrap();
     }
     std::fs::create_dir_all(&folder).unwrap();
-    folder
+    Folder(folder)
 }
 
 pub(super) fn sparse(

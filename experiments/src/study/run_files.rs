@@ -1,7 +1,7 @@
 //! What the systems and the fluid of a run tell, from the rows of its `solver.csv` and `flow.csv`.
 
 use super::csv::{columns, number};
-use crate::rates::{median, to_eight_digits};
+use crate::rates::{self, median, to_eight_digits};
 
 /// Median of the iterations per factor of 1e-8 of the residual, of all systems from step `first` on; none where none tells it.
 ///
@@ -30,14 +30,14 @@ pub(super) fn krylov_median(text: &str, first: usize) -> anyhow::Result<Option<u
 pub(super) fn lost(text: &str) -> anyhow::Result<Option<f64>> {
     const FILE: &str = "flow.csv";
     const NAMES: [&str; 2] = ["injected_m3", "balance_error_m3"];
-    let mut sums = [0.0; 2];
-    for (k, row) in columns(FILE, text, NAMES)?.iter().enumerate() {
-        for ((sum, field), name) in sums.iter_mut().zip(row).zip(NAMES) {
-            *sum += number::<f64>(FILE, k, name, field)?;
-        }
+    let mut steps = Vec::new();
+    for (k, [injected, error]) in columns(FILE, text, NAMES)?.iter().enumerate() {
+        steps.push([
+            number(FILE, k, NAMES[0], injected)?,
+            number(FILE, k, NAMES[1], error)?,
+        ]);
     }
-    let [injected, error] = sums;
-    Ok((injected != 0.0).then(|| (error / injected).abs()))
+    Ok(rates::lost(steps))
 }
 
 #[cfg(test)]
