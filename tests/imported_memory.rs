@@ -26,7 +26,7 @@ fn a_folder_is_solved_with_half_of_its_matrix() {
 }
 
 fn compare() {
-    let cells = ["mesh.x.cells=24", "mesh.y.cells=24", "mesh.z.cells=24"];
+    let cells = ["mesh.x.cells=32", "mesh.y.cells=32", "mesh.z.cells=32"];
     let scene = named("layered_crossing").unwrap().scene().unwrap();
     let scene = scene.with_overrides(&cells).unwrap();
     let stuck = StuckBody::of_scene("layered_crossing", scene);

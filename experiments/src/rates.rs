@@ -1,4 +1,4 @@
-//! What the systems of a run tell of the rate of their iteration.
+//! What a run tells of its iterations and of its fluid, step by step, in few numbers.
 
 use fracas::nonlinear::digits_of;
 

@@ -84,6 +84,8 @@ fn agree(column: &str, expected: &str, found: &str, row: Row) -> bool {
 #[test]
 fn smoke_experiments_hold_and_give_the_committed_numbers() {
     let mut experiments: Vec<_> = EXPERIMENTS.iter().collect();
+    let known = |id: &&str| experiments.iter().any(|e| e.id() == *id);
+    assert!(LONG.iter().all(known), "{LONG:?}");
     experiments.sort_by_key(|experiment| !LONG.contains(&experiment.id()));
     let (next, wrong) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let work = || {

@@ -1,19 +1,22 @@
 //! How far an iterate is from the solution at its states.
 
+use super::krylov::small_eigenvalue;
 use super::newton::{Attempt, Iterate};
 use super::{Event, Failure, LinearFailure};
 use fracas_operators::Fields;
-use fracas_solvers::krylov::System;
+use fracas_operators::vector::axpy;
+use fracas_solvers::Observer;
+use fracas_solvers::krylov::{System, least};
 use fracas_solvers::saddle::{EnergyNorms, ErrorJudge, Judged, Measure, P, T};
 
-/// Times the length of M⁻¹r that what follows may give it. Unit: 1.
+/// Times that an error may be longer than M⁻¹r by terms that fall alike. Unit: 1.
 const FOLLOWS: f64 = 10.0;
 
 /// Errors of every field at states that no longer change: `e = J⁻¹r ≈ M⁻¹r` of a Newton iterate, judged as in `solve`, against
 /// the largest norms of the run so far.
 ///
 /// # Cost
-/// Per judgement an application of M, two products with the saddle point and a few vectors.
+/// Per judgement an application of M, two products with the saddle point and a few vectors; one more of both where faces slip.
 pub(super) struct Accuracy<'s> {
     attempt: &'s Attempt<'s>,
     norms: EnergyNorms<'s>,
@@ -84,23 +87,33 @@ impl<'s> Accuracy<'s> {
         self.seen = true;
     }
 
-    /// The errors of x, which leaves this `residual` of the equations at its states; `solve` gives M⁻¹ of a residual, and the Ritz value
-    /// of M⁻¹J nearest to zero.
+    /// The errors of x, which leaves this `residual` of the equations at its states; `solve` gives what M⁻¹ of a residual says.
     pub(super) fn of(
         &mut self,
         x: &Iterate,
         mut residual: Vec<f64>,
-        solve: impl FnOnce(&[f64], &EnergyNorms<'_>) -> Result<(Vec<f64>, Option<f64>), LinearFailure>,
+        solve: impl FnOnce(&[f64], &EnergyNorms<'_>) -> Result<Estimate, LinearFailure>,
     ) -> Result<Judged, Failure> {
         let whole = self.balanced(x);
         self.widen(&whole);
         self.norms.add_rounding(&whole, &mut residual);
-        let (e, ritz) = match residual.iter().all(|r| *r == 0.0) {
+        let found = match residual.iter().all(|r| *r == 0.0) {
             // no load: nothing is prepared for it
-            true => (vec![0.0; whole.len()], Some(1.0)),
+            true => (vec![0.0; whole.len()], Some(1.0)).into(),
             false => solve(&residual, &self.norms)?,
         };
-        Ok((self.judge).judge(&self.norms, (self.norms.error(&e), &whole), self.size, ritz))
+        let size = self.norms.error(&found.e);
+        let mut judged = (self.judge).judge(&self.norms, (size, &whole), self.size, found.ritz);
+        if let Some(followed) = found.followed {
+            let tolerance = self.attempt.problem.body().solver.tolerance;
+            let followed = EnergyNorms::relative(followed, self.size, tolerance);
+            // NaN is kept
+            judged.error = (judged.error).map(|field, error| match followed[field] <= error {
+                true => error,
+                false => followed[field],
+            });
+        }
+        Ok(judged)
     }
 
     /// By how much the residual is still to be lowered for errors below the tolerance; `None` where they are, or where rounding
@@ -135,25 +148,71 @@ impl<'s> Accuracy<'s> {
     }
 }
 
-/// Makes `e = M⁻¹r` as long as what follows it in `J⁻¹r = Σ (I − M⁻¹J)ᵏ M⁻¹r`: where the second term is θ times as long as the first, and
-/// those behind it fall alike, the sum is 1/(1 − θ) times as long, field by field.
+/// What M⁻¹r says of the error that leaves the residual r.
+pub(super) struct Estimate {
+    /// `e = M⁻¹r`.
+    pub(super) e: Vec<f64>,
+    /// The Ritz value of M⁻¹J nearest to zero.
+    pub(super) ritz: Option<f64>,
+    /// Norms of the error with what follows e, where J is not symmetric.
+    followed: Option<Fields<f64>>,
+}
+
+/// Of e and its Ritz value alone.
+impl From<(Vec<f64>, Option<f64>)> for Estimate {
+    fn from((e, ritz): (Vec<f64>, Option<f64>)) -> Self {
+        Self {
+            e,
+            ritz,
+            followed: None,
+        }
+    }
+}
+
+impl Estimate {
+    /// By a solve with M; the Ritz value is that of those `seen`, and of a [look](small_eigenvalue) where none was had and M is of one level.
+    pub(super) fn new(
+        system: &System<'_, f64>,
+        norms: &EnergyNorms<'_>,
+        (is_symmetric, (seen, probed)): (bool, (Option<f64>, bool)),
+        observer: &mut dyn Observer,
+    ) -> Self {
+        let inverse = system.preconditioner;
+        let mut e = vec![0.0; system.rhs.len()];
+        inverse.solve(system.rhs, &mut e, &mut vec![0.0; inverse.work_len()]);
+        let ritz = match probed {
+            true => seen,
+            false => least([seen, small_eigenvalue(system, norms, observer)]),
+        };
+        let followed = (!is_symmetric).then(|| followed(&e, system, norms));
+        Self { e, ritz, followed }
+    }
+}
+
+/// Norms of `J⁻¹r = Σ (I − M⁻¹J)ᵏ e`, `e = M⁻¹r`, field by field: where the second term is θ times as long as the first, and those behind it
+/// fall alike, the sum is 1/(1 − θ) times as long; it is no shorter than both terms together.
 ///
 /// Faces in slip make J unsymmetric and M⁻¹J far from normal, of which the Ritz values of a few iterations tell little: tractions were
 /// wrong by 2.6e-3 where 4.7e-5 was said, beside a Ritz value of 0.12.
 ///
 /// # Cost
 /// A product with J and a solve with M.
-pub(super) fn lengthen(e: &mut [f64], system: &System<'_, f64>, norms: &EnergyNorms<'_>) {
+fn followed(e: &[f64], system: &System<'_, f64>, norms: &EnergyNorms<'_>) -> Fields<f64> {
     let (jacobian, inverse) = (system.operator, system.preconditioner);
     let mut work = vec![0.0; jacobian.work_len().max(inverse.work_len())];
     let (mut r, mut next) = (system.rhs.to_vec(), vec![0.0; e.len()]);
     jacobian.apply_add(-1.0, e, &mut r, &mut work);
     inverse.solve(&r, &mut next, &mut work);
     let (first, second) = (norms.error(e), norms.error(&next));
-    let layout = norms.layout();
-    for (field, first) in first.iter().filter(|(_, first)| *first > 0.0) {
-        let share = (second[field] / first).min(1.0 - FOLLOWS.recip());
-        let place = &mut e[layout.range(field)];
-        place.iter_mut().for_each(|e| *e /= 1.0 - share);
-    }
+    axpy(1.0, e, &mut next);
+    let both = norms.error(&next);
+    first.map(|field, first| {
+        let share = match first {
+            0.0 => 0.0,
+            _ => (second[field] / first).min(1.0 - FOLLOWS.recip()),
+        };
+        // NaN of either is kept
+        let sum = first / (1.0 - share);
+        if both[field] <= sum { sum } else { both[field] }
+    })
 }

@@ -104,6 +104,16 @@ impl Log {
         }
     }
 
+    /// The states of rounds, as they stand.
+    fn tried(&self) -> [Vec<ContactState>; 2] {
+        [self.states.clone(), self.most_slipping.clone()]
+    }
+
+    /// Those of before stand again.
+    fn restore(&mut self, [states, most_slipping]: [Vec<ContactState>; 2]) {
+        (self.states, self.most_slipping) = (states, most_slipping);
+    }
+
     /// A round failed: another remedy takes over.
     pub(super) fn failed(&mut self, round: usize, failure: &Failure) {
         self.events.push(Event::Projection {
@@ -118,7 +128,8 @@ impl Log {
 /// They return where H of a face that opens or slips drops out of its neighbours' rows, so that it is in slight tension when closed and
 /// overlaps when open: then H is held on all that the states that return constrain, with flow at once ([`Returning`]). Where this does not settle,
 /// or states still change after `patience` rounds, or Newton fails at those at hand, Newton on the [natural](super::natural::Natural) map solves the law of all
-/// faces, H held on all of them, and rounds with the H of the states themselves follow. On how many faces H acts beyond their states at last is told.
+/// faces, H held on all of them, and rounds with the H of the states themselves follow. Where rounds settle with less than the H of their states,
+/// they go on with it from there ([`with_own_h`](Search::with_own_h)). On how many faces H acts beyond their states at last is told.
 pub(super) fn active_set(
     attempt: &Attempt<'_>,
     states: Vec<ContactState>,
@@ -152,7 +163,7 @@ pub(super) fn active_set(
     let (form, why) = match search.rounds(states, &mut x, None, patience, log)? {
         Ended::Settled(found) => {
             let form = search.returning.form(&found.states);
-            return search.own(*found, x, &form, log);
+            return search.with_own_h(*found, x, &form, log);
         }
         // linear equations that cannot be solved are no matter of states, and those at the start no matter of the load
         Ended::Not(_, Some(why)) if attempt.is_linear(&log.states) => {
@@ -214,7 +225,7 @@ impl Search<'_, '_> {
             match self.rounds(found.states.clone(), &mut z, None, most, log) {
                 Ok(Ended::Settled(own)) => {
                     let form = self.returning.form(&own.states);
-                    return self.own(*own, z, &form, log).map(Some);
+                    return self.with_own_h(*own, z, &form, log).map(Some);
                 }
                 Ok(Ended::Not(form, None)) => {
                     if let Some(settled) = self.by_held_form(form, &y, log)? {
@@ -244,7 +255,7 @@ impl Search<'_, '_> {
             let joined = self.returning.joins();
             match self.rounds(form.clone(), &mut y, Some(h.as_ref()), most, log) {
                 Ok(Ended::Settled(found)) if !grow(&mut form, &found.states) => {
-                    return self.own(*found, y, &form, log).map(Some);
+                    return Ok(Some(self.accepted(*found, y, &form, log)));
                 }
                 Ok(Ended::Settled(_)) => {}
                 Ok(Ended::Not(other, None))
@@ -256,31 +267,45 @@ impl Search<'_, '_> {
         Ok(None)
     }
 
-    /// What settles with H of the states themselves, from where rounds with that of `form` ended: states that return far from equilibrium may
-    /// settle beside it. Else what was found. With flow that was not tried: it is held there from the first return on.
-    fn own(
+    /// What settles with H of the states themselves, from where rounds settled with less of it: states that return far from equilibrium may
+    /// settle beside it. Else what was found. With flow H is held from the first return on, and this is left out.
+    fn with_own_h(
         &mut self,
         found: Found,
         x: Iterate,
         form: &[ContactState],
         log: &mut Log,
     ) -> Result<Settled, Failure> {
-        let is_own = beyond(form, &found.states) + beyond(&found.states, form) == 0;
-        if !is_own && self.attempt.flow.is_none() {
-            let (told, mut y) = (log.events.len(), x.clone());
-            self.returning.own = true;
-            let ended = self.rounds(found.states.clone(), &mut y, None, self.finishing(), log);
-            self.returning.own = false;
-            match ended {
-                Ok(Ended::Settled(own)) => {
-                    let form = own.states.clone();
-                    return Ok(self.accepted(*own, y, &form, log));
+        if beyond(&found.states, form) == 0 || self.attempt.flow.is_some() {
+            return Ok(self.accepted(found, x, form, log));
+        }
+        let (told, mut y) = (log.events.len(), x.clone());
+        let size = self.accuracy.as_ref().map(|accuracy| accuracy.size);
+        let before = (self.judge.clone(), self.damped, log.tried());
+        self.returning.holds_nothing = true;
+        let most = self.finishing();
+        let ended = self.rounds(found.states.clone(), &mut y, None, most, log);
+        self.returning.holds_nothing = false;
+        match ended {
+            Ok(Ended::Settled(own)) => {
+                // what was told of the rounding of another solution
+                let events = log.events.split_off(told);
+                log.events.retain(|e| !matches!(e, Event::Rounding { .. }));
+                log.events.extend(events);
+                let form = own.states.clone();
+                Ok(self.accepted(*own, y, &form, log))
+            }
+            Err(Failure::Stopped) => Err(Failure::Stopped),
+            Ok(Ended::Not(..)) | Err(_) => {
+                log.events.truncate(told);
+                log.restore(before.2);
+                (*self.judge, self.damped) = (before.0, before.1);
+                if let (Some(accuracy), Some(size)) = (&mut self.accuracy, size) {
+                    accuracy.size = size;
                 }
-                Err(Failure::Stopped) => return Err(Failure::Stopped),
-                Ok(Ended::Not(..)) | Err(_) => log.events.truncate(told),
+                Ok(self.accepted(found, x, form, log))
             }
         }
-        Ok(self.accepted(found, x, form, log))
     }
 
     /// Rounds that finish: front by front where a fluid opens fractures.

@@ -11,6 +11,7 @@ const BLOCKED: f64 = 1e-9;
 const LOADED: f64 = 1e-3;
 
 /// Judges faces.
+#[derive(Clone)]
 pub(super) struct Judge<'s> {
     attempt: &'s Attempt<'s>,
     /// How often rounds of this attempt have opened a face: it closes in slip then, where a fluid flows from the second time on.

@@ -1,11 +1,11 @@
 //! The linear systems of Newton: one preconditioner for as long as it serves.
 
-use super::accuracy::lengthen;
+use super::accuracy::Estimate;
 use super::active_set::{Log, Settled, active_set};
 use super::assembled::Assembled;
 use super::jacobian::FaceTangent;
 use super::kept::{Kept, Ready};
-use super::krylov::{self, Asked, Solved, small_eigenvalue};
+use super::krylov::{self, Asked, Solved};
 use super::newton::{Attempt, Iterate};
 use super::pressed::PressureSolver;
 use super::stability::{AtLimits, Holding, SOLVED};
@@ -22,7 +22,7 @@ use fracas_operators::Preconditioner;
 use fracas_operators::sparse::SparseMatrix;
 use fracas_solvers::krylov::{KrylovChoice, Sqmr, System, least};
 use fracas_solvers::saddle::{
-    Block, EnergyNorms, InnerChoice, Racp, RacpInverse, SaddleBlocks, T, TRUSTED, U,
+    Block, EnergyNorms, InnerChoice, Racp, RacpInverse, SaddleBlocks, T, U,
 };
 use fracas_solvers::{Observer, Step};
 
@@ -201,8 +201,7 @@ impl Linear {
         solver.racp.is_none() && solver.inner == RunInner::Exact
     }
 
-    /// `e ← M⁻¹ r`, an estimate of the error that leaves the residual r; and the Ritz value nearest to zero that was seen, by a
-    /// [look](small_eigenvalue), too, where M is of one level.
+    /// What M⁻¹ of a residual says of the error that leaves it.
     pub(super) fn error_of(
         &mut self,
         problem: &ContactProblem<'_>,
@@ -210,27 +209,19 @@ impl Linear {
         residual: &[f64],
         norms: &EnergyNorms<'_>,
         observer: &mut dyn Observer,
-    ) -> Result<(Vec<f64>, Option<f64>), LinearFailure> {
+    ) -> Result<Estimate, LinearFailure> {
         self.prepare(problem, jacobian, states, observer)?;
         let inverse = self.inverse(problem, jacobian, states)?;
-        let mut e = vec![0.0; residual.len()];
-        inverse.solve(residual, &mut e, &mut vec![0.0; inverse.work_len()]);
         let system = System {
             operator: jacobian,
             preconditioner: &inverse,
             rhs: residual,
         };
-        let mut ritz = self.smallest_ritz;
-        if !self.probed {
-            ritz = least([ritz, small_eigenvalue(&system, norms, observer)]);
-        }
-        // around a poor M its Ritz value bounds what follows
-        if !jacobian.is_symmetric() && ritz.is_some_and(|ritz| ritz >= TRUSTED) {
-            lengthen(&mut e, &system, norms);
-        }
+        let seen = (self.smallest_ritz, self.probed);
+        let found = Estimate::new(&system, norms, (jacobian.is_symmetric(), seen), observer);
         drop(inverse);
-        (self.smallest_ritz, self.probed) = (ritz, true);
-        Ok((e, ritz))
+        (self.smallest_ritz, self.probed) = (found.ritz, true);
+        Ok(found)
     }
 
     /// RACP around the S̃_u made for the states nearest to these.

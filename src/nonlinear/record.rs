@@ -82,7 +82,7 @@ pub struct LinearRecord {
     pub setup: bool,
 }
 
-/// Decimal digits that a solution with this relative residual has, no more than f64 holds.
+/// Decimal digits by which the residual of a solution is smaller than its right-hand side, no more than f64 holds.
 pub fn digits_of(relative_residual: f64) -> f64 {
     -relative_residual.max(f64::EPSILON).log10()
 }

@@ -29,8 +29,8 @@ const TURNS: u8 = 3;
 pub(super) struct Returning {
     /// Of states that return, the one that constrains most counts for H, not the one that constrains least.
     most_constrained: bool,
-    /// Nothing is held: states that return end the rounds.
-    pub(super) own: bool,
+    /// Where nothing flows states that return end the rounds, and nothing is held.
+    pub(super) holds_nothing: bool,
     /// Per face the state whose rows of H it keeps; empty: none.
     form: Vec<Option<ContactState>>,
     /// Per face the state of whose rows of H it has no more; empty: none.
@@ -75,7 +75,7 @@ impl Returning {
     pub(super) fn begin(&mut self) {
         *self = Self {
             most_constrained: self.most_constrained,
-            own: self.own,
+            holds_nothing: self.holds_nothing,
             joined: std::mem::take(&mut self.joined),
             torn: std::mem::take(&mut self.torn),
             ..Self::default()
@@ -167,7 +167,7 @@ impl Returning {
     /// States have returned where nothing flows: faces that change among them keep what H does in the state that constrains least. False
     /// where they have no more than that already.
     pub(super) fn freed(&mut self, cycle: &Cycle) -> bool {
-        if self.own {
+        if self.holds_nothing {
             return false;
         }
         let mut grown = false;

@@ -1,6 +1,6 @@
 //! Rounds of Newton and new states until no face changes and the errors are small.
 
-use super::accuracy::Accuracy;
+use super::accuracy::{Accuracy, Estimate};
 use super::active_set::{Log, Settled};
 use super::cycling::Rounds;
 use super::judge::{Judge, slip_violation};
@@ -378,7 +378,9 @@ impl Search<'_, '_> {
         let (problem, observer) = (attempt.problem, &mut *self.observer);
         let judged = accuracy.of(x, at.residual.clone(), |residual, norms| {
             if attempt.flow.is_some() {
-                return linear.error_of_coupled(attempt, (states, h), (x, at), residual, observer);
+                return linear
+                    .error_of_coupled(attempt, (states, h), (x, at), residual, observer)
+                    .map(Estimate::from);
             }
             let jacobian = problem.jacobian(states, h, at, false);
             linear.error_of(problem, (&jacobian, states), residual, norms, observer)

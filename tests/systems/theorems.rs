@@ -75,6 +75,12 @@ fn limit(choice: AugmentationChoice, blocks: &SaddleBlocks) -> Option<f64> {
 /// Unknowns up to which every C and the unsymmetric problems are affordable. Unit: 1.
 const SMALL: usize = 700;
 
+/// Unknowns from which one C of a scene is taken. Unit: 1.
+const LARGE: usize = 2000;
+
+/// Places in the list of those that need no A⁻¹.
+const CHEAP: [usize; 6] = [0, 1, 3, 4, 5, 7];
+
 #[test]
 fn every_eigenvalue_of_every_scene_lies_in_the_proved_region() {
     let scenes = gallery().iter().enumerate();
@@ -84,6 +90,7 @@ fn every_eigenvalue_of_every_scene_lies_in_the_proved_region() {
         .into_par_iter()
         .map(|((number, entry), with_h)| judge(number, entry.name, with_h));
     let (judged, limited) = found.reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
+    println!("{judged} spectra, {limited} of them held against a limit");
     assert!(judged > 100, "only {judged} spectra were judged");
     assert!(limited > 40, "only {limited} were held against a limit");
 }
@@ -92,12 +99,16 @@ fn every_eigenvalue_of_every_scene_lies_in_the_proved_region() {
 fn judge(number: usize, scene: &str, with_h: bool) -> (usize, usize) {
     let (mut judged, mut limited) = (0, 0);
     let blocks = blocks(scene, with_h);
+    let is_large = blocks.size() >= LARGE;
     for (c, augmentation) in AugmentationChoice::ALL.into_iter().enumerate() {
         let limit = limit(augmentation, &blocks);
         let turn = number + c + usize::from(with_h);
         let inners: &[&str] = match blocks.size() < SMALL {
             true => [&["exact", "jacobi"], &["exact", "ssor"]][turn % 2],
-            false if turn.is_multiple_of(if limit.is_some() { 2 } else { 4 }) => &["exact"],
+            false if is_large && c == CHEAP[number % CHEAP.len()] => &["exact"],
+            false if !is_large && turn.is_multiple_of(if limit.is_some() { 2 } else { 4 }) => {
+                &["exact"]
+            }
             false => &[],
         };
         for inner in inners {

@@ -56,7 +56,7 @@ fn mutated_folders_are_refused_or_taken_for_what_they_say() {
     for (name, text) in FILES {
         std::fs::write(folder.join(name), text).unwrap();
     }
-    trial("folders", count(0.2, 5_000), |g| {
+    trial("folders", count(0.2, 3_000), |g| {
         let (name, text) = FILES[g.below(FILES.len())];
         let (bytes, _) = mutate(text.as_bytes(), g);
         std::fs::write(folder.join(name), &bytes).unwrap();

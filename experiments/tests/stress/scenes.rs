@@ -17,7 +17,7 @@ pub(crate) const RICH: &str = include_str!("rich.toml");
 fn mutated_scenes_are_refused_or_taken_for_what_they_say() {
     let mut bases: Vec<String> = gallery().iter().map(|s| s.toml.to_owned()).collect();
     bases.push(RICH.to_owned());
-    trial("scenes", count(0.5, 20_000), |g| {
+    trial("scenes", count(0.5, 12_000), |g| {
         // the small rich one half of the time: it is meshed
         let base = match g.once_in(2) {
             true => RICH,

@@ -3,7 +3,7 @@
 use super::law::{Spring, SpringLaw};
 use super::linear::SpringLinear;
 use crate::contact::ContactState;
-use crate::nonlinear::accuracy::Accuracy;
+use crate::nonlinear::accuracy::{Accuracy, Estimate};
 use crate::nonlinear::active_set::Log;
 use crate::nonlinear::damping::Damping;
 use crate::nonlinear::newton::{Attempt, BACKTRACKS, DECREASE, Iterate, relative};
@@ -188,7 +188,8 @@ pub(super) fn newton(
             let (now, parts) = (at.iterate(u), (&at.springs[..], faces.stiffness));
             let errors = accuracy.of(&now, at.residual.clone(), |r, norms| {
                 let told = (&mut *resources, &mut *observer as &mut dyn Observer);
-                linear.error_of(attempt.problem, parts, (r, norms), told)
+                let found = linear.error_of(attempt.problem, parts, (r, norms), told);
+                found.map(Estimate::from)
             })?;
             let mut now = Judgement {
                 errors,

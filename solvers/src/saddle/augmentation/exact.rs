@@ -48,11 +48,12 @@ pub(super) fn exact(
 /// That of the exact augmentation: one sparse Cholesky factorization of A and n_t solves.
 ///
 /// # Errors
-/// [`SetupError::NotApplicable`] when A is not positive definite.
+/// [`SetupError::NotApplicable`] where A is singular or indefinite, [`SetupError::NotFinite`] for NaN.
 pub fn dual_schur(
     blocks: &SaddleBlocks,
     direct: &dyn DirectSolver,
 ) -> Result<Mat<f64>, SetupError> {
+    blocks.check()?;
     schur_complement(blocks, &Columns::new(&blocks.b1), direct)
 }
 
