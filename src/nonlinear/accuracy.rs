@@ -16,7 +16,7 @@ const FOLLOWS: f64 = 10.0;
 /// the largest norms of the run so far.
 ///
 /// # Cost
-/// Per judgement an application of M, two products with the saddle point and a few vectors; one more of both where faces slip.
+/// Per judgement an application of M, two products with the saddle point and a few vectors; where faces slip and the error is near the tolerance, one more of each.
 pub(super) struct Accuracy<'s> {
     attempt: &'s Attempt<'s>,
     norms: EnergyNorms<'s>,
@@ -92,21 +92,29 @@ impl<'s> Accuracy<'s> {
         &mut self,
         x: &Iterate,
         mut residual: Vec<f64>,
-        solve: impl FnOnce(&[f64], &EnergyNorms<'_>) -> Result<Estimate, LinearFailure>,
+        solve: impl FnOnce(&[f64], (&EnergyNorms<'_>, &Doubt<'_>)) -> Result<Estimate, LinearFailure>,
     ) -> Result<Judged, Failure> {
         let whole = self.balanced(x);
         self.widen(&whole);
         self.norms.add_rounding(&whole, &mut residual);
+        let tolerance = self.attempt.problem.body().solver.tolerance;
+        let relative = |error: Fields<f64>| EnergyNorms::relative(error, self.size, tolerance);
+        // what is too large by itself need not be followed, and what is far below is small with what follows
+        let in_doubt = |size: Fields<f64>| {
+            let worst = relative(size)
+                .iter()
+                .fold(0.0, |worst: f64, (_, e)| worst.max(e));
+            worst <= tolerance && worst * FOLLOWS > tolerance
+        };
         let found = match residual.iter().all(|r| *r == 0.0) {
             // no load: nothing is prepared for it
             true => (vec![0.0; whole.len()], Some(1.0)).into(),
-            false => solve(&residual, &self.norms)?,
+            false => solve(&residual, (&self.norms, &in_doubt))?,
         };
         let size = self.norms.error(&found.e);
         let mut judged = (self.judge).judge(&self.norms, (size, &whole), self.size, found.ritz);
         if let Some(followed) = found.followed {
-            let tolerance = self.attempt.problem.body().solver.tolerance;
-            let followed = EnergyNorms::relative(followed, self.size, tolerance);
+            let followed = relative(followed);
             // NaN is kept
             judged.error = (judged.error).map(|field, error| match followed[field] <= error {
                 true => error,
@@ -148,13 +156,16 @@ impl<'s> Accuracy<'s> {
     }
 }
 
+/// Whether errors of this size by M⁻¹r may be too large by what follows.
+pub(super) type Doubt<'a> = dyn Fn(Fields<f64>) -> bool + 'a;
+
 /// What M⁻¹r says of the error that leaves the residual r.
 pub(super) struct Estimate {
     /// `e = M⁻¹r`.
     pub(super) e: Vec<f64>,
     /// The Ritz value of M⁻¹J nearest to zero.
     pub(super) ritz: Option<f64>,
-    /// Norms of the error with what follows e, where J is not symmetric.
+    /// Norms of the error with what follows e, where J is not symmetric and they are in doubt.
     followed: Option<Fields<f64>>,
 }
 
@@ -173,7 +184,7 @@ impl Estimate {
     /// By a solve with M; the Ritz value is that of those `seen`, and of a [look](small_eigenvalue) where none was had and M is of one level.
     pub(super) fn new(
         system: &System<'_, f64>,
-        norms: &EnergyNorms<'_>,
+        (norms, in_doubt): (&EnergyNorms<'_>, &Doubt<'_>),
         (is_symmetric, (seen, probed)): (bool, (Option<f64>, bool)),
         observer: &mut dyn Observer,
     ) -> Self {
@@ -184,7 +195,8 @@ impl Estimate {
             true => seen,
             false => least([seen, small_eigenvalue(system, norms, observer)]),
         };
-        let followed = (!is_symmetric).then(|| followed(&e, system, norms));
+        let follows = !is_symmetric && in_doubt(norms.error(&e));
+        let followed = follows.then(|| followed(&e, system, norms));
         Self { e, ritz, followed }
     }
 }

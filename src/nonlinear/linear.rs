@@ -1,6 +1,6 @@
 //! The linear systems of Newton: one preconditioner for as long as it serves.
 
-use super::accuracy::Estimate;
+use super::accuracy::{Doubt, Estimate};
 use super::active_set::{Log, Settled, active_set};
 use super::assembled::Assembled;
 use super::jacobian::FaceTangent;
@@ -207,7 +207,7 @@ impl Linear {
         problem: &ContactProblem<'_>,
         (jacobian, states): (&ContactJacobian<'_>, &[ContactState]),
         residual: &[f64],
-        norms: &EnergyNorms<'_>,
+        judged: (&EnergyNorms<'_>, &Doubt<'_>),
         observer: &mut dyn Observer,
     ) -> Result<Estimate, LinearFailure> {
         self.prepare(problem, jacobian, states, observer)?;
@@ -218,7 +218,7 @@ impl Linear {
             rhs: residual,
         };
         let seen = (self.smallest_ritz, self.probed);
-        let found = Estimate::new(&system, norms, (jacobian.is_symmetric(), seen), observer);
+        let found = Estimate::new(&system, judged, (jacobian.is_symmetric(), seen), observer);
         drop(inverse);
         (self.smallest_ritz, self.probed) = (found.ritz, true);
         Ok(found)

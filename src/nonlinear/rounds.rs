@@ -376,14 +376,14 @@ impl Search<'_, '_> {
         };
         let linear = &mut *self.linear;
         let (problem, observer) = (attempt.problem, &mut *self.observer);
-        let judged = accuracy.of(x, at.residual.clone(), |residual, norms| {
+        let judged = accuracy.of(x, at.residual.clone(), |residual, judged| {
             if attempt.flow.is_some() {
                 return linear
                     .error_of_coupled(attempt, (states, h), (x, at), residual, observer)
                     .map(Estimate::from);
             }
             let jacobian = problem.jacobian(states, h, at, false);
-            linear.error_of(problem, (&jacobian, states), residual, norms, observer)
+            linear.error_of(problem, (&jacobian, states), residual, judged, observer)
         })?;
         Ok(Some((judged, accuracy.left(judged))))
     }

@@ -186,7 +186,7 @@ pub(super) fn newton(
         if residual <= asked || stops && judged.is_some() {
             let Some(accuracy) = accuracy else { break };
             let (now, parts) = (at.iterate(u), (&at.springs[..], faces.stiffness));
-            let errors = accuracy.of(&now, at.residual.clone(), |r, norms| {
+            let errors = accuracy.of(&now, at.residual.clone(), |r, (norms, _)| {
                 let told = (&mut *resources, &mut *observer as &mut dyn Observer);
                 let found = linear.error_of(attempt.problem, parts, (r, norms), told);
                 found.map(Estimate::from)
