@@ -2,10 +2,9 @@
 //! eigenvalue lies in the region that is proved, and real eigenvalues are bounded away from zero.
 //!
 //! `REGIONS_FAMILY=10000 REGIONS_SEED=1 cargo test --release --test regions -- --nocapture` tries that many systems;
-//! Scenes are judged on as many threads as there are, each with a dense matrix of its own:
 //! `REGIONS_LARGEST=5000 cargo test --release --test regions gallery -- --nocapture` takes every scene of the gallery around every inner solver, the
 //! ends of those above 700 unknowns by Lanczos: three minutes on one core. With `REGIONS_DENSE=5000` beside it every eigenvalue is found and ends are
-//! those of dense matrices: an hour or more;
+//! those of dense matrices: an hour or more. Every thread judges a scene, with a dense matrix of its own;
 //! `OVER_CORRECTION=40 cargo test --release --test regions over_correction -- --nocapture` prints iterations of the gallery and of so many
 //! random scenes.
 #![allow(clippy::unwrap_used)]

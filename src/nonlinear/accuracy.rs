@@ -16,7 +16,8 @@ const FOLLOWS: f64 = 10.0;
 /// the largest norms of the run so far.
 ///
 /// # Cost
-/// Per judgement an application of M, two products with the saddle point and a few vectors; where faces slip and the error is near the tolerance, one more of each.
+/// Per judgement an application of M, two products with the saddle point and a few vectors; where faces slip and the error is near the
+/// tolerance, one more of each.
 pub(super) struct Accuracy<'s> {
     attempt: &'s Attempt<'s>,
     norms: EnergyNorms<'s>,
@@ -111,7 +112,7 @@ impl<'s> Accuracy<'s> {
             true => (vec![0.0; whole.len()], Some(1.0)).into(),
             false => solve(&residual, (&self.norms, &in_doubt))?,
         };
-        let size = self.norms.error(&found.e);
+        let size = (found.size).unwrap_or_else(|| self.norms.error(&found.e));
         let mut judged = (self.judge).judge(&self.norms, (size, &whole), self.size, found.ritz);
         if let Some(followed) = found.followed {
             let followed = relative(followed);
@@ -165,7 +166,9 @@ pub(super) struct Estimate {
     pub(super) e: Vec<f64>,
     /// The Ritz value of M⁻¹J nearest to zero.
     pub(super) ritz: Option<f64>,
-    /// Norms of the error with what follows e, where J is not symmetric and they are in doubt.
+    /// Norms of e, where they are known.
+    size: Option<Fields<f64>>,
+    /// Norms of the error with what follows e, where J is not symmetric and those of e are in doubt.
     followed: Option<Fields<f64>>,
 }
 
@@ -175,6 +178,7 @@ impl From<(Vec<f64>, Option<f64>)> for Estimate {
         Self {
             e,
             ritz,
+            size: None,
             followed: None,
         }
     }
@@ -195,13 +199,19 @@ impl Estimate {
             true => seen,
             false => least([seen, small_eigenvalue(system, norms, observer)]),
         };
-        let follows = !is_symmetric && in_doubt(norms.error(&e));
-        let followed = follows.then(|| followed(&e, system, norms));
-        Self { e, ritz, followed }
+        let size = (!is_symmetric).then(|| norms.error(&e));
+        let doubtful = size.filter(|size| in_doubt(*size));
+        let followed = doubtful.map(|size| followed((&e, size), system, norms));
+        Self {
+            e,
+            ritz,
+            size,
+            followed,
+        }
     }
 }
 
-/// Norms of `J⁻¹r = Σ (I − M⁻¹J)ᵏ e`, `e = M⁻¹r`, field by field: where the second term is θ times as long as the first, and those behind it
+/// Norms of `J⁻¹r = Σ (I − M⁻¹J)ᵏ e`, `e = M⁻¹r` of norms `first`, field by field: where the second term is θ times as long as the first, and those behind it
 /// fall alike, the sum is 1/(1 − θ) times as long; it is no shorter than both terms together.
 ///
 /// Faces in slip make J unsymmetric and M⁻¹J far from normal, of which the Ritz values of a few iterations tell little: tractions were
@@ -209,13 +219,17 @@ impl Estimate {
 ///
 /// # Cost
 /// A product with J and a solve with M.
-fn followed(e: &[f64], system: &System<'_, f64>, norms: &EnergyNorms<'_>) -> Fields<f64> {
+fn followed(
+    (e, first): (&[f64], Fields<f64>),
+    system: &System<'_, f64>,
+    norms: &EnergyNorms<'_>,
+) -> Fields<f64> {
     let (jacobian, inverse) = (system.operator, system.preconditioner);
     let mut work = vec![0.0; jacobian.work_len().max(inverse.work_len())];
     let (mut r, mut next) = (system.rhs.to_vec(), vec![0.0; e.len()]);
     jacobian.apply_add(-1.0, e, &mut r, &mut work);
     inverse.solve(&r, &mut next, &mut work);
-    let (first, second) = (norms.error(e), norms.error(&next));
+    let second = norms.error(&next);
     axpy(1.0, e, &mut next);
     let both = norms.error(&next);
     first.map(|field, first| {

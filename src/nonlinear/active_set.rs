@@ -281,7 +281,7 @@ impl Search<'_, '_> {
         }
         let (told, mut y) = (log.events.len(), x.clone());
         let size = self.accuracy.as_ref().map(|accuracy| accuracy.size);
-        let before = (self.judge.clone(), self.damped, log.tried());
+        let (judge, damped, tried) = (self.judge.clone(), self.damped, log.tried());
         self.returning.holds_nothing = true;
         let most = self.finishing();
         let ended = self.rounds(found.states.clone(), &mut y, None, most, log);
@@ -298,8 +298,8 @@ impl Search<'_, '_> {
             Err(Failure::Stopped) => Err(Failure::Stopped),
             Ok(Ended::Not(..)) | Err(_) => {
                 log.events.truncate(told);
-                log.restore(before.2);
-                (*self.judge, self.damped) = (before.0, before.1);
+                log.restore(tried);
+                (*self.judge, self.damped) = (judge, damped);
                 if let (Some(accuracy), Some(size)) = (&mut self.accuracy, size) {
                     accuracy.size = size;
                 }
