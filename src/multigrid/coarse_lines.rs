@@ -11,6 +11,11 @@ use crate::mesh::HexMesh;
 /// Growth of what is small on graded axes, so that `left` is met to a tenth. Unit: 1.
 const STEP: f64 = 1.1;
 
+/// Cells w times wider than the finest are halved whole where more than `1 − WORTH/w` of the cells would be left without them. A level
+/// that keeps a share s of the cells costs up to `1/(1 − s)` cycles; functions that no level sees cost about w times the iterations.
+/// Plates of two cells, 1:10 on the axis next in width, took 67 iterations, and take 16. Unit: 1.
+const WORTH: f64 = 2.0;
+
 /// Where the stiffer rock of an interface lies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Stiffer {
@@ -163,7 +168,8 @@ fn small(rules: &GridLines, sizes: &[Vec<f64>; 3]) -> f64 {
     let mut small = rules.small * finest;
     while small.is_finite() {
         let (share, whole) = left(small);
-        if whole || share <= rules.left || (share <= rules.enough && left(STEP * small).1) {
+        let enough = rules.enough.max(1.0 - WORTH * finest / small);
+        if whole || share <= rules.left || (share <= enough && left(STEP * small).1) {
             break;
         }
         small *= STEP;

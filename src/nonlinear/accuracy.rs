@@ -226,9 +226,7 @@ fn followed(
 ) -> Fields<f64> {
     let (jacobian, inverse) = (system.operator, system.preconditioner);
     let mut work = vec![0.0; jacobian.work_len().max(inverse.work_len())];
-    let (mut r, mut next) = (system.rhs.to_vec(), vec![0.0; e.len()]);
-    jacobian.apply_add(-1.0, e, &mut r, &mut work);
-    inverse.solve(&r, &mut next, &mut work);
+    let mut next = system.correction(e, &mut work);
     let second = norms.error(&next);
     axpy(1.0, e, &mut next);
     let both = norms.error(&next);

@@ -77,7 +77,7 @@ fn scene(case: &Case) -> String {
         let _ = writeln!(toml, "[[boundary]]\nside = '{side}'\nhold = 'roller'");
     }
     let _ = writeln!(toml, "[[boundary]]\nside = 'z+'\npressure = '{PRESSED} Pa'");
-    toml + "[solver]\nracp = { augmentation = 'local_h', inner = { exact = {} } }\n"
+    toml + "[solver]\nracp = { augmentation = 'local_h', inner = { amg = {} } }\n"
 }
 
 /// Faces of one row in y, upwards.

@@ -26,7 +26,7 @@ impl Piece {
     }
 }
 
-/// What is around cracks in a scene: a stress (xx, zz) [Pa], sides along x and z that do not move, none across y, and exact S_u beside other
+/// What is around cracks in a scene: a stress (xx, zz) [Pa], sides along x and z that do not move, none across y, and AMG beside other
 /// lines of the solver.
 pub(crate) fn surroundings([xx, zz]: [f64; 2], solver: &str) -> String {
     let mut toml = format!("[initial_stress]\nconstant = {{ xx = '{xx} Pa', zz = '{zz} Pa' }}\n");
@@ -40,7 +40,7 @@ pub(crate) fn surroundings([xx, zz]: [f64; 2], solver: &str) -> String {
     ] {
         toml += &format!("[[boundary]]\nside = '{side}'\nhold = '{hold}'\n");
     }
-    toml + "[solver]\ntolerance = 1e-10\nracp = { augmentation = 'local_h', inner = { exact = {} } }\n"
+    toml + "[solver]\ntolerance = 1e-10\nracp = { augmentation = 'local_h', inner = { amg = {} } }\n"
         + solver
 }
 

@@ -393,13 +393,14 @@ fn random_scenes_are_set_up_and_take_few_iterations() {
     assert!(is_met, "{}", missed.join("\n"));
 }
 
-/// Plates of 1:50 between cuts on a graded axis took 230 and 50 iterations, a stiff sheet of 1:10 over soft rock 200 (50 with S_u factorized).
+/// Plates of 1:50 between cuts on a graded axis took 230, 50 and 67 iterations, a stiff sheet of 1:10 over soft rock 200 (50 with S_u factorized).
 /// High columns (921000160) meet the tolerance of these counts in 27 iterations or never, by rounding; `solve` takes them in 22.
 #[test]
 fn seeds_that_took_many_iterations_take_few() {
     for (seed, most) in [
         (921_001_368, ENOUGH),
         (921_001_121, ENOUGH),
+        (913_000_462, ENOUGH),
         (922_000_885, 55),
     ] {
         let sample = Sample::new(&scene(seed)).unwrap();

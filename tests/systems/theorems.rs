@@ -183,7 +183,7 @@ fn the_inf_sup_constant_bounds_the_exact_spectrum_from_below() {
 
 #[test]
 fn a_system_folder_gives_the_spectrum_of_its_scene() {
-    let blocks = blocks("inclined", true);
+    let blocks = blocks("cycle", true);
     let folder = std::env::temp_dir().join(format!("fracas-round-trip-{}", std::process::id()));
     write_folder(&folder, &blocks, &Manifest::default()).unwrap();
     let back = read_folder(&folder).unwrap().blocks;

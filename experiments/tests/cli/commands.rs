@@ -6,6 +6,7 @@
 )]
 
 use crate::run::{fracas_in, scratch, write};
+use std::collections::HashSet;
 use std::path::Path;
 
 const PAGES: [&str; 7] = [
@@ -95,7 +96,7 @@ fn commands_of_the_pages_run_as_they_stand_there() {
         let to = folder.join(reservoir).join(file.file_name());
         std::fs::copy(file.path(), to).unwrap();
     }
-    let mut ran = 0;
+    let mut seen = HashSet::new();
     for page in PAGES {
         for mut arguments in commands(page) {
             if arguments[0] == "compare" {
@@ -103,12 +104,14 @@ fn commands_of_the_pages_run_as_they_stand_there() {
                 let refine = arguments.iter_mut().find(|word| *word == "1,2,4");
                 *refine.unwrap() = "1".into();
             }
+            if !seen.insert(arguments.clone()) {
+                continue;
+            }
             let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
             let done = fracas_in(&folder, &words);
             assert_eq!(done.status, 0, "{page}: {arguments:?}\n{}", done.stderr);
-            ran += 1;
         }
     }
-    assert!(ran >= 18, "{ran} commands");
+    assert!(seen.len() >= 18, "{} commands", seen.len());
     std::fs::remove_dir_all(&folder).unwrap();
 }

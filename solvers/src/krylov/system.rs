@@ -21,6 +21,18 @@ impl<R: Real> System<'_, R> {
         self.rhs.len()
     }
 
+    /// `M⁻¹(b − A x)`: the term after x of `A⁻¹b = Σ (I − M⁻¹A)ᵏ M⁻¹b` where x is the sum before.
+    ///
+    /// # Cost
+    /// A product with A and a solve with M.
+    pub fn correction(&self, x: &[R], work: &mut [R]) -> Vec<R> {
+        let mut r = self.rhs.to_vec();
+        self.operator.apply_add(-R::one(), x, &mut r, work);
+        let mut z = vec![R::zero(); x.len()];
+        self.preconditioner.solve(&r, &mut z, work);
+        z
+    }
+
     /// Unknowns of all parts.
     pub fn whole_size(&self) -> usize {
         self.sum(R::of(self.size() as f64)).to_f64_exact() as usize

@@ -175,15 +175,11 @@ impl<'a> Remainder<'a> {
 
     /// The norms of `e + M⁻¹(r − 𝒜e)`: with it a field sees what the errors of another do to it.
     fn passed_on(&self, e: &[f64], work: &mut [f64]) -> Fields<f64> {
-        let System {
-            operator,
-            preconditioner,
-            ..
-        } = *self.system;
-        let mut r = self.r.clone();
-        operator.apply_add(-1.0, e, &mut r, work);
-        let mut corrected = vec![0.0; e.len()];
-        preconditioner.solve(&r, &mut corrected, work);
+        let system = System {
+            rhs: &self.r,
+            ..*self.system
+        };
+        let mut corrected = system.correction(e, work);
         corrected.iter_mut().zip(e).for_each(|(z, e)| *z += e);
         self.norms.error(&corrected)
     }
