@@ -114,7 +114,7 @@ fn levels<R: Real>(
         links: Vec::new(),
         remainder: None,
     };
-    let lines = CoarseLines::new(settings.lines, system.mesh, materials);
+    let lines = CoarseLines::new(settings.lines, &current.grid, system.mesh, materials);
     // the coarse grid of a small body is the grid itself
     let starts = lines.next(&current.grid);
     let starts = starts.unwrap_or_else(|| current.grid.all_lines());

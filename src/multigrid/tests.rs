@@ -78,6 +78,11 @@ fn bodies(grid: &Grid<'_>) -> Vec<usize> {
     }
 }
 
+fn of_body(body: &Body) -> CoarseLines {
+    let grid = Grid::of_mesh(&body.mesh).unwrap();
+    CoarseLines::new(GridLines::default(), &grid, &body.mesh, &body.materials)
+}
+
 #[test]
 fn every_body_keeps_its_own_linear_motions_on_every_level() {
     for (scene, sample) in samples() {
@@ -87,7 +92,7 @@ fn every_body_keeps_its_own_linear_motions_on_every_level() {
         // one body per element of the level
         let mut label = of.clone();
         let mut levels = 0;
-        let lines = CoarseLines::new(GridLines::default(), &body.mesh, &body.materials);
+        let lines = of_body(&body);
         while let Some(starts) = lines.next(&grid) {
             let coarsening = coarsen(&grid, starts);
             let coarse = &coarsening.coarse;
@@ -146,14 +151,14 @@ fn every_body_keeps_its_own_linear_motions_on_every_level() {
 fn lines_between_stiff_and_soft_rock_are_kept() {
     // layers of 2 m between z = -6 and 6 m, interfaces at -4, -2, 0, 2
     let body = Sample::layered([6, 6, 24]).body();
-    let lines = CoarseLines::new(GridLines::default(), &body.mesh, &body.materials);
+    let lines = of_body(&body);
     let grid = Grid::of_mesh(&body.mesh).unwrap();
     let Some(starts) = lines.next(&grid) else {
         panic!("24 lines can be halved");
     };
     assert_eq!(starts[2], (0..=24).step_by(2).collect::<Vec<_>>());
     let body = Sample::layered([6, 6, 18]).body();
-    let lines = CoarseLines::new(GridLines::default(), &body.mesh, &body.materials);
+    let lines = of_body(&body);
     let grid = Grid::of_mesh(&body.mesh).unwrap();
     let Some(starts) = lines.next(&grid) else {
         panic!("layers of three cells can become two");

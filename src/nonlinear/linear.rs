@@ -1,6 +1,5 @@
 //! The linear systems of Newton: one preconditioner for as long as it serves.
 
-use super::accuracy::{Doubt, Estimate};
 use super::active_set::{Log, Settled, active_set};
 use super::assembled::Assembled;
 use super::jacobian::FaceTangent;
@@ -21,9 +20,7 @@ use crate::scene::RunInner;
 use fracas_operators::Preconditioner;
 use fracas_operators::sparse::SparseMatrix;
 use fracas_solvers::krylov::{KrylovChoice, Sqmr, System, least};
-use fracas_solvers::saddle::{
-    Block, EnergyNorms, InnerChoice, Racp, RacpInverse, SaddleBlocks, T, U,
-};
+use fracas_solvers::saddle::{Block, InnerChoice, Racp, RacpInverse, SaddleBlocks, T, U};
 use fracas_solvers::{Observer, Step};
 
 /// Jumps per face by which states differ from those of S̃_u where, with flow, one of their own is built. Unit: 1.
@@ -52,11 +49,13 @@ pub(super) struct Linear {
     pub(super) beyond: f64,
     /// Ritz value nearest to zero of the systems since states last changed: one of them alone may take too few iterations to
     /// see it.
-    smallest_ritz: Option<f64>,
+    pub(super) smallest_ritz: Option<f64>,
     /// Smaller ones have been looked for.
-    probed: bool,
+    pub(super) probed: bool,
     /// A preconditioner for its states has been built in this step.
     built: bool,
+    /// One was built while errors were judged: the next system tells of it.
+    pub(super) untold: bool,
     pub(super) resources: Resources,
     assembled: Assembled,
     /// With every face in stick, tractions in the balanced unit: what the systems of rock and flow are made of.
@@ -83,6 +82,7 @@ impl Linear {
             smallest_ritz: None,
             probed: false,
             built: false,
+            untold: false,
             resources: Resources::default(),
             assembled: Assembled::default(),
             stick_blocks: None,
@@ -201,27 +201,13 @@ impl Linear {
         solver.racp.is_none() && solver.inner == RunInner::Exact
     }
 
-    /// What M⁻¹ of a residual says of the error that leaves it.
-    pub(super) fn error_of(
-        &mut self,
-        problem: &ContactProblem<'_>,
-        (jacobian, states): (&ContactJacobian<'_>, &[ContactState]),
-        residual: &[f64],
-        judged: (&EnergyNorms<'_>, &Doubt<'_>),
-        observer: &mut dyn Observer,
-    ) -> Result<Estimate, LinearFailure> {
-        self.prepare(problem, jacobian, states, observer)?;
-        let inverse = self.inverse(problem, jacobian, states)?;
-        let system = System {
-            operator: jacobian,
-            preconditioner: &inverse,
-            rhs: residual,
+    /// Whether no S̃_u was made for these states.
+    pub(super) fn is_of_others(&self, states: &[ContactState]) -> bool {
+        let is_other = |ready: &Option<Ready>| {
+            let of = ready.as_ref().map(|ready| ready.of.states.as_slice());
+            of != Some(states)
         };
-        let seen = (self.smallest_ritz, self.probed);
-        let found = Estimate::new(&system, judged, (jacobian.is_symmetric(), seen), observer);
-        drop(inverse);
-        (self.smallest_ritz, self.probed) = (found.ritz, true);
-        Ok(found)
+        is_other(&self.stick) && is_other(&self.present.ready)
     }
 
     /// RACP around the S̃_u made for the states nearest to these.
@@ -275,7 +261,6 @@ impl Linear {
         if jacobian.faces.is_some() && self.c.lacks_free() {
             self.compute_free(problem)?;
         }
-        let new = |ready: &Option<Ready>| ready.as_ref().is_none_or(|r| r.of.states != states);
         // with flow an iteration costs two applications, and rounds lead through many states
         let flows = problem.balance().is_some();
         let costly = !flows && self.beyond >= problem.body().solver.rounds.rebuild;
@@ -288,16 +273,28 @@ impl Linear {
             false => self.slow && (!self.built || costly),
         };
         // the tangents of slipping faces change beside states that stay
-        let wanted = slow && (costly || new(&self.stick) && new(&self.present.ready));
-        if let (true, Some(tangents)) = (wanted, &jacobian.faces) {
-            // the memory of the one before is given back first
-            self.present.ready = None;
-            let c = |c: &StickC| c_of(&c.rules(|f| tangents[f], jacobian.h));
-            self.present.ready = Some(self.build(problem, states.to_vec(), c, observer)?);
-            (self.built, self.beyond) = (true, 0.0);
-            return Ok(true);
-        }
-        Ok(first)
+        let wanted = slow && (costly || self.is_of_others(states));
+        let is_built = wanted && self.build_own(problem, jacobian, states, observer)?;
+        Ok(std::mem::take(&mut self.untold) || first || is_built)
+    }
+
+    /// S̃_u for these states in the place of that for others; false with every face in stick.
+    pub(super) fn build_own(
+        &mut self,
+        problem: &ContactProblem<'_>,
+        jacobian: &ContactJacobian<'_>,
+        states: &[ContactState],
+        observer: &mut dyn Observer,
+    ) -> Result<bool, LinearFailure> {
+        let Some(tangents) = &jacobian.faces else {
+            return Ok(false);
+        };
+        // the memory of the one before is given back first
+        self.present.ready = None;
+        let c = |c: &StickC| c_of(&c.rules(|f| tangents[f], jacobian.h));
+        self.present.ready = Some(self.build(problem, states.to_vec(), c, observer)?);
+        (self.built, self.beyond) = (true, 0.0);
+        Ok(true)
     }
 
     /// C of H = 0, where the rule for C looks at single faces; else that of stick serves.

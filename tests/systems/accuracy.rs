@@ -1,7 +1,8 @@
 //! Claim: what an iteration calls converged has u and t within ten tolerances of the exact solution, whatever the contrast, the
 //! cells, Poisson's ratio, loads or displacements, and the inner solver; it refuses few solutions that are better than it can show.
 //!
-//! `ACCURACY_CASES=400 ACCURACY_SEED=7 cargo test --release --test systems accuracy:: -- --nocapture` tries more systems.
+//! `ACCURACY_CASES=400 ACCURACY_SEED=7 cargo test --release --test systems accuracy:: -- --nocapture` tries more systems;
+//! `ACCURACY_SKIP=192` begins with the case of that number. The scene of a wrong one is printed.
 
 use super::reference::reference;
 use fracas::contact::JumpStabilization;
@@ -22,6 +23,10 @@ const TOLERANCES: [f64; 4] = [1e-8, 1e-3, 1e-8, 1e-5];
 
 /// Systems tried where nobody asks for more.
 const CASES: u64 = 48;
+
+/// Seed and number of a scene in which stiff rock, all but incompressible, is moved along two axes and free along the third, where soft rock alone
+/// holds it: rounding of its forces there was not seen.
+const ROUNDED: [(u64, u64); 1] = [(9191, 192)];
 
 /// Seeds and numbers of flat scenes whose errors were not seen: modes of C_0 + H among others that C follows, and jumps along flat cells.
 const WRONG_ONCE: [(u64, u64); 3] = [(802, 173), (802, 303), (803, 119)];
@@ -254,7 +259,7 @@ fn tried(body: &Body, inner: &str, tolerance: f64) -> Option<Tried> {
 
 #[test]
 fn converged_means_accurate_and_refused_means_not() {
-    holds_in(scene, &[]);
+    holds_in(scene, &ROUNDED);
 }
 
 #[test]
@@ -268,8 +273,9 @@ fn holds_in(scene: fn(u64) -> String, wrong_once: &[(u64, u64)]) {
         environment("ACCURACY_CASES", CASES),
         environment("ACCURACY_SEED", 1),
     );
-    let (mut counts, mut wrong) = ([0; 5], Vec::new());
-    let drawn = (0..cases).map(|seed| (first, seed));
+    let (mut counts, mut wrong, mut known) = ([0; 5], Vec::new(), 0);
+    let skip = environment("ACCURACY_SKIP", 0);
+    let drawn = (skip..skip + cases).map(|seed| (first, seed));
     for (first, seed) in wrong_once.iter().copied().chain(drawn) {
         let text = scene(first.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(seed));
         let body = Scene::from_toml(&text, "scene.toml")
@@ -330,6 +336,10 @@ fn holds_in(scene: fn(u64) -> String, wrong_once: &[(u64, u64)]) {
             wrong.push(format!(
                 "seed {seed}, {inner}, {tolerance:.0e}: refused by '{said}', true errors {u:.1e} and {t:.1e}"
             ));
+        }
+        if wrong.len() > known {
+            known = wrong.len();
+            println!("{text}");
         }
         // where M is poor, a bound of the error may not be small though the error is
         if !converged && worst < 0.1 * tolerance {

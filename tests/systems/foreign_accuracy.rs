@@ -148,7 +148,8 @@ fn system(r: &mut Random) -> SaddleBlocks {
     }
 }
 
-/// Errors of u and t in the norms of `|diag A|` and `C_0 + |diag H|`, `C_0 = diag(B1ᵀ |diag A|⁻¹ B1)`, each relative to the solution's.
+/// Errors of u and t, each relative to the solution's. Of u: `√(eᵀA e + (B2 e)ᵀ (C_0 + |diag H|)⁻¹ (B2 e))` over `√(uᵀA u)` where A is definite, that of
+/// `|diag A|` elsewhere; of t that of `C_0 + |diag H|`, `C_0 = diag(B1ᵀ |diag A|⁻¹ B1)`.
 fn errors(blocks: &SaddleBlocks, x: &[f64], exact: &[f64]) -> [f64; 2] {
     let n = blocks.n_u();
     let diagonal = |m: &SparseMatrix<f64>, i| m.get(i, i).map_or(0.0, |v: &f64| v.abs());
@@ -159,15 +160,32 @@ fn errors(blocks: &SaddleBlocks, x: &[f64], exact: &[f64]) -> [f64; 2] {
     for (b, (i, j)) in &blocks.b1 {
         c[j as usize] += b * b / a[i as usize];
     }
-    let norm = |w: &[f64], v: &mut dyn Iterator<Item = f64>| {
-        w.iter().zip(v).map(|(w, v)| w * v * v).sum::<f64>().sqrt()
+    // scaled A = MMᵀ + a multiple of 1, with one negative entry on the diagonal where it is not definite
+    let is_definite = (0..n).all(|i| blocks.a.get(i, i).is_some_and(|v| *v > 0.0));
+    let weighted = |w: &[f64], v: &[f64]| w.iter().zip(v).map(|(w, v)| w * v * v).sum::<f64>();
+    let energy = |u: &[f64]| match is_definite {
+        true => (blocks.a.iter())
+            .map(|(a, (i, j))| a * u[i as usize] * u[j as usize])
+            .sum(),
+        false => weighted(&a, u),
     };
-    let of = |v: &[f64]| {
-        let [u, t] = [(&a, &v[..n]), (&c, &v[n..])].map(|(w, v)| norm(w, &mut v.iter().copied()));
-        [u, t]
+    let jumps = |u: &[f64]| {
+        let mut jump = vec![0.0; c.len()];
+        match &blocks.b2 {
+            Some(b2) => b2
+                .iter()
+                .for_each(|(b, (j, i))| jump[j as usize] += b * u[i as usize]),
+            None => {
+                (blocks.b1.iter()).for_each(|(b, (i, j))| jump[j as usize] += b * u[i as usize])
+            }
+        }
+        let terms = c.iter().zip(&jump).filter(|(c, _)| **c > 0.0);
+        terms.map(|(c, jump)| jump * jump / c).sum::<f64>()
     };
     let e: Vec<f64> = x.iter().zip(exact).map(|(x, y)| x - y).collect();
-    let (error, solution) = (of(&e), of(exact));
+    let of_jumps = if is_definite { jumps(&e[..n]) } else { 0.0 };
+    let error = [energy(&e[..n]) + of_jumps, weighted(&c, &e[n..])].map(f64::sqrt);
+    let solution = [energy(&exact[..n]), weighted(&c, &exact[n..])].map(f64::sqrt);
     let least = SHARE * solution[0].hypot(solution[1]);
     [0, 1].map(|k| error[k] / solution[k].max(least))
 }

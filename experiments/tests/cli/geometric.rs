@@ -159,7 +159,7 @@ fn a_run_says_that_f32_gave_way_to_f64() {
         ("geometric", "0.004", 1, "f64", 0),
         ("geometric", "4", 0, "f32", 0),
         ("amg", "4", 0, "f32", 0),
-        // a void: the preconditioner gives way, and the run ends with what it lacks
+        // rock a million times softer: the preconditioner gives way, and the run ends with what it lacks
         ("amg", "4e-5", 1, "f64", 3),
     ];
     let small = ["x", "y", "z"].map(|axis| format!("mesh.{axis}.cells=8"));

@@ -21,7 +21,7 @@ impl<R: Real> System<'_, R> {
         self.rhs.len()
     }
 
-    /// `M⁻¹(b − A x)`: the term after x of `A⁻¹b = Σ (I − M⁻¹A)ᵏ M⁻¹b` where x is the sum before.
+    /// `M⁻¹(b − A x)` with scratch of the larger `work_len` of both: the term after x of `A⁻¹b = Σ (I − M⁻¹A)ᵏ M⁻¹b` where x is the sum before.
     ///
     /// # Cost
     /// A product with A and a solve with M.

@@ -24,10 +24,10 @@ pub struct GridLines {
     /// On graded axes what is small grows, by a tenth at a time, until an axis is halved whole or this share of the cells would be
     /// left. The three cracks take 31, 26, 17 iterations with 0.5 in 1.2 to 1.7 times the time, 114, 45, 23 with 0.3. Unit: 1.
     pub left: f64,
-    /// Share left from which on no other axis is halved whole, whose cells are wide beside those that have become one: plates of
-    /// 1:50 between cuts took 230 iterations, and take 17. Unit: 1.
+    /// Share left from which on no other axis is halved whole, whose cells are wide beside those that have become one, at least 1 − 1/w where
+    /// they are w times as wide as the finest: plates of 1:50 between cuts took 230 iterations, and take 17. Unit: 1.
     pub enough: f64,
-    /// Width over thickness up to which cells beside a stiff sheet, one cell thick between interfaces, become one. Wider ones leave
+    /// Width over thickness up to which cells beside a plate between cuts, or a stiff sheet, one cell thick between interfaces, become one. Wider ones leave
     /// functions along the sheet to no level: its nodes are stiff across. A sheet of 1:10 over rock 1,000 times softer took 200
     /// iterations, and takes 50, as many as with S_u factorized. Unit: 1.
     pub flat: f64,
