@@ -169,8 +169,7 @@ fn every_eigenvalue_of_the_gallery_lies_inside_and_the_lower_end_is_positive() {
             !is_dense && *scene == name && *of == inner
         };
         let is_without = low <= 0.0 && !WITHOUT.iter().any(is_excepted);
-        let is_held = name == CROSSING && is_dense;
-        Some((is_dense, is_held, is_without.then_some(what)))
+        Some((is_dense, name == CROSSING, is_without.then_some(what)))
     });
     let found: Vec<_> = found.collect();
     let judged = found.len();

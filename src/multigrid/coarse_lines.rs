@@ -47,19 +47,12 @@ impl CoarseLines {
     ) -> Self {
         let beside_plates = rules.flat * thinnest_plate(finest, rules.flat);
         let contrast = rules.contrast;
-        let Some(grid) = &mesh.grid else {
-            return Self {
-                rules,
-                interfaces: Default::default(),
-                beside_plates,
-            };
-        };
         let shear: Vec<f64> = materials.iter().map(Elastic::shear).collect();
-        let mut interfaces = grid.cells.map(|n| vec![Stiffer::default(); n + 1]);
+        let mut interfaces = finest.cells.map(|n| vec![Stiffer::default(); n + 1]);
         let low = shear.iter().copied().fold(f64::INFINITY, f64::min);
         let high = shear.iter().copied().fold(0.0, f64::max);
         if high > contrast * low {
-            let [nx, ny, nz] = grid.cells;
+            let [nx, ny, nz] = finest.cells;
             let steps = [1, nx, nx * ny];
             for (e, region) in mesh.regions.iter().enumerate() {
                 let at = [e % nx, e / nx % ny, e / (nx * ny)];

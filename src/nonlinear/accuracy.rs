@@ -168,7 +168,7 @@ pub(super) struct Estimate {
     pub(super) e: Vec<f64>,
     /// The Ritz value of M⁻¹J nearest to zero.
     pub(super) ritz: Option<f64>,
-    /// Norms of e, where they are known.
+    /// Norms of e, where M⁻¹r may be doubted.
     size: Option<Fields<f64>>,
     /// Norms of the error with what follows e, where J is not symmetric and those of e are in doubt.
     followed: Option<Fields<f64>>,
@@ -188,11 +188,11 @@ impl From<(Vec<f64>, Option<f64>)> for Estimate {
 
 impl Estimate {
     /// Whether M is poor, and the error is small by M⁻¹r and the Ritz value, but not by far: up to [`FOLLOWS`] squared.
-    pub(super) fn may_hide(&self, (norms, in_doubt): (&EnergyNorms<'_>, &Doubt<'_>)) -> bool {
-        let Some(ritz) = self.ritz.filter(|ritz| *ritz < TRUSTED) else {
+    pub(super) fn may_hide(&self, in_doubt: &Doubt<'_>) -> bool {
+        let poor = self.ritz.filter(|ritz| *ritz < TRUSTED);
+        let (Some(ritz), Some(size)) = (poor, self.size) else {
             return false;
         };
-        let size = self.size.unwrap_or_else(|| norms.error(&self.e));
         let of = |factor: f64| size.map(|_, size| size * factor * TRUSTED / ritz.abs());
         in_doubt(of(1.0)) || in_doubt(of(FOLLOWS))
     }
@@ -211,13 +211,13 @@ impl Estimate {
             true => seen,
             false => least([seen, small_eigenvalue(system, norms, observer)]),
         };
-        let size = (!is_symmetric).then(|| norms.error(&e));
-        let doubtful = size.filter(|size| in_doubt(*size));
-        let followed = doubtful.map(|size| followed((&e, size), system, norms));
+        let size = norms.error(&e);
+        let is_doubtful = !is_symmetric && in_doubt(size);
+        let followed = is_doubtful.then(|| followed((&e, size), system, norms));
         Self {
             e,
             ritz,
-            size,
+            size: Some(size),
             followed,
         }
     }
@@ -247,7 +247,7 @@ impl Linear {
             let found = Estimate::new(&system, judged, (jacobian.is_symmetric(), seen), observer);
             drop(inverse);
             (self.smallest_ritz, self.probed) = (found.ritz, true);
-            let is_doubtful = self.is_of_others(states) && found.may_hide(judged);
+            let is_doubtful = self.is_of_others(states) && found.may_hide(judged.1);
             if !is_doubtful || !self.build_own(problem, jacobian, states, observer)? {
                 return Ok(found);
             }

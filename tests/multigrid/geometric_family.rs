@@ -18,10 +18,9 @@ use fracas_solvers::direct::DirectChoice;
 use fracas_solvers::krylov::{Criteria, KrylovChoice, Outcome, System};
 use fracas_solvers::multigrid::Precision;
 use fracas_solvers::saddle::{
-    AugmentationChoice, AugmentationMatrix, EnergyNorms, InnerChoice, Measure, RELAXATION, Racp,
-    RacpInverse, SaddleBlocks, SaddleMethod, SaddleOperator, solve_accurately,
+    Assembled, AugmentationChoice, AugmentationMatrix, InnerChoice, Measure, RELAXATION, Racp,
+    RacpInverse, SaddleBlocks, SaddleMethod, SaddleSystem, solve_accurately,
 };
-use std::borrow::Cow;
 use std::fmt::Write;
 
 /// Scenes where the environment names no number.
@@ -213,14 +212,14 @@ impl Sample {
 
     /// Iterations of GMRES to errors of 1e-8, as `solve` counts them.
     fn iterations(&self, m: &dyn Preconditioner<f64>) -> usize {
-        let operator = SaddleOperator::new(&self.blocks);
+        let assembled = Assembled::new(&self.blocks, None);
         let own = self.blocks.rhs();
         let b: Vec<f64> = match own.iter().any(|b| *b != 0.0) {
             true => own,
             false => (1..=own.len()).map(|i| (i as f64).sin()).collect(),
         };
         let system = System {
-            operator: &operator,
+            operator: assembled.operator(),
             preconditioner: m,
             rhs: &b,
         };
@@ -228,20 +227,13 @@ impl Sample {
             relative_tolerance: 1e-8,
             max_iterations: MOST,
         };
-        let norms = EnergyNorms::new(
-            &operator,
-            self.blocks.h.as_ref(),
-            self.blocks.contact_compliance(),
-            Cow::Owned(self.blocks.stiffness()),
-        )
-        .with_entries(&self.blocks);
         let choice = KrylovChoice::default().flexible_for(m);
         let mut x = vec![0.0; b.len()];
         let solved = solve_accurately(
             choice.method(),
             &system,
             &criteria,
-            (Measure::Error, &norms),
+            (Measure::Error, &assembled.norms(true)),
             &mut x,
             &mut Silent,
         );

@@ -273,7 +273,7 @@ fn holds_in(scene: fn(u64) -> String, wrong_once: &[(u64, u64)]) {
         environment("ACCURACY_CASES", CASES),
         environment("ACCURACY_SEED", 1),
     );
-    let (mut counts, mut wrong, mut known) = ([0; 5], Vec::new(), 0);
+    let (mut counts, mut wrong) = ([0; 5], Vec::new());
     let skip = environment("ACCURACY_SKIP", 0);
     let drawn = (skip..skip + cases).map(|seed| (first, seed));
     for (first, seed) in wrong_once.iter().copied().chain(drawn) {
@@ -318,6 +318,7 @@ fn holds_in(scene: fn(u64) -> String, wrong_once: &[(u64, u64)]) {
         };
         let worst = u.max(t);
         counts[if converged { 2 } else { 3 }] += 1;
+        let before = wrong.len();
         if converged && worst > 10.0 * tolerance {
             wrong.push(format!(
                 "seed {seed}, {inner}, {tolerance:.0e}: {said}, true errors {u:.1e} and {t:.1e}"
@@ -337,8 +338,7 @@ fn holds_in(scene: fn(u64) -> String, wrong_once: &[(u64, u64)]) {
                 "seed {seed}, {inner}, {tolerance:.0e}: refused by '{said}', true errors {u:.1e} and {t:.1e}"
             ));
         }
-        if wrong.len() > known {
-            known = wrong.len();
+        if wrong.len() > before {
             println!("{text}");
         }
         // where M is poor, a bound of the error may not be small though the error is
