@@ -129,7 +129,8 @@ impl Log {
 /// overlaps when open: then H is held on all that the states that return constrain, with flow at once ([`Returning`]). Where this does not settle,
 /// or states still change after `patience` rounds, or Newton fails at those at hand, Newton on the [natural](super::natural::Natural) map solves the law of all
 /// faces, H held on all of them, and rounds with the H of the states themselves follow. Where rounds settle with less than the H of their states,
-/// they go on with it from there ([`with_own_h`](Search::with_own_h)). On how many faces H acts beyond their states at last is told.
+/// or with faces that slip against their shear, they go on from there ([`made_better`](Search::made_better)). On how many faces H acts beyond
+/// their states at last is told.
 pub(super) fn active_set(
     attempt: &Attempt<'_>,
     states: Vec<ContactState>,
@@ -163,7 +164,7 @@ pub(super) fn active_set(
     let (form, why) = match search.rounds(states, &mut x, None, patience, log)? {
         Ended::Settled(found) => {
             let form = search.returning.form(&found.states);
-            return search.with_own_h(*found, x, &form, log);
+            return search.made_better(*found, x, &form, log);
         }
         // linear equations that cannot be solved are no matter of states, and those at the start no matter of the load
         Ended::Not(_, Some(why)) if attempt.is_linear(&log.states) => {
@@ -225,7 +226,7 @@ impl Search<'_, '_> {
             match self.rounds(found.states.clone(), &mut z, None, most, log) {
                 Ok(Ended::Settled(own)) => {
                     let form = self.returning.form(&own.states);
-                    return self.with_own_h(*own, z, &form, log).map(Some);
+                    return self.made_better(*own, z, &form, log).map(Some);
                 }
                 Ok(Ended::Not(form, None)) => {
                     if let Some(settled) = self.by_held_form(form, &y, log)? {
@@ -267,16 +268,22 @@ impl Search<'_, '_> {
         Ok(None)
     }
 
-    /// What settles with H of the states themselves, from where rounds settled with less of it: states that return far from equilibrium may
-    /// settle beside it. Else what was found. With flow H is held from the first return on, and this is left out.
-    fn with_own_h(
+    /// What settles with H of the states themselves, from where rounds settled with less of it (states that return far from equilibrium may
+    /// settle beside it), and with faces in stick that slip against their shear, by less than their state is judged by: their slip is none,
+    /// and H, which acts on shear in stick alone, lets as much through as a traction needs that is another one by 13 % of the largest. Else
+    /// what was found. With flow H is held from the first return on, and this is left out.
+    fn made_better(
         &mut self,
         found: Found,
         x: Iterate,
         form: &[ContactState],
         log: &mut Log,
     ) -> Result<Settled, Failure> {
-        if beyond(&found.states, form) == 0 || self.attempt.flow.is_some() {
+        let mut better = found.states.clone();
+        for f in found.against_shear(self, &x) {
+            better[f] = ContactState::Stick;
+        }
+        if beyond(&better, form) == 0 || self.attempt.flow.is_some() {
             return Ok(self.accepted(found, x, form, log));
         }
         let (told, mut y) = (log.events.len(), x.clone());
@@ -284,7 +291,7 @@ impl Search<'_, '_> {
         let (judge, damped, tried) = (self.judge.clone(), self.damped, log.tried());
         self.returning.holds_nothing = true;
         let most = self.finishing();
-        let ended = self.rounds(found.states.clone(), &mut y, None, most, log);
+        let ended = self.rounds(better, &mut y, None, most, log);
         self.returning.holds_nothing = false;
         match ended {
             Ok(Ended::Settled(own)) => {

@@ -112,17 +112,27 @@ impl<'s> Judge<'s> {
 pub(super) fn slip_violation(
     attempt: &Attempt<'_>,
     states: &[ContactState],
+    fields: [&[f64]; 2],
+    scale: (f64, &[f64]),
+) -> f64 {
+    let faces = slip_violations(attempt, states, fields, scale);
+    faces.fold(0.0, |most, (_, violation)| most.max(violation))
+}
+
+/// That of every slipping face; of its tractions and jumps, and the largest traction and all jumps.
+pub(super) fn slip_violations(
+    attempt: &Attempt<'_>,
+    states: &[ContactState],
     [t, effective]: [&[f64]; 2],
     (traction, jumps): (f64, &[f64]),
-) -> f64 {
-    let slips = |(_, s): &(usize, &ContactState)| s.constrained() == 1;
-    let short = |(f, state): (usize, &ContactState)| {
-        let face = (attempt.problem).measure(f, *state, t, effective, attempt.start);
-        (face.limit - face.trial).max(0.0)
-    };
-    let faces = states.iter().enumerate().filter(slips).map(short);
+) -> impl Iterator<Item = (usize, f64)> {
     let scale = or_closing(traction, jumps, attempt.problem.compliance());
-    relative(faces.fold(0.0, f64::max), scale)
+    let slips = |(_, s): &(usize, &ContactState)| s.constrained() == 1;
+    let short = move |(f, state): (usize, &ContactState)| {
+        let face = (attempt.problem).measure(f, *state, t, effective, attempt.start);
+        (f, relative((face.limit - face.trial).max(0.0), scale))
+    };
+    states.iter().enumerate().filter(slips).map(short)
 }
 
 /// A traction, or the one that would close the largest normal jump [Pa].

@@ -3,7 +3,7 @@
 use super::accuracy::{Accuracy, Estimate};
 use super::active_set::{Log, Settled};
 use super::cycling::Rounds;
-use super::judge::{Judge, slip_violation};
+use super::judge::{Judge, slip_violation, slip_violations};
 use super::linear::Linear;
 use super::newton::{Attempt, Iterate, Until, newton};
 use super::returning::Returning;
@@ -34,6 +34,20 @@ pub(super) struct Found {
     at: Evaluation,
     /// `None` where only residuals are judged.
     judged: Option<Judged>,
+}
+
+impl Found {
+    /// Faces whose slip goes against their shear by more than tractions may be off.
+    pub(super) fn against_shear(&self, search: &Search<'_, '_>, x: &Iterate) -> Vec<usize> {
+        let attempt = search.attempt;
+        let fields = [&x.t[..], &self.at.effective];
+        let scale = (search.judge.traction, &self.at.jumps[..]);
+        let violations = slip_violations(attempt, &self.states, fields, scale);
+        let most = attempt.problem.body().solver.tolerance;
+        (violations.filter(|(_, violation)| *violation > most))
+            .map(|(f, _)| f)
+            .collect()
+    }
 }
 
 /// What rounds need.
