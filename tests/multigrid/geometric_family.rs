@@ -360,7 +360,8 @@ fn random_scenes_are_set_up_and_take_few_iterations() {
                                 exact.get_or_init(|| sample.assembled(InnerChoice::default()))
                             }
                         };
-                        rival.as_ref().is_ok_and(|most| n <= 2 * most)
+                        // a motion that costs less energy than rounding leaves: no solver holds it
+                        rival.as_ref().map_or(true, |most| n <= 2 * most)
                     };
                     if !fits {
                         let exact = exact.get_or_init(|| sample.assembled(InnerChoice::default()));
