@@ -269,9 +269,9 @@ impl Search<'_, '_> {
     }
 
     /// What settles with H of the states themselves, from where rounds settled with less of it (states that return far from equilibrium may
-    /// settle beside it), and with faces in stick that slip against their shear, by less than their state is judged by: their slip is none,
-    /// and H, which acts on shear in stick alone, lets as much through as a traction needs that is another one by 13 % of the largest. Else
-    /// what was found. With flow H is held from the first return on, and this is left out.
+    /// settle beside it), and with faces in stick that slip against their shear by less than their state is judged by. H acts on shear in stick
+    /// alone: in slip the traction of such a face was another one by 13 % of the largest. Else what was found. With flow H is held from the
+    /// first return on, and this is left out.
     fn made_better(
         &mut self,
         found: Found,
@@ -279,11 +279,14 @@ impl Search<'_, '_> {
         form: &[ContactState],
         log: &mut Log,
     ) -> Result<Settled, Failure> {
+        if self.attempt.flow.is_some() {
+            return Ok(self.accepted(found, x, form, log));
+        }
         let mut better = found.states.clone();
         for f in found.against_shear(self, &x) {
             better[f] = ContactState::Stick;
         }
-        if beyond(&better, form) == 0 || self.attempt.flow.is_some() {
+        if beyond(&better, form) == 0 {
             return Ok(self.accepted(found, x, form, log));
         }
         let (told, mut y) = (log.events.len(), x.clone());

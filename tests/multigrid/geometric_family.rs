@@ -1,5 +1,6 @@
 //! Claim: on random scenes of fractures that cross each other and held sides, geometric multigrid is set up wherever S_u can be
-//! factorized, and needs at most twice the iterations of AMG, or 30. Hierarchies that are made to go on to 60 unknowns, and to iterate there,
+//! factorized, and needs at most twice the iterations of AMG (of a factorization where that cannot be set up, and any number where
+//! neither can), or 30. Hierarchies that are made to go on to 60 unknowns, and to iterate there,
 //! miss that in at most 1 of 50 scenes.
 //!
 //! `GEOMETRIC_FAMILY=3000 GEOMETRIC_SEED=1 cargo test --release --test multigrid geometric_family:: -- --nocapture` tries that many;
@@ -360,7 +361,7 @@ fn random_scenes_are_set_up_and_take_few_iterations() {
                                 exact.get_or_init(|| sample.assembled(InnerChoice::default()))
                             }
                         };
-                        // a motion that costs less energy than rounding leaves: no solver holds it
+                        // neither is set up: a motion costs less energy than rounding leaves
                         rival.as_ref().map_or(true, |most| n <= 2 * most)
                     };
                     if !fits {

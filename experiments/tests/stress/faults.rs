@@ -115,7 +115,7 @@ fn more_memory_refuses_no_run() {
     let out = folder.join("out");
     let to = out.display().to_string();
     let mut finished_within = None;
-    for kibibytes in (80_000..400_000).step_by(16_000) {
+    for kibibytes in (80_000..400_000).step_by(8_000) {
         let _ = std::fs::remove_dir_all(&out);
         let line = ["run", &scene, "--out", &to, "--threads", "1"];
         let status = ended(&within(kibibytes, &line)).unwrap();
