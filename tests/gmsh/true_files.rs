@@ -39,7 +39,7 @@ pressure = "10 MPa"
 "#;
 
 fn read(file: &str) -> Body {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/gmsh");
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/gmsh");
     let text = SCENE.replace("FILE", file);
     let name = data.join("scene.toml").display().to_string();
     Scene::from_toml(&text, &name).unwrap().build().unwrap()
@@ -97,7 +97,7 @@ fn the_four_forms_of_a_mesh_are_one_body() {
 #[test]
 fn a_path_starts_at_the_folder_of_the_scene_and_sets_reach_the_names() {
     let here = folder("paths");
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/gmsh");
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/gmsh");
     std::fs::create_dir_all(here.join("meshes")).unwrap();
     std::fs::copy(
         data.join("crossing_41_binary.msh"),

@@ -30,7 +30,7 @@ fn build(file: &str, array: &str) -> Result<Body, String> {
     none.write(&mut bytes).unwrap();
     folder.write("none.vtu", bytes);
     let data = std::env::var("FRACAS_VTU").ok();
-    let data = data.unwrap_or(format!("{}/tests/data/vtu", env!("CARGO_MANIFEST_DIR")));
+    let data = data.unwrap_or(format!("{}/data/vtu", env!("CARGO_MANIFEST_DIR")));
     folder.write("own.vtu", std::fs::read(format!("{data}/{file}")).unwrap());
     let toml = format!(
         "title = 'Foreign'\n[mesh]\nx = {{ from = '0 m', to = '8.5 m', cells = 30 }}\ny = {{ from = '0 m', to = '2 m', cells = 7 }}\n\

@@ -17,7 +17,7 @@ use std::path::PathBuf;
 const TOLERANCE: f64 = 1e-6;
 
 fn folder() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/foreign")
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("data/foreign")
 }
 
 /// Calls `visit(system, blocks, augmentation, inner, reference)` for every stored case.
