@@ -5,7 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 fn root() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..")
+    let tests = Path::new(env!("CARGO_MANIFEST_DIR"));
+    tests.parent().unwrap().into()
 }
 
 fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
@@ -221,10 +222,26 @@ fn every_file_is_compiled_and_libraries_are_silent() {
 
 /// A claim that no binary lists would never be run.
 #[test]
-fn every_claim_in_a_folder_is_listed() {
+fn every_claim_is_listed() {
+    let manifests = ["Cargo.toml", "tests/Cargo.toml"];
+    let manifests = manifests.map(|file| fs::read_to_string(root().join(file)).unwrap());
+    let is_binary = |name: &str| {
+        manifests
+            .iter()
+            .any(|m| m.contains(&format!("name = \"{name}\"")))
+    };
     let mut folders = 0;
     for entry in fs::read_dir(root().join("tests")).unwrap() {
         let folder = entry.unwrap().path();
+        let is_file = folder.extension().is_some_and(|e| e == "rs");
+        if is_file || folder.join("main.rs").exists() {
+            let name = folder.file_stem().unwrap().to_str().unwrap();
+            assert!(
+                is_binary(name),
+                "{}: no manifest lists it",
+                folder.display()
+            );
+        }
         if !folder.join("main.rs").exists() {
             continue;
         }

@@ -2,7 +2,6 @@
 //! where a block slides; what the stabilization takes it stores, and friction never gains. `FRACAS_SEEDS=200` runs more cases.
 
 use crate::scenes::{SLIDING, body, run};
-#[allow(dead_code, reason = "other tests run the other scenes")]
 use fracas::contact::ContactState;
 use fracas::nonlinear::{EnergyRecord, FaceFields, Simulation, State, StepRecord};
 use fracas::scene::Body;
