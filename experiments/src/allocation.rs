@@ -48,8 +48,9 @@ unsafe impl GlobalAlloc for Noted {
     }
 }
 
-/// What is said after the standard library has printed the number of bytes.
-const SENTENCE: &[u8] = b"error: out of memory: the system does not give these bytes; use fewer cells, a smaller system or fewer threads, or free memory\n";
+/// What is said after the standard library has printed the number of bytes. It begins a line of its own: another thread that is refused,
+/// too, may have printed half of one.
+const SENTENCE: &[u8] = b"\nerror: out of memory: the system does not give these bytes; use fewer cells, a smaller system or fewer threads, or free memory\n";
 
 /// True where this thread was refused memory.
 #[cfg(unix)]
