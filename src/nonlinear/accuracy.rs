@@ -6,13 +6,11 @@ use super::newton::{Attempt, Iterate};
 use super::{ContactJacobian, ContactProblem, Event, Failure, LinearFailure};
 use crate::contact::ContactState;
 use fracas_operators::Fields;
-use fracas_operators::vector::axpy;
 use fracas_solvers::Observer;
 use fracas_solvers::krylov::{System, least};
-use fracas_solvers::saddle::{EnergyNorms, ErrorJudge, Judged, Measure, P, T, TRUSTED};
-
-/// Times that an error may be longer than M⁻¹r by terms that fall alike. Unit: 1.
-const FOLLOWS: f64 = 10.0;
+use fracas_solvers::saddle::{
+    EnergyNorms, ErrorJudge, FOLLOWS, Judged, Measure, P, Series, T, TRUSTED,
+};
 
 /// Errors of every field at states that no longer change: `e = J⁻¹r ≈ M⁻¹r` of a Newton iterate, judged as in `solve`, against
 /// the largest norms of the run so far.
@@ -100,15 +98,7 @@ impl<'s> Accuracy<'s> {
         let whole = self.balanced(x);
         self.widen(&whole);
         self.norms.add_rounding(&whole, &mut residual);
-        let tolerance = self.attempt.problem.body().solver.tolerance;
-        let relative = |error: Fields<f64>| EnergyNorms::relative(error, self.size, tolerance);
-        // what is too large by itself need not be followed, and what is far below is small with what follows
-        let in_doubt = |size: Fields<f64>| {
-            let worst = relative(size)
-                .iter()
-                .fold(0.0, |worst: f64, (_, e)| worst.max(e));
-            worst <= tolerance && worst * FOLLOWS > tolerance
-        };
+        let in_doubt = |size: Fields<f64>| self.judge.is_in_doubt(size, self.size);
         let found = match residual.iter().all(|r| *r == 0.0) {
             // no load: nothing is prepared for it
             true => (vec![0.0; whole.len()], Some(1.0)).into(),
@@ -117,7 +107,8 @@ impl<'s> Accuracy<'s> {
         let size = (found.size).unwrap_or_else(|| self.norms.error(&found.e));
         let mut judged = (self.judge).judge(&self.norms, (size, &whole), self.size, found.ritz);
         if let Some(followed) = found.followed {
-            let followed = relative(followed);
+            let tolerance = self.attempt.problem.body().solver.tolerance;
+            let followed = EnergyNorms::relative(followed, self.size, tolerance);
             // NaN is kept
             judged.error = (judged.error).map(|field, error| match followed[field] <= error {
                 true => error,
@@ -213,7 +204,10 @@ impl Estimate {
         };
         let size = norms.error(&e);
         let is_doubtful = !is_symmetric && in_doubt(size);
-        let followed = is_doubtful.then(|| followed((&e, size), system, norms));
+        let followed = is_doubtful.then(|| {
+            let mut work = vec![0.0; system.operator.work_len().max(inverse.work_len())];
+            Series::new((&e, size), system, norms, &mut work).sum()
+        });
         Self {
             e,
             ritz,
@@ -255,34 +249,4 @@ impl Linear {
             self.other_states();
         }
     }
-}
-
-/// Norms of `J⁻¹r = Σ (I − M⁻¹J)ᵏ e`, `e = M⁻¹r` of norms `first`, field by field: where the second term is θ times as long as the first, and those behind it
-/// fall alike, the sum is 1/(1 − θ) times as long; it is no shorter than both terms together.
-///
-/// Faces in slip make J unsymmetric and M⁻¹J far from normal, of which the Ritz values of a few iterations tell little: tractions were
-/// wrong by 2.6e-3 where 4.7e-5 was said, beside a Ritz value of 0.12.
-///
-/// # Cost
-/// A product with J and a solve with M.
-fn followed(
-    (e, first): (&[f64], Fields<f64>),
-    system: &System<'_, f64>,
-    norms: &EnergyNorms<'_>,
-) -> Fields<f64> {
-    let (jacobian, inverse) = (system.operator, system.preconditioner);
-    let mut work = vec![0.0; jacobian.work_len().max(inverse.work_len())];
-    let mut next = system.correction(e, &mut work);
-    let second = norms.error(&next);
-    axpy(1.0, e, &mut next);
-    let both = norms.error(&next);
-    first.map(|field, first| {
-        let share = match first {
-            0.0 => 0.0,
-            _ => (second[field] / first).min(1.0 - FOLLOWS.recip()),
-        };
-        // NaN of either is kept
-        let sum = first / (1.0 - share);
-        if both[field] <= sum { sum } else { both[field] }
-    })
 }

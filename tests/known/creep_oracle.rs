@@ -90,25 +90,24 @@ fn gradients(x: &[[f64; 3]; 8], q: usize) -> ([[f64; 3]; 8], f64, [f64; 8]) {
     let local: [[f64; 3]; 8] = std::array::from_fn(|a| {
         std::array::from_fn(|d| SIGNS[a][d] * one(a, (d + 1) % 3) * one(a, (d + 2) % 3) / 8.0)
     });
-    let mut j = faer::Mat::<f64>::zeros(3, 3);
+    let mut j = [[0.0; 3]; 3];
     for a in 0..8 {
         for r in 0..3 {
             for c in 0..3 {
-                j[(r, c)] += local[a][r] * x[a][c];
+                j[r][c] += local[a][r] * x[a][c];
             }
         }
     }
-    let det = j[(0, 0)] * (j[(1, 1)] * j[(2, 2)] - j[(1, 2)] * j[(2, 1)])
-        - j[(0, 1)] * (j[(1, 0)] * j[(2, 2)] - j[(1, 2)] * j[(2, 0)])
-        + j[(0, 2)] * (j[(1, 0)] * j[(2, 1)] - j[(1, 1)] * j[(2, 0)]);
-    use faer::linalg::solvers::Solve;
-    let rhs = faer::Mat::from_fn(3, 8, |r, a| local[a][r]);
-    let solved = j.partial_piv_lu().solve(&rhs);
-    (
-        std::array::from_fn(|a| std::array::from_fn(|i| solved[(i, a)])),
-        det,
-        shape,
-    )
+    // J⁻ᵀ by its cofactors: rows of local gradients are divided by J
+    let minor = |r: usize, c: usize| {
+        let [r, c] = [r, c].map(|i| [(i + 1) % 3, (i + 2) % 3]);
+        j[r[0]][c[0]] * j[r[1]][c[1]] - j[r[0]][c[1]] * j[r[1]][c[0]]
+    };
+    let det: f64 = (0..3).map(|c| j[0][c] * minor(0, c)).sum();
+    let of_node = |a: usize| {
+        std::array::from_fn(|i| (0..3).map(|r| minor(r, i) * local[a][r]).sum::<f64>() / det)
+    };
+    (std::array::from_fn(of_node), det, shape)
 }
 
 fn deviator(mut s: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
@@ -172,6 +171,7 @@ impl<'b> Dense<'b> {
             };
             kept.push((alpha, phi, shear));
             let x = self.corners(e);
+            let mut own = [[0.0; 24]; 24];
             for q in 0..8 {
                 let (g, w, shape) = gradients(&x, q);
                 let at = [0, 1, 2].map(|i| (0..8).map(|a| shape[a] * x[a][i]).sum());
@@ -188,17 +188,23 @@ impl<'b> Dense<'b> {
                             f[3 * *na as usize + i] -= w * g[a][j] * memory;
                         }
                     }
-                    for (b, nb) in nodes.iter().enumerate() {
+                    for b in 0..8 {
                         let dot: f64 = (0..3).map(|d| g[a][d] * g[b][d]).sum();
                         for i in 0..3 {
                             for j in 0..3 {
                                 let delta = if i == j { dot } else { 0.0 };
                                 let entry = (bulk - 2.0 / 3.0 * soft) * g[a][i] * g[b][j]
                                     + soft * (g[a][j] * g[b][i] + delta);
-                                k[(3 * *na as usize + i, 3 * *nb as usize + j)] += w * entry;
+                                own[3 * a + i][3 * b + j] += w * entry;
                             }
                         }
                     }
+                }
+            }
+            for (r, row) in own.iter().enumerate() {
+                for (c, entry) in row.iter().enumerate() {
+                    let [r, c] = [r, c].map(|local| 3 * nodes[local / 3] as usize + local % 3);
+                    k[(r, c)] += entry;
                 }
             }
         }

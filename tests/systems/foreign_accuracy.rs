@@ -2,7 +2,8 @@
 //! (entries over up to 20 decades, B2 ≠ B1ᵀ, H indefinite, negative or absent, A indefinite), whatever the method, the inner solver and
 //! the tolerance.
 //!
-//! `FOREIGN_CASES=2000 FOREIGN_SEED=7 cargo test --release --test systems foreign_accuracy:: -- --nocapture` tries more systems.
+//! `FOREIGN_CASES=2000 FOREIGN_SEED=7 cargo test --release --test systems foreign_accuracy:: -- --nocapture` tries more systems, and
+//! `FOREIGN_SKIP=1953` begins with the system of that number.
 
 use super::reference::reference;
 use fracas::solve::{End, InnerRule, Problem, Solve, Solved};
@@ -29,6 +30,9 @@ const METHODS: [&str; 7] = [
 const INNER: [&str; 5] = ["exact", "amg", "ssor", "fsai", "jacobi"];
 
 const TOLERANCES: [f64; 4] = [1e-4, 1e-6, 1e-8, 1e-10];
+
+/// Seeds of systems that were called converged once and were not; all with B2 ≠ B1ᵀ, of which Ritz values and M⁻¹r said too little.
+const WRONG_ONCE: [(u64, u64); 4] = [(9302, 1356), (9322, 1953), (9332, 3756), (9332, 855)];
 
 /// What an error may be of the tolerance: estimates are no bounds. Unit: 1.
 const ALLOWED: f64 = 10.0;
@@ -194,8 +198,10 @@ fn errors(blocks: &SaddleBlocks, x: &[f64], exact: &[f64]) -> [f64; 2] {
 fn converged_means_accurate_for_systems_of_other_codes() {
     let cases = environment("FOREIGN_CASES", CASES);
     let first = environment("FOREIGN_SEED", 1);
+    let skip = environment("FOREIGN_SKIP", 0);
     let (mut known, mut converged, mut wrong) = (0, vec![0; METHODS.len()], Vec::new());
-    for seed in 0..cases {
+    let drawn = (skip..skip + cases).map(|seed| (first, seed));
+    for (first, seed) in WRONG_ONCE.iter().copied().chain(drawn) {
         let r = &mut Random::new(first.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(seed));
         let blocks = system(r);
         let Some(exact) = reference(&blocks, &blocks.rhs()) else {

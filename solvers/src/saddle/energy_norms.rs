@@ -160,6 +160,11 @@ impl<'a> EnergyNorms<'a> {
         self.entries
     }
 
+    /// Whether B2 is known to be other than B1ᵀ: then M⁻¹𝒜 may be far from normal, and a Ritz value be of another size than what it keeps small.
+    pub fn is_unsymmetric(&self) -> bool {
+        self.entries.is_some_and(|blocks| blocks.b2.is_some())
+    }
+
     /// Judges e_u against `norm` of the solution: where displacements are prescribed, `‖u‖_A` of the free ones alone is mostly
     /// what holds the cells beside them.
     #[must_use]

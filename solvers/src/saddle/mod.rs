@@ -31,6 +31,7 @@ mod residual;
 pub(crate) mod samples;
 pub(crate) mod scaling;
 pub mod schur;
+mod series;
 pub mod simple;
 mod system;
 pub mod three_fields;
@@ -62,6 +63,7 @@ pub use operator::SaddleOperator;
 pub use probe::{Left, Probed, probe};
 pub use racp::{Racp, RacpInverse};
 pub use relaxation::{REACH, RELAXATION, Relaxation, RelaxationSummary};
+pub use series::{FOLLOWS, Series};
 pub use simple::{Correction, Simple, SimpleInverse};
 pub use system::{Assembled, ResidualNorms, SaddleSystem};
 pub use three_fields::{

@@ -1,6 +1,6 @@
 //! What is left of the equations at an iterate, and what that says of its errors.
 
-use super::{EnergyNorms, ErrorJudge, Judged};
+use super::{EnergyNorms, ErrorJudge, Judged, Series, TRUSTED};
 use crate::krylov::{Breakdown, Criteria, KrylovMethod, Report, System};
 use crate::{Observer, Step};
 use fracas_operators::Fields;
@@ -159,29 +159,31 @@ impl<'a> Remainder<'a> {
         };
         let doubts =
             (self.norms.by_chance()).map(|_, by_chance| if by_chance { 1.0 } else { doubt });
-        if doubts.iter().any(|(_, doubt)| doubt > 0.0) {
-            let more = self.passed_on(&e, &mut work);
+        let of = self.norms.solution(x);
+        let mut ritz = ritz;
+        let is_followed = self.norms.is_unsymmetric() && judge.is_in_doubt(size, of);
+        if is_followed || doubts.iter().any(|(_, doubt)| doubt > 0.0) {
+            let system = System {
+                rhs: &self.r,
+                ..*self.system
+            };
+            let series = Series::new((&e, size), &system, self.norms, &mut work);
             self.products += 1;
             self.solves += 1;
+            let more = series.both();
             let all = more.iter().fold(0.0f64, |all, (_, more)| all.hypot(more));
             let least = if is_blind { COUPLED * all } else { 0.0 };
+            let sum = if is_followed { series.sum() } else { size };
+            // what Ritz values of some iterations did not show: a further pass has to
+            let says = |ritz: &f64| *ritz < TRUSTED || !is_followed || judge.falls(&series, of);
+            ritz = ritz.filter(says);
             size = size.map(|field, size| {
                 let more = more[field].max(least).max(size);
-                size.powf(1.0 - doubts[field]) * more.powf(doubts[field])
+                let mixed = size.powf(1.0 - doubts[field]) * more.powf(doubts[field]);
+                mixed.max(sum[field])
             });
         }
-        judge.judge(self.norms, (size, x), self.norms.solution(x), ritz)
-    }
-
-    /// The norms of `e + M⁻¹(r − 𝒜e)`: with it a field sees what the errors of another do to it.
-    fn passed_on(&self, e: &[f64], work: &mut [f64]) -> Fields<f64> {
-        let system = System {
-            rhs: &self.r,
-            ..*self.system
-        };
-        let mut corrected = system.correction(e, work);
-        corrected.iter_mut().zip(e).for_each(|(z, e)| *z += e);
-        self.norms.error(&corrected)
+        judge.judge(self.norms, (size, x), of, ritz)
     }
 
     /// A pass for `𝒜z = r`, x ← x + z; the result is told relative to ‖b‖.
