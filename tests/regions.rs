@@ -54,11 +54,12 @@ const MOST: u64 = 1400;
 /// Unknowns of the largest problem that is dense at all.
 const LARGEST: usize = 5000;
 
-/// Scenes whose regions are held against their spectra, by every method and inner solver; both are dense.
-const HELD: [&str; 2] = ["clamped", "cycle"];
+/// The scene whose region is held against its spectrum, which is dense for that: but for AMG by default, whose unsymmetric problem
+/// takes as long as three of the others.
+const CROSSING: &str = "crossing";
 
-/// Width of their real region over that of the spectrum, at most: 1.063 is the most that was seen. Unit: 1.
-const WIDER: f64 = 1.07;
+/// Width of its real region over that of the spectrum, at most. Unit: 1.
+const WIDER: f64 = 1.05;
 
 /// Scenes and inner solvers where the ends by Lanczos, error bars outwards, leave no positive bound, with the reason. Dense matrices have one.
 const WITHOUT: &[(&str, &str, &str)] = &[(
@@ -143,7 +144,8 @@ fn every_eigenvalue_of_the_gallery_lies_inside_and_the_lower_end_is_positive() {
     let found = cases.into_par_iter().filter_map(|case| {
         let (name, scene, size, (inner, method, is_published)) = case;
         // with exact S_u a problem of the size of the tractions
-        let is_dense = size <= limit || inner == "exact";
+        let is_held = name == CROSSING && (inner != "amg" || is_published);
+        let is_dense = size <= limit || inner == "exact" || is_held;
         if size > most && inner != "exact" || is_published && !is_dense {
             return None;
         }
@@ -152,7 +154,6 @@ fn every_eigenvalue_of_the_gallery_lies_inside_and_the_lower_end_is_positive() {
         judge(&what, &report, is_published);
         let b = &report.bounds;
         let (low, high) = (b.real_low.unwrap(), b.real_high.unwrap());
-        let is_held = HELD.contains(&name);
         if is_held {
             let found = report.real_max.unwrap() - report.real_min.unwrap();
             let wider = (high - low) / found;
@@ -179,8 +180,8 @@ fn every_eigenvalue_of_the_gallery_lies_inside_and_the_lower_end_is_positive() {
     let without: Vec<_> = (found.iter().filter_map(|(.., what)| what.as_ref())).collect();
     println!("{judged} spectra, {dense} of them whole");
     assert!(
-        judged >= 93 && dense >= 66 && held == 16,
-        "{held} of {HELD:?}"
+        judged >= 96 && dense >= 71 && held >= 7,
+        "{held} of {CROSSING}"
     );
     assert!(without.is_empty(), "no positive lower end: {without:?}");
     for (scene, inner, why) in WITHOUT {

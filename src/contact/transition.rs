@@ -21,8 +21,10 @@ pub struct FaceMeasure {
 pub struct Thresholds {
     /// Overlap that an open face may have [m].
     pub jump: f64,
-    /// Tension that a closed face may carry, and distance of the trial shear from the limit [Pa].
+    /// Tension that a closed face may carry, and what shear in stick may exceed the limit by [Pa].
     pub traction: f64,
+    /// What the trial shear of a slipping face, of which its jump is a part, may fall short of the limit by [Pa].
+    pub slip: f64,
 }
 
 /// The next state:
@@ -30,7 +32,7 @@ pub struct Thresholds {
 /// open                     g_N < −tol_g             → stick, else open
 /// closed                   t_N > tol_N              → open, else
 ///   stick                  τ > τ_L + tol_N          → new-slip
-///   new-slip, slip         τ < τ_L − tol_N          → stick, else slip
+///   new-slip, slip         τ < τ_L − tol_T          → stick, else slip
 /// ```
 /// τ is the trial shear, so that a face which would slip against its traction, and produce energy, sticks.
 /// The published 5 % of hysteresis, by which a sticking face may carry more than its limit, is left out.
@@ -50,7 +52,7 @@ pub fn next_state(state: ContactState, face: &FaceMeasure, tolerance: &Threshold
         return Open;
     }
     let above = face.trial > face.limit + tolerance.traction;
-    let below = face.trial < face.limit - tolerance.traction;
+    let below = face.trial < face.limit - tolerance.slip;
     match state {
         Stick if above => NewSlip,
         Stick => Stick,
@@ -67,6 +69,7 @@ mod tests {
     const TOLERANCE: Thresholds = Thresholds {
         jump: 1e-9,
         traction: 1.0,
+        slip: 1.0,
     };
 
     fn face(gap: f64, t_n: f64, trial: f64, limit: f64) -> FaceMeasure {

@@ -30,8 +30,8 @@ impl<'s> Judge<'s> {
     }
 
     /// Faces that take another state, and which. What counts as zero is `zero` times the largest traction of all rounds so
-    /// far (the first one, with every closed face in stick, shows what the loads could do), or the one that would close the largest
-    /// jump at hand. Beside a flow it is that of steps before and of this round: fluid in a fracture that has yet to open has pressures
+    /// far (the first one, with every closed face in stick, shows what the loads could do); of jumps, and of trial tractions of slipping faces, of
+    /// which jumps are a part, times the one that would close the largest jump at hand, where that is larger. Beside a flow it is that of steps before and of this round: fluid in a fracture that has yet to open has pressures
     /// of 3e11 Pa where the solution has 2e7 Pa. `start` tells which faces are torn.
     pub(super) fn changes(
         &mut self,
@@ -50,8 +50,8 @@ impl<'s> Judge<'s> {
             Some(_) => self.attempt.traction,
         };
         self.traction = before.max(largest);
-        // jumps are known relative to the largest of them
-        let traction = or_closing(self.traction, &at.jumps, compliance);
+        // jumps are known relative to the largest of them; beside a face that opens wide in stiff rock that is no measure of tractions
+        let closing = or_closing(self.traction, &at.jumps, compliance);
         let spared = u8::from(self.attempt.flow.is_some());
         let mut changes = Vec::new();
         for (f, state) in states.iter().enumerate() {
@@ -62,8 +62,9 @@ impl<'s> Judge<'s> {
             };
             let measure = problem.measure(f, *state, &x.t, jumps, start);
             let thresholds = Thresholds {
-                jump: zero * traction * compliance[f],
-                traction: zero * traction,
+                jump: zero * closing * compliance[f],
+                traction: zero * self.traction,
+                slip: zero * closing,
             };
             let next = match next_state(*state, &measure, &thresholds) {
                 // in stick it would carry again what tore it open, unless a fluid did that came no farther

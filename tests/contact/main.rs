@@ -6,6 +6,7 @@ mod arrested;
 mod asked_onset;
 mod consistency;
 mod factorized;
+mod gaps;
 mod healing;
 mod jacobian;
 mod known;
