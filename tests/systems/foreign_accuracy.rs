@@ -6,7 +6,7 @@
 //! `FOREIGN_SKIP=1953` begins with the system of that number.
 
 use super::reference::reference;
-use fracas::solve::{End, InnerRule, Problem, Solve, Solved};
+use fracas::solve::{End, InnerRule, Problem, RightHandSide, Solve, Solved};
 use fracas_operators::random::Random;
 use fracas_operators::sparse::{SparseMatrix, Triplets};
 use fracas_solvers::Silent;
@@ -248,6 +248,36 @@ fn converged_means_accurate_for_systems_of_other_codes() {
     let few = converged.iter().all(|n| 10 * n > known);
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert!(few, "too few were solved: {converged:?} of {known}");
+}
+
+/// Without a load nothing moves, and nothing is to be said of errors: a note told of displacements that may be wrong by NaN.
+#[test]
+fn a_system_without_a_load_has_the_solution_zero() {
+    for seed in 0..20 {
+        let r = &mut Random::new(seed);
+        let mut blocks = system(r);
+        blocks.rhs_u.fill(0.0);
+        blocks.rhs_t.fill(0.0);
+        for name in METHODS {
+            let inner = r.one_of(&INNER);
+            let method: SaddleMethod = name.parse().unwrap();
+            let settings = Solve {
+                method: method
+                    .with_parts(None, Some(inner.parse().unwrap()))
+                    .unwrap(),
+                inner: InnerRule::Fixed,
+                rhs: Some(RightHandSide::System),
+                ..Solve::default()
+            };
+            let Ok(solved) = settings.solve(&Problem::from(blocks.clone()), &mut Silent) else {
+                continue;
+            };
+            let case = format!("{seed}, {name} with {inner}");
+            assert_eq!(solved.outcome, End::Converged, "{case}");
+            assert_eq!([solved.error_u, solved.error_t], [Some(0.0); 2], "{case}");
+            assert!(solved.x.iter().all(|x| *x == 0.0), "{case}");
+        }
+    }
 }
 
 /// By this method, all else by default.

@@ -208,6 +208,12 @@ impl<'a> EnergyNorms<'a> {
         OfTractions::new(self.operator, (&self.c, h), &self.diagonal)
     }
 
+    /// What `B1ᵀ diag(A)⁻¹ B1 + H` holds of what the diagonal of C_0 + H holds, where the entries of B1 are known, and it is symmetric.
+    pub(super) fn of_moving_tractions(&self) -> Option<OfTractions<'_>> {
+        let blocks = self.entries.filter(|blocks| blocks.b2.is_none())?;
+        Some(self.of_tractions().moving(blocks, &self.stiffness))
+    }
+
     /// These sums over all parts of the vectors.
     fn sums<const N: usize>(&self, mut sums: [f64; N]) -> [f64; N] {
         self.operator.sum_over_parts(&mut sums);

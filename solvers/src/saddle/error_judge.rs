@@ -65,6 +65,17 @@ impl Judged {
         }
     }
 
+    /// Of the solution itself.
+    pub(super) fn exact(norms: &EnergyNorms<'_>) -> Self {
+        Self {
+            error: norms.layout().values(0.0),
+            estimate: 0.0,
+            stands: false,
+            confirmed: true,
+            hidden: 1.0,
+        }
+    }
+
     /// The largest error.
     pub fn worst(&self) -> f64 {
         largest(&self.error)

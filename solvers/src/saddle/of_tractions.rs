@@ -1,5 +1,6 @@
-//! How much of the tractions C_0 + H holds.
+//! How much of the tractions C_0 + H, or `B1ᵀ diag(A)⁻¹ B1 + H`, holds.
 
+use super::{SaddleBlocks, Stiffness};
 use fracas_operators::random::signed;
 use fracas_operators::vector::dot;
 use fracas_operators::{LinearOperator, Shape};
@@ -14,11 +15,14 @@ const POWERS: usize = 8;
 /// Times that the largest eigenvalue may be what they give. Unit: 1.
 const MARGIN: f64 = 1.5;
 
-/// `D^(−1/2) (C_0 + H) D^(−1/2)`, D the diagonal of C_0 + H: how much of what D holds, C_0 + H holds, traction by traction.
+/// `D^(−1/2) (C + H) D^(−1/2)`, D the diagonal of C_0 + H, and C = C_0 or all of `B1ᵀ diag(A)⁻¹ B1`: how much of what D holds, C + H holds,
+/// traction by traction.
 pub(super) struct OfTractions<'n> {
     /// 𝒜, which knows of other parts.
     whole: &'n dyn LinearOperator<f64>,
     c: &'n [f64],
+    /// In place of C_0.
+    moved: Option<Moved<'n>>,
     h: Option<&'n dyn LinearOperator<f64>>,
     /// Diagonal of D^(−1/2).
     scale: Vec<f64>,
@@ -38,8 +42,22 @@ impl<'n> OfTractions<'n> {
         Self {
             whole,
             c,
+            moved: None,
             h,
             scale: scale.collect(),
+        }
+    }
+
+    /// The same with `B1ᵀ diag(A)⁻¹ B1` of these blocks in place of its diagonal: what tractions on all faces together move.
+    pub(super) fn moving(self, blocks: &'n SaddleBlocks, stiffness: &Stiffness) -> Self {
+        let inverse = |a: f64| if a > 0.0 { a.recip() } else { 0.0 };
+        let moved = Moved {
+            blocks,
+            inverse: stiffness.entries().map(inverse).collect(),
+        };
+        Self {
+            moved: Some(moved),
+            ..self
         }
     }
 
@@ -128,6 +146,9 @@ impl LinearOperator<f64> for OfTractions<'_> {
             *scaled = s * x;
             *image = c * *scaled;
         }
+        if let Some(moved) = &self.moved {
+            moved.apply(scaled, image);
+        }
         if let Some(h) = self.h {
             h.apply_add(1.0, scaled, image, work);
         }
@@ -141,10 +162,30 @@ impl LinearOperator<f64> for OfTractions<'_> {
     }
 
     fn flops(&self) -> u64 {
-        5 * self.size() as u64 + self.h.map_or(0, |h| h.flops())
+        let moved = (self.moved.as_ref()).map_or(0, |moved| 4 * moved.blocks.b1.nnz() as u64);
+        5 * self.size() as u64 + moved + self.h.map_or(0, |h| h.flops())
     }
 
     fn sum_over_parts(&self, sums: &mut [f64]) {
         self.whole.sum_over_parts(sums);
+    }
+}
+
+/// `B1ᵀ diag(A)⁻¹ B1`, not assembled.
+struct Moved<'n> {
+    blocks: &'n SaddleBlocks,
+    /// Diagonal of `diag(A)⁻¹`.
+    inverse: Vec<f64>,
+}
+
+impl Moved<'_> {
+    /// Row by row of B1.
+    fn apply(&self, t: &[f64], image: &mut [f64]) {
+        image.fill(0.0);
+        for (row, inverse) in self.blocks.b1.outer_iterator().zip(&self.inverse) {
+            let force: f64 = row.iter().map(|(j, b)| b * t[j]).sum();
+            row.iter()
+                .for_each(|(j, b)| image[j] += b * inverse * force);
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! A look for eigenvalues of M⁻¹𝒜 close to zero.
 
 use super::error_judge::TRUSTED;
+use super::of_tractions::OfTractions;
 use super::{EnergyNorms, T, U};
 use crate::krylov::{Breakdown, Criteria, KrylovMethod, System, least};
 use crate::{Observer, Step};
@@ -120,29 +121,45 @@ fn leave_unmoving(system: &System<'_, f64>, norms: &EnergyNorms<'_>, w: &mut [f6
     }
 }
 
-/// True where an eigenvalue close to zero may be none of those `seen`, because C_0 + H holds little of some tractions that its diagonal
-/// holds: where M in f32 has left small ones elsewhere (fractures along flat cells have jumps beyond any traction, which coarse levels
-/// hold back: 1e-4 beside a Ritz value of 0.03), or where `e ← e − M⁻¹𝒜e` leaves of such tractions what it began with.
+/// True where an eigenvalue close to zero may be none of those `seen`, because H alone holds some tractions, and little of what its diagonal
+/// and C_0 hold. Across flat cells C_0 + H does ([`SUSPECT`]); where M in f32 has left small eigenvalues elsewhere there may be others yet
+/// (fractures along flat cells have jumps beyond any traction, which coarse levels hold back: 1e-4 beside a Ritz value of 0.03).
+///
+/// `B1ᵀ diag(A)⁻¹ B1 + H` does, of known entries, where tractions that each move something move next to nothing together, as those of faces
+/// around an edge may, beside an H far smaller than C_0: t was wrong by 4e-5 where 2e-7 was said.
 ///
 /// # Cost
-/// None where h is below 49 c_0 everywhere; else 69 products with C_0 + H, and where there are such tractions up to 20 with 𝒜 and
-/// solves with M, about five where M holds them.
+/// None where h is below 49 c_0 everywhere and the entries are not known; else 69 products with `C_0 + H` or `B1ᵀ diag(A)⁻¹ B1 + H`, and
+/// where there are such tractions up to 20 with 𝒜 and solves with M, about five where M holds them.
 fn may_hide(
     system: &System<'_, f64>,
     norms: &EnergyNorms<'_>,
-    (seen, least_left): (Option<f64>, Left),
+    (seen, left): (Option<f64>, Left),
     probed: &mut Probed,
 ) -> bool {
-    let of_tractions = norms.of_tractions();
     let place = norms.layout().range(T);
-    // 1/(1 + max h/c) bounds the spectrum from below
-    if !of_tractions.may_fall_below(SUSPECT) || place.end > system.size() {
+    if place.is_empty() || place.end > system.size() {
         return false;
     }
+    let is_single = system.preconditioner.properties().single;
+    let is_poor = is_single && seen.is_some_and(|seen| seen < TRUSTED);
+    let alone = norms.of_tractions();
+    // 1/(1 + max h/c) bounds the spectrum from below
+    alone.may_fall_below(SUSPECT) && (is_poor || keeps(system, norms, &alone, left, probed))
+        || (norms.of_moving_tractions())
+            .is_some_and(|moving| keeps(system, norms, &moving, left, probed))
+}
+
+/// Whether there are tractions of which little is held, and `e ← e − M⁻¹𝒜e` leaves of them what it began with.
+fn keeps(
+    system: &System<'_, f64>,
+    norms: &EnergyNorms<'_>,
+    of_tractions: &OfTractions<'_>,
+    least_left: Left,
+    probed: &mut Probed,
+) -> bool {
+    let place = norms.layout().range(T);
     let (operator, m) = (system.operator, system.preconditioner);
-    if m.properties().single && seen.is_some_and(|seen| seen < TRUSTED) {
-        return true;
-    }
     let (y, least) = of_tractions.lowest(SUSPECT);
     // NaN is looked at, too
     if least > SUSPECT {

@@ -126,6 +126,11 @@ impl<'a> Remainder<'a> {
         }
         let (size, b) = (self.system.norm2(&self.r), self.system.norm2(rhs));
         self.relative = if size == 0.0 { 0.0 } else { size / b };
+        if size == 0.0 && b == 0.0 {
+            (self.is_near, self.is_rounding) = (true, false);
+            self.products += 1;
+            return Judged::exact(self.norms);
+        }
         self.is_rounding = !self.is_sharp && {
             let rounding = self.norms.add_rounding(x, &mut self.r);
             size < FIRM * rounding
