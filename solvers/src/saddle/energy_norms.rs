@@ -50,6 +50,8 @@ pub struct EnergyNorms<'a> {
     stiffness: Cow<'a, Stiffness>,
     /// The blocks, where residuals may be had in twice the digits.
     entries: Option<&'a SaddleBlocks>,
+    /// B1, where its entries are known and B2 = B1ᵀ.
+    b1: Option<&'a SparseMatrix<f64>>,
     /// Jumps count in the norm of e_u.
     jumps: bool,
     /// Further fields.
@@ -110,6 +112,7 @@ impl<'a> EnergyNorms<'a> {
             strain: None,
             stiffness,
             entries: None,
+            b1: None,
             jumps: true,
             others: Vec::new(),
         }
@@ -152,6 +155,16 @@ impl<'a> EnergyNorms<'a> {
     #[must_use]
     pub fn with_entries(mut self, blocks: &'a SaddleBlocks) -> Self {
         self.entries = Some(blocks);
+        match blocks.b2 {
+            None => self.with_b1(&blocks.b1),
+            Some(_) => self,
+        }
+    }
+
+    /// Knows what tractions move together, where B2 = B1ᵀ: [`probe`](super::probe()) looks at it.
+    #[must_use]
+    pub fn with_b1(mut self, b1: &'a SparseMatrix<f64>) -> Self {
+        self.b1 = Some(b1);
         self
     }
 
@@ -208,10 +221,10 @@ impl<'a> EnergyNorms<'a> {
         OfTractions::new(self.operator, (&self.c, h), &self.diagonal)
     }
 
-    /// What `B1ᵀ diag(A)⁻¹ B1 + H` holds of what the diagonal of C_0 + H holds, where the entries of B1 are known, and it is symmetric.
+    /// What `B1ᵀ diag(A)⁻¹ B1 + H` holds of what the diagonal of C_0 + H holds, where the entries of B1 are known, and B2 = B1ᵀ.
     pub(super) fn of_moving_tractions(&self) -> Option<OfTractions<'_>> {
-        let blocks = self.entries.filter(|blocks| blocks.b2.is_none())?;
-        Some(self.of_tractions().moving(blocks, &self.stiffness))
+        let b1 = self.b1?;
+        Some(self.of_tractions().moving(b1, &self.stiffness))
     }
 
     /// These sums over all parts of the vectors.

@@ -128,5 +128,6 @@ impl SaddleSystem for HalvedSystem<'_> {
         } = self.blocks;
         let c = near.contact_compliance();
         EnergyNorms::new(&self.operator, near.h.as_ref(), c, Cow::Borrowed(stiffness))
+            .with_b1(&near.b1)
     }
 }

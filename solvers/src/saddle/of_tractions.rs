@@ -1,7 +1,8 @@
 //! How much of the tractions C_0 + H, or `B1ᵀ diag(A)⁻¹ B1 + H`, holds.
 
-use super::{SaddleBlocks, Stiffness};
+use super::Stiffness;
 use fracas_operators::random::signed;
+use fracas_operators::sparse::SparseMatrix;
 use fracas_operators::vector::dot;
 use fracas_operators::{LinearOperator, Shape};
 
@@ -48,12 +49,13 @@ impl<'n> OfTractions<'n> {
         }
     }
 
-    /// The same with `B1ᵀ diag(A)⁻¹ B1` of these blocks in place of its diagonal: what tractions on all faces together move.
-    pub(super) fn moving(self, blocks: &'n SaddleBlocks, stiffness: &Stiffness) -> Self {
-        let inverse = |a: f64| if a > 0.0 { a.recip() } else { 0.0 };
+    /// The same with `B1ᵀ diag(A)⁻¹ B1` in place of its diagonal: what tractions on all faces together move.
+    pub(super) fn moving(self, b1: &'n SparseMatrix<f64>, stiffness: &Stiffness) -> Self {
+        let rows = stiffness.entries().zip(b1.outer_iterator()).enumerate();
+        let reached = rows.filter(|(_, (a, row))| *a > 0.0 && row.nnz() > 0);
         let moved = Moved {
-            blocks,
-            inverse: stiffness.entries().map(inverse).collect(),
+            b1,
+            rows: reached.map(|(i, (a, _))| (i, a.recip())).collect(),
         };
         Self {
             moved: Some(moved),
@@ -162,7 +164,7 @@ impl LinearOperator<f64> for OfTractions<'_> {
     }
 
     fn flops(&self) -> u64 {
-        let moved = (self.moved.as_ref()).map_or(0, |moved| 4 * moved.blocks.b1.nnz() as u64);
+        let moved = (self.moved.as_ref()).map_or(0, |moved| 4 * moved.b1.nnz() as u64);
         5 * self.size() as u64 + moved + self.h.map_or(0, |h| h.flops())
     }
 
@@ -173,19 +175,21 @@ impl LinearOperator<f64> for OfTractions<'_> {
 
 /// `B1ᵀ diag(A)⁻¹ B1`, not assembled.
 struct Moved<'n> {
-    blocks: &'n SaddleBlocks,
-    /// Diagonal of `diag(A)⁻¹`.
-    inverse: Vec<f64>,
+    b1: &'n SparseMatrix<f64>,
+    /// Rows of B1 that are not empty, and the entries of `diag(A)⁻¹` there.
+    rows: Vec<(usize, f64)>,
 }
 
 impl Moved<'_> {
     /// Row by row of B1.
     fn apply(&self, t: &[f64], image: &mut [f64]) {
         image.fill(0.0);
-        for (row, inverse) in self.blocks.b1.outer_iterator().zip(&self.inverse) {
+        for (i, inverse) in &self.rows {
+            let Some(row) = self.b1.outer_view(*i) else {
+                continue;
+            };
             let force: f64 = row.iter().map(|(j, b)| b * t[j]).sum();
-            row.iter()
-                .for_each(|(j, b)| image[j] += b * inverse * force);
+            (row.iter()).for_each(|(j, b)| image[j] += b * inverse * force);
         }
     }
 }
