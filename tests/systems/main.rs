@@ -8,6 +8,7 @@ mod exact_schur;
 mod foreign_accuracy;
 mod foreign_systems;
 mod giving_way;
+mod held_by_h;
 mod inf_sup;
 mod library;
 mod reference;
