@@ -200,6 +200,19 @@ pub(super) fn errors(blocks: &SaddleBlocks, x: &[f64], exact: &[f64]) -> [f64; 2
     [0, 1].map(|k| error[k] / solution[k].max(least))
 }
 
+/// By this method around this inner solver and no other.
+pub(super) fn fixed(method: &str, inner: &str, tolerance: f64) -> Solve {
+    let method: SaddleMethod = method.parse().unwrap();
+    let inner = inner.parse().unwrap();
+    Solve {
+        method: method.with_parts(None, Some(inner)).unwrap(),
+        inner: InnerRule::Fixed,
+        tolerance,
+        max_iterations: 400,
+        ..Solve::default()
+    }
+}
+
 #[test]
 fn converged_means_accurate_for_systems_of_other_codes() {
     let cases = environment("FOREIGN_CASES", CASES);
@@ -216,16 +229,7 @@ fn converged_means_accurate_for_systems_of_other_codes() {
         known += 1;
         for (k, name) in METHODS.iter().enumerate() {
             let (inner, tolerance) = (r.one_of(&INNER), r.one_of(&TOLERANCES));
-            let method: SaddleMethod = name.parse().unwrap();
-            let settings = Solve {
-                method: method
-                    .with_parts(None, Some(inner.parse().unwrap()))
-                    .unwrap(),
-                inner: InnerRule::Fixed,
-                tolerance,
-                max_iterations: 400,
-                ..Solve::default()
-            };
+            let settings = fixed(name, inner, tolerance);
             let Ok(solved) = settings.solve(&Problem::from(blocks.clone()), &mut Silent) else {
                 continue;
             };
@@ -266,14 +270,9 @@ fn a_system_without_a_load_has_the_solution_zero() {
         blocks.rhs_t.fill(0.0);
         for name in METHODS {
             let inner = r.one_of(&INNER);
-            let method: SaddleMethod = name.parse().unwrap();
             let settings = Solve {
-                method: method
-                    .with_parts(None, Some(inner.parse().unwrap()))
-                    .unwrap(),
-                inner: InnerRule::Fixed,
                 rhs: Some(RightHandSide::System),
-                ..Solve::default()
+                ..fixed(name, inner, 1e-8)
             };
             let Ok(solved) = settings.solve(&Problem::from(blocks.clone()), &mut Silent) else {
                 continue;

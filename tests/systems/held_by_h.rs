@@ -3,14 +3,14 @@
 //!
 //! `HELD_CASES=500 HELD_SEED=7 cargo test --release --test systems held_by_h:: -- --nocapture` tries more systems.
 
-use super::foreign_accuracy::{ALLOWED, environment, errors};
+use super::foreign_accuracy::{ALLOWED, environment, errors, fixed};
 use super::reference::reference;
 use fracas::contact::JumpStabilization;
 use fracas::scene::Scene;
-use fracas::solve::{End, InnerRule, Problem, Solve};
+use fracas::solve::{End, Problem};
 use fracas_operators::random::Random;
 use fracas_solvers::Silent;
-use fracas_solvers::saddle::{SaddleBlocks, SaddleMethod};
+use fracas_solvers::saddle::SaddleBlocks;
 
 /// Systems tried where nobody asks for more.
 const CASES: u64 = 16;
@@ -78,16 +78,7 @@ fn tractions_that_h_alone_holds_are_right_or_refused() {
         };
         for inner in INNER {
             let tolerance = r.one_of(&[1e-3, 1e-5, 1e-7]);
-            let method: SaddleMethod = "racp".parse().unwrap();
-            let settings = Solve {
-                method: method
-                    .with_parts(None, Some(inner.parse().unwrap()))
-                    .unwrap(),
-                inner: InnerRule::Fixed,
-                tolerance,
-                max_iterations: 400,
-                ..Solve::default()
-            };
+            let settings = fixed("racp", inner, tolerance);
             tried += 1;
             let Ok(solved) = settings.solve(&Problem::from(blocks.clone()), &mut Silent) else {
                 continue;
