@@ -31,8 +31,8 @@ impl<'s> Judge<'s> {
 
     /// Faces that take another state, and which. What counts as zero is `zero` times the largest traction of all rounds so
     /// far (the first one, with every closed face in stick, shows what the loads could do); of jumps, and of trial tractions of slipping faces, of
-    /// which jumps are a part, times the one that would close the largest jump at hand, where that is larger. Beside a flow it is that of steps before and of this round: fluid in a fracture that has yet to open has pressures
-    /// of 3e11 Pa where the solution has 2e7 Pa. `start` tells which faces are torn.
+    /// which jumps are a part, times the one that would close the largest jump at hand, where that is larger. Beside a flow the largest traction is
+    /// that of steps before and of this round: fluid in a fracture that has yet to open has pressures of 3e11 Pa where the solution has 2e7 Pa. `start` tells which faces are torn.
     pub(super) fn changes(
         &mut self,
         start: &Start,

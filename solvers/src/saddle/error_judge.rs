@@ -142,10 +142,7 @@ impl ErrorJudge {
 
     /// The largest of these sizes, each relative to the norm `of` its field.
     fn worst(&self, size: Fields<f64>, of: Fields<f64>) -> f64 {
-        let relative = EnergyNorms::relative(size, of, self.tolerance);
-        relative
-            .iter()
-            .fold(0.0, |worst, (_, size)| worst.max(size))
+        largest(&EnergyNorms::relative(size, of, self.tolerance))
     }
 
     /// Errors of x of these sizes for `e = M⁻¹r`, relative to the norms `of` ([`EnergyNorms::solution`] of x or more); `ritz` is the Ritz value

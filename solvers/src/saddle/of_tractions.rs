@@ -141,15 +141,14 @@ impl LinearOperator<f64> for OfTractions<'_> {
     fn apply_add(&self, alpha: f64, x: &[f64], y: &mut [f64], work: &mut [f64]) {
         let (scaled, work) = work.split_at_mut(x.len());
         let (image, work) = work.split_at_mut(x.len());
-        let scales = self.scale.iter().zip(self.c);
-        for (((scaled, image), x), (s, c)) in
-            (scaled.iter_mut().zip(&mut *image)).zip(x).zip(scales)
-        {
-            *scaled = s * x;
-            *image = c * *scaled;
-        }
-        if let Some(moved) = &self.moved {
-            moved.apply(scaled, image);
+        let scales = self.scale.iter().zip(x);
+        (scaled.iter_mut().zip(scales)).for_each(|(scaled, (s, x))| *scaled = s * x);
+        match &self.moved {
+            Some(moved) => moved.apply(scaled, image),
+            None => {
+                let held = self.c.iter().zip(&*scaled);
+                (image.iter_mut().zip(held)).for_each(|(image, (c, scaled))| *image = c * scaled);
+            }
         }
         if let Some(h) = self.h {
             h.apply_add(1.0, scaled, image, work);
