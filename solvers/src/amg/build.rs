@@ -23,6 +23,21 @@ impl Amg {
         Ok(first(self, Sum::new(a, None)?, coordinates, |_, _| ())?.0)
     }
 
+    /// The hierarchy of an `a` that holds more than elements: row i of `joined` has the unknowns that an element joins with unknown i,
+    /// which are gathered before those that fractures couple.
+    ///
+    /// # Errors
+    /// As [`Amg::build`].
+    pub fn build_joined(
+        &self,
+        a: &SparseMatrix<f64>,
+        joined: &Pattern,
+        coordinates: Option<&[DofCoordinate]>,
+    ) -> Result<MultigridInverse, SetupError> {
+        let sum = Sum::new(a, None)?.joined_by(joined);
+        Ok(first(self, sum, coordinates, |_, _| ())?.0)
+    }
+
     /// The hierarchy of `A + F Fᵀ`, which is assembled in node blocks only.
     ///
     /// # Errors

@@ -34,6 +34,8 @@ pub(super) struct Sum<'a> {
     a: Stored<'a>,
     /// F and Fᵀ, both by rows.
     factor: Option<(SparseMatrix<f64>, SparseMatrix<f64>)>,
+    /// The unknowns that an element joins, row by row, where the entries of A do not tell.
+    joined: Option<&'a Pattern>,
 }
 
 /// A in either form.
@@ -65,7 +67,14 @@ impl<'a> Sum<'a> {
         Ok(Self {
             a: Stored::Rows(a),
             factor: factor.map(with_transpose),
+            joined: None,
         })
+    }
+
+    /// An A of which only the unknowns in the same row of `joined` share an element.
+    pub(super) fn joined_by(self, joined: &'a Pattern) -> Self {
+        let joined = Some(joined);
+        Self { joined, ..self }
     }
 
     /// Of half an A, which has been checked.
@@ -73,6 +82,7 @@ impl<'a> Sum<'a> {
         Self {
             a: Stored::Half(a, a.transposed()),
             factor: factor.map(with_transpose),
+            joined: None,
         }
     }
 
@@ -103,10 +113,13 @@ impl<'a> Sum<'a> {
         self.nodes(map, |i, visit| self.for_each_added(i, |j, _| visit(j)))
     }
 
-    /// Node columns of every node row of A alone, where F Fᵀ adds others: nodes that an element joins.
+    /// Nodes that an element joins with the node of every row, where other entries couple further ones: those of A alone beside F Fᵀ, or
+    /// those that were named.
     pub(super) fn bonds(&self, map: &NodeMap) -> Option<Pattern> {
-        self.factor.as_ref()?;
-        Some(self.nodes(map, |_, _| ()))
+        match self.joined {
+            Some(joined) => Some(of_nodes(joined, map)),
+            None => (self.factor.as_ref()).map(|_| self.nodes(map, |_, _| ())),
+        }
     }
 
     /// Node columns of A and those of the unknowns that `added` visits for a row.
@@ -283,6 +296,23 @@ impl<'a> Sum<'a> {
             }
         }
     }
+}
+
+/// A pattern of unknowns, as one of their nodes.
+fn of_nodes(unknowns: &Pattern, map: &NodeMap) -> Pattern {
+    let slots = map.slots();
+    let scratch = || ();
+    Pattern::collect(map.nodes(), scratch, |node, (), columns| {
+        let start = columns.len();
+        for i in map.of_node(node).iter().filter(|i| **i != NONE) {
+            let joined = unknowns.row(*i as usize);
+            columns.extend(joined.iter().map(|j| slots[*j as usize] / 3));
+        }
+        let mut own = columns.split_off(start);
+        own.sort_unstable();
+        own.dedup();
+        columns.append(&mut own);
+    })
 }
 
 /// A matrix and its transpose, both by rows.

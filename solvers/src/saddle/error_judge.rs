@@ -79,6 +79,18 @@ impl Judged {
         }
     }
 
+    /// The same with errors of at least these, where some are known.
+    pub(super) fn at_least(self, known: Option<Fields<f64>>) -> Self {
+        let Some(known) = known.filter(|known| largest(known).is_finite()) else {
+            return self;
+        };
+        Self {
+            error: self.error.map(|field, error| error.max(known[field])),
+            estimate: self.estimate.max(largest(&known)),
+            ..self
+        }
+    }
+
     /// The largest error.
     pub fn worst(&self) -> f64 {
         largest(&self.error)
@@ -127,6 +139,16 @@ impl ErrorJudge {
         }
     }
 
+    /// Whether the largest error is within the tolerance.
+    pub(super) fn accepts(&self, judged: &Judged) -> bool {
+        judged.worst() <= self.tolerance
+    }
+
+    /// Errors of these sizes relative to the norms `of`.
+    pub(super) fn relative(&self, size: Fields<f64>, of: Fields<f64>) -> Fields<f64> {
+        EnergyNorms::relative(size, of, self.tolerance)
+    }
+
     /// Whether errors of these sizes, relative to the norms `of`, may be too large by what follows them ([`Series`](super::Series)): what is
     /// too large by itself need not be followed, and what is far below the tolerance is small with what follows.
     pub fn is_in_doubt(&self, size: Fields<f64>, of: Fields<f64>) -> bool {
@@ -142,7 +164,7 @@ impl ErrorJudge {
 
     /// The largest of these sizes, each relative to the norm `of` its field.
     fn worst(&self, size: Fields<f64>, of: Fields<f64>) -> f64 {
-        largest(&EnergyNorms::relative(size, of, self.tolerance))
+        largest(&self.relative(size, of))
     }
 
     /// Errors of x of these sizes for `e = M⁻¹r`, relative to the norms `of` ([`EnergyNorms::solution`] of x or more); `ritz` is the Ritz value
@@ -157,7 +179,7 @@ impl ErrorJudge {
         of: Fields<f64>,
         ritz: Option<f64>,
     ) -> Judged {
-        let relative = EnergyNorms::relative(size, of, self.tolerance);
+        let relative = self.relative(size, of);
         let is_poor = ritz.is_none_or(|ritz| ritz < TRUSTED);
         let bound = ritz.map_or(f64::INFINITY, |ritz| TRUSTED / ritz);
         let factor = match (&self.last, is_poor) {
