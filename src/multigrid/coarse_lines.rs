@@ -1,7 +1,8 @@
 //! Which lines of a grid the next one keeps.
 //!
 //! Trilinear functions do not bend where rock changes from stiff to soft, so such planes stay lines of the coarse grids
-//! as long as that leaves coarse grids at all. Fractures need no lines of their own.
+//! as long as that leaves coarse grids at all. Fractures need no lines of their own; where many
+//! end at one plane in rock of several kinds, it stays a line.
 
 use super::GridLines;
 use super::grid::Grid;
@@ -33,6 +34,8 @@ impl Stiffer {
 pub(super) struct CoarseLines {
     rules: GridLines,
     interfaces: [Vec<Stiffer>; 3],
+    /// Lines at which blocks end that are cut from each other on one side.
+    ends: [Vec<bool>; 3],
     /// Width up to which cells become one beside the thinnest plate between cuts [m].
     beside_plates: f64,
 }
@@ -51,7 +54,8 @@ impl CoarseLines {
         let mut interfaces = finest.cells.map(|n| vec![Stiffer::default(); n + 1]);
         let low = shear.iter().copied().fold(f64::INFINITY, f64::min);
         let high = shear.iter().copied().fold(0.0, f64::max);
-        if high > contrast * low {
+        let is_layered = high > contrast * low;
+        if is_layered {
             let [nx, ny, nz] = finest.cells;
             let steps = [1, nx, nx * ny];
             for (e, region) in mesh.regions.iter().enumerate() {
@@ -72,6 +76,14 @@ impl CoarseLines {
         Self {
             rules,
             interfaces,
+            ends: ends(
+                finest,
+                if is_layered {
+                    rules.ending
+                } else {
+                    f64::INFINITY
+                },
+            ),
             beside_plates,
         }
     }
@@ -130,7 +142,8 @@ impl CoarseLines {
             if drop {
                 return free;
             }
-            let is_kept = |i: usize| self.interface(grid, d, i).is_kept();
+            let is_end = |i: usize| self.ends[d][grid.origin[d][i] as usize];
+            let is_kept = |i: usize| self.interface(grid, d, i).is_kept() || is_end(i);
             let kept = every_second(cells, |i| apart(i) || is_kept(i));
             let gone = |lines: &[usize]| cells + 1 - lines.len();
             if 2 * gone(&kept) >= gone(&free) {
@@ -185,6 +198,52 @@ fn thinnest_plate(grid: &Grid<'_>, flat: f64) -> f64 {
         }
     }
     thinnest
+}
+
+/// Lines of the finest grid at which fractures end that cut a share of `ending` of the neighbours across an axis or more: on a coarse cell that
+/// reaches beyond them all blocks are one, and stiff ones on soft rock lose what moves them against each other.
+///
+/// In rock of one kind `analogue_c` with 48³ cells would take 34 iterations for 51, with 24³ cells 17 for 16 and half as many operations again.
+///
+/// # Cost
+/// None without fractures or in rock of one kind, else twelve looks at every element.
+fn ends(grid: &Grid<'_>, ending: f64) -> [Vec<bool>; 3] {
+    let is_whole = ending == f64::INFINITY || grid.nodes == grid.vertices();
+    [0, 1, 2].map(|d: usize| {
+        let is_end = |line: usize| {
+            let most = ending_share(grid, d, line);
+            most > 0.0 && most >= ending
+        };
+        (0..=grid.cells[d])
+            .map(|line| !is_whole && is_end(line))
+            .collect()
+    })
+}
+
+/// Share of the neighbours across one of the other axes that are cut from each other on one side of a line alone, the larger of both.
+fn ending_share(grid: &Grid<'_>, axis: usize, line: usize) -> f64 {
+    if line == 0 || line == grid.cells[axis] {
+        return 0.0;
+    }
+    let share = |across: usize| {
+        let is_cut = |mut place: [usize; 3]| {
+            let low = grid.cell(place);
+            place[across] += 1;
+            !grid.joined(low, grid.cell(place), across)
+        };
+        let (mut pairs, mut ending) = (0.0_f64, 0.0);
+        for cell in grid.layer(axis, line) {
+            let above = grid.place(cell);
+            if above[across] + 1 < grid.cells[across] {
+                let mut below = above;
+                below[axis] -= 1;
+                pairs += 1.0;
+                ending += f64::from(u8::from(is_cut(above) != is_cut(below)));
+            }
+        }
+        ending / pairs.max(1.0)
+    };
+    share((axis + 1) % 3).max(share((axis + 2) % 3))
 }
 
 /// Sizes of the cells of an axis [m], all of them their mean where they differ little.

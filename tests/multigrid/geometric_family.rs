@@ -401,7 +401,8 @@ fn random_scenes_are_set_up_and_take_few_iterations() {
 }
 
 /// Plates of 1:50 between cuts on a graded axis took 230, 50 and 67 (35 now) iterations, a stiff sheet of 1:10 over soft rock 200 (50 with S_u
-/// factorized), bars of 1:50 to 1:1000 that are cut from each other along two axes 400 (61 with S_u factorized).
+/// factorized), bars of 1:50 to 1:1000 that are cut from each other along two axes 400 (61 with S_u factorized),
+/// columns that end in soft rock 134 (50 with S_u factorized).
 #[test]
 fn seeds_that_took_many_iterations_take_few() {
     for (seed, most) in [
@@ -410,6 +411,7 @@ fn seeds_that_took_many_iterations_take_few() {
         (913_000_462, 40),
         (922_000_885, 55),
         (919_001_009, 61),
+        (9_511_000_554, 56),
     ] {
         let sample = Sample::new(&scene(seed)).unwrap();
         let found = sample.geometric(Geometric::default());
