@@ -33,7 +33,7 @@ pub fn undetermined(scene: &str, body: &Body) -> Result<Option<String>, Singular
     judge(scene, body, &kernel)?;
     Ok((kernel.idle_dimension > 0).then(|| {
         format!(
-            "{} traction mode(s) push on prescribed displacements or tips only{}; such tractions stay at those of the initial stress",
+            "{} traction mode(s) push on prescribed displacements or tips only{}; nothing but H and the law of their faces determines such tractions: they keep the initial stress until faces beside them slip, and all else is unique",
             kernel.idle_dimension,
             first(body, &kernel)
         )

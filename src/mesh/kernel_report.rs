@@ -33,7 +33,7 @@ pub(super) fn write(
     if idle > 0 {
         writeln!(
             f,
-            "warning     {idle} traction {} on prescribed displacements or tips only and keep{} the initial stress; all else is unique",
+            "warning     {idle} traction {} on prescribed displacements or tips only and keep{} the initial stress until faces beside them slip; all else is unique",
             by_number(idle, "mode pushes", "modes push"),
             by_number(idle, "s", "")
         )?;

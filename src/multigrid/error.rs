@@ -1,5 +1,6 @@
 //! Why there is no geometric hierarchy.
 
+use super::smoothing::MOST_DEGREE;
 use crate::elasticity::ElasticityError;
 use crate::mesh::{Hold, bodies};
 use crate::system::StickSystem;
@@ -74,6 +75,17 @@ pub enum GeometricError {
         level: usize,
         /// The node [m].
         place: [f64; 3],
+    },
+    /// Rock that resists a change of volume so much that smoothing it takes too long.
+    #[error(
+        "rock of ν = {poisson} hardly changes its volume: a polynomial of degree {degree} would smooth it, {MOST_DEGREE} are taken at most; \
+         f64 has few digits left there: take ν further from ½, or inner = \"exact\""
+    )]
+    Incompressible {
+        /// Poisson's ratio. Unit: 1.
+        poisson: f64,
+        /// Degree of the polynomial.
+        degree: usize,
     },
     /// A motion of a body that is held whose stiffness is rounding.
     #[error(

@@ -92,6 +92,8 @@ pub(super) fn hierarchy<R: Real>(
     materials: &[Elastic],
     c_inverse: &[[[f64; 3]; 3]],
 ) -> Result<Hierarchy<R>, GeometricError> {
+    // before any work
+    polynomial(settings, materials, &system.mesh.regions, false)?;
     match levels(settings, system, materials, c_inverse, Stop::Late) {
         Err(GeometricError::Bottom(_)) => {
             levels(settings, system, materials, c_inverse, Stop::Early)
@@ -164,7 +166,7 @@ fn levels<R: Real>(
         levels.push((scaled, transfer, fixed));
         let Some(next) = next else {
             let bottom = bottom(settings, system.mesh, coarse, &remainder, &fixed_coarse)?;
-            let polynomial = polynomial(settings, materials, &system.mesh.regions, !is_small);
+            let polynomial = polynomial(settings, materials, &system.mesh.regions, !is_small)?;
             let levels = levels.into_iter().map(|(scaled, transfer, fixed)| {
                 let smoother = BlockChebyshev::new(scaled, polynomial);
                 Level::new(Box::new(smoother), Box::new(transfer), fixed)
