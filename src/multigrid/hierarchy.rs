@@ -118,9 +118,13 @@ fn levels<R: Real>(
     };
     let lines = CoarseLines::new(settings.lines, &current.grid, system.mesh, materials);
     // the coarse grid of a small body is the grid itself
-    let starts = lines.next(&current.grid);
-    let starts = starts.unwrap_or_else(|| current.grid.all_lines());
-    let mut coarsening = coarsen(&current.grid, starts);
+    let first = match 3 * current.grid.nodes <= settings.direct {
+        true => (lines.next(&current.grid)).map(|starts| coarsen(&current.grid, starts)),
+        // and that of a large one whose blocks keep their nodes: functions of narrow blocks on wide cells are no basis for what solves it
+        false => smaller(&current.grid, &lines, stop, settings.direct),
+    };
+    let itself = || coarsen(&current.grid, current.grid.all_lines());
+    let mut coarsening = first.unwrap_or_else(itself);
     let mut levels = Vec::new();
     loop {
         let coarse = &coarsening.coarse;
