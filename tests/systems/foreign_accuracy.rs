@@ -3,7 +3,7 @@
 //! the tolerance.
 //!
 //! `FOREIGN_CASES=2000 FOREIGN_SEED=7 cargo test --release --test systems foreign_accuracy:: -- --nocapture` tries more systems, and
-//! `FOREIGN_SKIP=1953` begins with the system of that number.
+//! `FOREIGN_SKIP=1953` begins with the system of that number; `HIDDEN_CASES=1000` tries more pairs.
 
 use super::reference::reference;
 use fracas::solve::{End, InnerRule, Problem, RightHandSide, Solve, Solved};
@@ -43,6 +43,9 @@ const WRONG_ONCE: [(u64, u64); 6] = [
     (9401, 2637),
     (9501, 2017),
 ];
+
+/// Seeds of pairs that were called converged once with up to 2,300 tolerances, 7 of 2,223 solves of 1,000 pairs.
+const HIDDEN_ONCE: [(u64, u64); 4] = [(77, 105), (77, 237), (77, 708), (77, 840)];
 
 /// What an error may be of the tolerance: estimates are no bounds. Unit: 1.
 pub(super) const ALLOWED: f64 = 10.0;
@@ -325,7 +328,8 @@ fn what_a_load_hides_is_found_or_refused() {
     let cases = environment("HIDDEN_CASES", HIDDEN);
     let first = environment("FOREIGN_SEED", 1);
     let (mut converged, mut wrong) = (0, Vec::new());
-    for seed in 0..cases {
+    let drawn = (0..cases).map(|seed| (first, seed));
+    for (first, seed) in HIDDEN_ONCE.iter().copied().chain(drawn) {
         let r = &mut Random::new(first.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(seed));
         let (one, other) = (system(r), system(r));
         let of = |s: &SaddleBlocks| reference(s, &s.rhs());
