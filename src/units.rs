@@ -153,6 +153,14 @@ pub enum UnitError {
         /// What was written.
         text: String,
     },
+    /// A number of which products leave the range of f64.
+    #[error(
+        "\"{text}\" is out of range: in SI units quantities are 0 or from 1e-100 to 1e100 in size"
+    )]
+    Extreme {
+        /// What was written.
+        text: String,
+    },
     /// A unit that is not in the table.
     #[error("\"{text}\": unknown unit \"{symbol}\"; nearest known units: {}", nearest.join(", "))]
     UnknownUnit {
@@ -262,6 +270,12 @@ mod tests {
             range,
             "Poisson's ratio is \"0.5\", but it must be between -1 and 0.5, both excluded"
         );
+        let extreme = |text: &str| text.parse::<Measure<Length>>().unwrap_err().to_string();
+        assert_eq!(
+            extreme("1e-101 m"),
+            "\"1e-101 m\" is out of range: in SI units quantities are 0 or from 1e-100 to 1e100 in size"
+        );
+        assert!(extreme("-1e98 km").contains("out of range"));
         assert_eq!("0".parse::<Measure<Length>>().unwrap().si(), 0.0);
     }
 

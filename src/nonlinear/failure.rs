@@ -96,7 +96,7 @@ pub enum Failure {
     },
     /// Newton for rock and springs.
     #[error(
-        "Newton: residual {residual:.1e} after {iterations} steps of rock and springs (max_active), asked {tolerance:.1e}; softer springs, shorter steps or method = \"lagrange\" may help"
+        "Newton: residual {residual:.1e} after {iterations} steps of rock and springs (max_active), asked {tolerance:.1e}; shorter steps, another factor of the springs or method = \"lagrange\" in [solver] may help"
     )]
     Springs {
         /// Reached, relative to loads and internal forces.

@@ -91,12 +91,24 @@ impl Times {
         let apart = |t: f64| apart(t, nominal);
         let is_ahead = |t: &f64| *t > time + apart(*t) && *t <= end + apart(*t);
         let steps = self.table.map_or(0, |time| time.steps);
-        let of_table = (1..=steps).map(|n| end * f64::from(n) / f64::from(steps));
-        let mut times: Vec<f64> = of_table.chain(self.corners.iter().copied()).collect();
-        times.retain(is_ahead);
-        times.sort_by(f64::total_cmp);
-        times.dedup_by(|a, b| *a - *b <= apart(*a));
-        times.len() + usize::from(loaded < 1.0)
+        let of_table = |n: u32| end * f64::from(n) / f64::from(steps);
+        // those of the table that are not ahead come first, and corners beside one of the table are none
+        let (mut behind, mut ahead) = (0, steps);
+        while behind < ahead {
+            let n = behind + (ahead - behind) / 2 + 1;
+            match is_ahead(&of_table(n)) {
+                true => ahead = n - 1,
+                false => behind = n,
+            }
+        }
+        let is_alone = |c: &f64| {
+            let near = (c / nominal).round().clamp(0.0, f64::from(steps)) as u32;
+            near == 0 || (c - of_table(near)).abs() > apart(*c)
+        };
+        let mut corners: Vec<f64> = self.corners.clone();
+        corners.retain(|c| is_ahead(c) && is_alone(c));
+        corners.dedup_by(|a, b| *a - *b <= apart(*a));
+        (steps - behind) as usize + corners.len() + usize::from(loaded < 1.0)
     }
 
     /// Last time and length of a nominal step [s].
@@ -195,6 +207,50 @@ mod tests {
     use super::super::{Failure, StepFailure};
     use super::*;
     use crate::scene::sample::Sample;
+    use fracas_operators::random::Random;
+
+    /// All times as a list, which a table of a thousand million steps has no room for.
+    #[test]
+    fn the_steps_that_are_left_are_those_of_all_times() {
+        let r = &mut Random::new(3);
+        for _ in 0..300 {
+            let (end, steps) = (r.between(0.1, 1e3), 1 + r.below(30) as u32);
+            let of_table = |n: u32| end * f64::from(n) / f64::from(steps);
+            let mut corners: Vec<f64> = (0..r.below(6))
+                .map(|_| match r.chance(0.5) {
+                    true => of_table(r.below(steps as usize + 1) as u32) * (1.0 + 1e-12),
+                    false => r.between(-0.1, 1.2) * end,
+                })
+                .collect();
+            corners.sort_by(f64::total_cmp);
+            let mut all: Vec<f64> = (1..=steps).map(of_table).chain(corners.clone()).collect();
+            let nominal = end / f64::from(steps);
+            let times = Times {
+                table: Some(TimeTable { end, steps }),
+                corners,
+                jumps: Vec::new(),
+            };
+            let time = match r.chance(0.3) {
+                true => 0.0,
+                false => r.one_of(&all).max(0.0),
+            };
+            let apart = |t: f64| apart(t, nominal);
+            all.retain(|t| *t > time + apart(*t) && *t <= end + apart(*t));
+            all.sort_by(f64::total_cmp);
+            all.dedup_by(|a, b| *a - *b <= apart(*a));
+            assert_eq!(times.left(time, 1.0), all.len());
+        }
+        let many = Times {
+            table: Some(TimeTable {
+                end: 1.0,
+                steps: 4_000_000_000,
+            }),
+            corners: vec![0.3],
+            jumps: Vec::new(),
+        };
+        assert_eq!(many.left(0.0, 0.0), 4_000_000_001);
+        assert_eq!(many.left(0.5, 1.0), 2_000_000_000);
+    }
 
     #[test]
     fn a_step_that_halvings_before_have_shortened_knows_what_was_planned() {

@@ -11,6 +11,8 @@ use std::fmt;
 pub enum Finding {
     /// A remark of the import.
     Import(folder::Finding),
+    /// The scene has settings of its own, which are those of runs.
+    OfRuns,
     /// Why this inner solver was chosen.
     Inner {
         /// Its name and why.
@@ -101,6 +103,10 @@ impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Import(finding) => finding.fmt(f),
+            Self::OfRuns => write!(
+                f,
+                "settings: [solver] of the scene is for `run`, and a solve of one system takes its own settings in its place"
+            ),
             Self::Inner { reason } => write!(f, "inner: {reason}"),
             Self::Instead { inner, failure } => {
                 write!(

@@ -188,6 +188,17 @@ impl Loaded {
 }
 
 impl Problem {
+    /// True of a scene with settings for its runs, which are not those of one system.
+    pub(super) fn has_own_solver(&self) -> bool {
+        match self {
+            Self::Body(StuckBody {
+                mesh: Mesh::Scene(scene),
+                ..
+            }) => scene.sections().solver.is_some(),
+            _ => false,
+        }
+    }
+
     /// About how many displacements it has, those that are held among them, where heads of files and sizes of grids tell.
     pub(super) fn displacements(&self) -> Option<u128> {
         match self {

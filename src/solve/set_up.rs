@@ -35,6 +35,9 @@ pub(super) fn set_up(
         replaced: 0,
         observer,
     };
+    if problem.has_own_solver() {
+        set_up.found(Finding::OfRuns);
+    }
     if let Some(reason) = reason {
         set_up.found(Finding::Inner { reason });
     }

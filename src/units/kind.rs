@@ -9,6 +9,10 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use super::{Dimension, Quantity, UnitError};
 
+/// Smallest and largest size of a quantity but 0, in SI units: of larger and smaller ones products leave the range of f64 (1e±308).
+const LEAST: f64 = 1e-100;
+const MOST: f64 = 1e100;
+
 /// What a quantity means: its dimension and the values that it may take.
 pub trait Kind {
     /// Name with article, for messages.
@@ -221,6 +225,10 @@ impl<K: Kind> Measure<K> {
                     examples: K::EXAMPLES,
                 },
             });
+        }
+        let size = quantity.si().abs();
+        if size != 0.0 && !(LEAST..=MOST).contains(&size) {
+            return Err(UnitError::Extreme { text });
         }
         if !K::admits(quantity.si()) {
             return Err(UnitError::OutOfRange {

@@ -96,7 +96,7 @@ fn size(m: &Dense) -> f64 {
     m.iter().flatten().map(|v| v * v).sum()
 }
 
-fn system(r: &mut Random) -> SaddleBlocks {
+pub(super) fn system(r: &mut Random) -> SaddleBlocks {
     let n = r.whole(6, 79) as usize;
     let m = r.whole(1, (n as u32 / 3).max(2) - 1) as usize;
     let mut a = square(&random(r, n, n, 0.15));
@@ -166,7 +166,8 @@ fn system(r: &mut Random) -> SaddleBlocks {
 }
 
 /// Errors of u and t, each relative to the solution's. Of u: `√(eᵀA e + (B2 e)ᵀ (C_0 + |diag H|)⁻¹ (B2 e))` over `√(uᵀA u)` where A is definite, that of
-/// `|diag A|` elsewhere; of t that of `C_0 + |diag H|`, `C_0 = diag(B1ᵀ |diag A|⁻¹ B1)`.
+/// `|diag A|` elsewhere; of t that of `C_0 + H`, `C_0 = diag(B1ᵀ |diag A|⁻¹ B1)`, as `solve` says it, and of `C_0 + |diag H|` where H has a negative entry
+/// on its diagonal.
 pub(super) fn errors(blocks: &SaddleBlocks, x: &[f64], exact: &[f64]) -> [f64; 2] {
     let n = blocks.n_u();
     let diagonal = |m: &SparseMatrix<f64>, i| m.get(i, i).map_or(0.0, |v: &f64| v.abs());
@@ -174,12 +175,25 @@ pub(super) fn errors(blocks: &SaddleBlocks, x: &[f64], exact: &[f64]) -> [f64; 2
     let mut c: Vec<f64> = (0..blocks.n_t())
         .map(|j| blocks.h.as_ref().map_or(0.0, |h| diagonal(h, j)))
         .collect();
+    let weighted = |w: &[f64], v: &[f64]| w.iter().zip(v).map(|(w, v)| w * v * v).sum::<f64>();
+    let mut c_0 = vec![0.0; c.len()];
     for (b, (i, j)) in &blocks.b1 {
-        c[j as usize] += b * b / a[i as usize];
+        c_0[j as usize] += b * b / a[i as usize];
     }
+    c.iter_mut().zip(&c_0).for_each(|(c, c_0)| *c += c_0);
+    let is_semidefinite =
+        |h: &&SparseMatrix<f64>| (0..h.rows()).all(|i| h.get(i, i).is_none_or(|v| *v >= 0.0));
+    let of_t = |t: &[f64]| match blocks.h.as_ref().filter(is_semidefinite) {
+        Some(h) => {
+            let terms = h
+                .iter()
+                .map(|(h, (i, j))| h * t[i as usize] * t[j as usize]);
+            weighted(&c_0, t) + terms.sum::<f64>().max(0.0)
+        }
+        None => weighted(&c, t),
+    };
     // scaled A = MMᵀ + a multiple of 1, with one negative entry on the diagonal where it is not definite
     let is_definite = (0..n).all(|i| blocks.a.get(i, i).is_some_and(|v| *v > 0.0));
-    let weighted = |w: &[f64], v: &[f64]| w.iter().zip(v).map(|(w, v)| w * v * v).sum::<f64>();
     let energy = |u: &[f64]| match is_definite {
         true => (blocks.a.iter())
             .map(|(a, (i, j))| a * u[i as usize] * u[j as usize])
@@ -201,8 +215,8 @@ pub(super) fn errors(blocks: &SaddleBlocks, x: &[f64], exact: &[f64]) -> [f64; 2
     };
     let e: Vec<f64> = x.iter().zip(exact).map(|(x, y)| x - y).collect();
     let of_jumps = if is_definite { jumps(&e[..n]) } else { 0.0 };
-    let error = [energy(&e[..n]) + of_jumps, weighted(&c, &e[n..])].map(f64::sqrt);
-    let solution = [energy(&exact[..n]), weighted(&c, &exact[n..])].map(f64::sqrt);
+    let error = [energy(&e[..n]) + of_jumps, of_t(&e[n..])].map(f64::sqrt);
+    let solution = [energy(&exact[..n]), of_t(&exact[n..])].map(f64::sqrt);
     let least = SHARE * solution[0].hypot(solution[1]);
     [0, 1].map(|k| error[k] / solution[k].max(least))
 }
@@ -289,7 +303,7 @@ fn converged_means_accurate_for_systems_of_other_codes() {
 }
 
 /// Two systems beside each other, and the load of the second in units of `load`.
-fn beside(one: &SaddleBlocks, other: &SaddleBlocks, load: f64) -> SaddleBlocks {
+pub(super) fn beside(one: &SaddleBlocks, other: &SaddleBlocks, load: f64) -> SaddleBlocks {
     let join = |a: &SparseMatrix<f64>, b: &SparseMatrix<f64>| {
         let [rows, columns] = [a.rows() + b.rows(), a.cols() + b.cols()];
         let mut joined = Triplets::new((rows, columns));

@@ -10,6 +10,7 @@ mod foreign_systems;
 mod giving_way;
 mod held_by_h;
 mod inf_sup;
+mod large;
 mod library;
 mod reference;
 #[path = "../../src/elasticity/sample.rs"]

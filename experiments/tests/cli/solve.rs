@@ -140,3 +140,15 @@ fn results_do_not_depend_on_the_number_of_threads() {
     };
     assert_eq!(solution("1"), solution("2"));
 }
+
+#[test]
+fn settings_of_runs_in_a_scene_are_said_to_be_of_no_use_here() {
+    let said = |scene: &str| {
+        let ran = fracas(&["solve", scene]);
+        assert_eq!(ran.status, 0, "{}", ran.stderr);
+        ran.stdout
+            .contains("settings: [solver] of the scene is for `run`")
+    };
+    assert!(said("inclined_crack"));
+    assert!(!said("cycle"));
+}

@@ -1,7 +1,7 @@
 //! A matrix of 3×3 blocks, all of it, from which a level is made.
 
 use super::sums::Sums;
-use crate::multigrid::lambda::largest_generalized;
+use crate::multigrid::lambda::{STEPS, largest_generalized};
 use fracas_operators::Real;
 use fracas_operators::simd::{Kernel, Lanes, Level, prefetch};
 use fracas_operators::small::{Matrix3, times};
@@ -91,7 +91,7 @@ impl<R: Real> NodeMatrix<R> {
     /// An upper estimate of `λ_max(D⁻¹A)`.
     pub(super) fn largest_eigenvalue(&self) -> f64 {
         largest_generalized(
-            3 * self.rows(),
+            (3 * self.rows(), STEPS),
             |x, y| self.apply(x, y),
             |r, z| block_times(&self.inverse, r, z),
         )

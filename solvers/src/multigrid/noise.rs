@@ -1,6 +1,7 @@
 //! What rounding makes of a cycle, and what the coarsest level leaves out.
 
 use super::cycle::Hierarchy;
+use super::lambda::least_generalized;
 use super::level::clear;
 use fracas_operators::Real;
 use fracas_operators::random::signed;
@@ -40,6 +41,29 @@ impl<R: Real> Hierarchy<R> {
         let forces = (n - level.fixed().len()) as f64;
         let noise = 0.5 * R::epsilon().to_f64_exact() * norm2(&b).to_f64_exact() / forces.sqrt();
         if noise.is_nan() { f64::INFINITY } else { noise }
+    }
+
+    /// The smallest Ritz value of `M⁻¹A` that a few steps show: at least so little is seen of something.
+    ///
+    /// # Cost
+    /// Five cycles and four products.
+    pub fn least_seen(&self) -> f64 {
+        let level = &self.levels()[0];
+        let n = level.size();
+        let mut work = vec![R::zero(); level.operator().work_len()];
+        let mut own = vec![R::zero(); self.work_len()];
+        let mut b = vec![R::zero(); n];
+        let product = |x: &[R], y: &mut [R]| {
+            level.operator().apply(x, y, &mut work);
+            clear(level.fixed(), y);
+        };
+        let divide = |r: &[R], z: &mut [R]| level.smoother().divide_by_diagonal(r, z);
+        let solve = |r: &[R], z: &mut [R]| {
+            b.copy_from_slice(r);
+            clear(level.fixed(), &mut b);
+            self.solve(&mut b, z, &mut own);
+        };
+        least_generalized(n, product, divide, solve)
     }
 
     /// What the functions that the coarsest level leaves out cost on the finest one, `None` where none are:

@@ -2,7 +2,7 @@
 
 mod polynomial;
 
-use crate::multigrid::lambda::largest_generalized;
+use crate::multigrid::lambda::{STEPS, largest_generalized};
 use fracas_operators::{LinearOperator, Preconditioner};
 pub use polynomial::{POLYNOMIALS, Polynomial};
 use serde::de::Error;
@@ -85,7 +85,7 @@ impl<'a> Relaxation<'a> {
         let mut work_c = vec![0.0; c.work_len()];
         let product = |x: &[f64], y: &mut [f64]| h.apply(x, y, &mut work);
         let c_inverse = |r: &[f64], z: &mut [f64]| c.solve(r, z, &mut work_c);
-        let largest = largest_generalized(h.shape().rows, product, c_inverse);
+        let largest = largest_generalized((h.shape().rows, STEPS), product, c_inverse);
         let sigma = (gamma / RELAXATION).min(REACH / largest);
         let polynomial = Polynomial::up_to(sigma * largest);
         Some(Self {

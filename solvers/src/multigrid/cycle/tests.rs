@@ -81,7 +81,10 @@ fn level_of(operator: Box<dyn LinearOperator<f64>>, fixed: Vec<u32>) -> Level<f6
         degree: 2,
         share: 0.1,
     };
-    let smoother = BlockChebyshev::new(Scaled::estimated(operator, 0, jacobi), polynomial);
+    let smoother = BlockChebyshev::new(
+        Scaled::estimated(operator, 0, jacobi, polynomial.degree),
+        polynomial,
+    );
     let transfer = Box::new(Pairs { coarse: nodes / 2 });
     Level::new(Box::new(smoother), transfer, fixed)
 }

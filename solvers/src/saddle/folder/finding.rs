@@ -127,7 +127,7 @@ pub enum Remark {
     },
     /// Tractions that act alike.
     #[error(
-        "{count} {} (first: of column {of}): these tractions act alike, and without H they make the system singular; is a face given twice?",
+        "{count} {} (first: of column {of}): these tractions act alike, and without H the system is singular and tells what they bear together alone; is a face given twice?",
         by_number(*count, "column is a multiple of another", "columns are multiples of others")
     )]
     EqualColumns {
@@ -135,6 +135,16 @@ pub enum Remark {
         count: usize,
         /// The column that the first one is a multiple of, counted from 1.
         of: usize,
+    },
+    /// More tractions than displacements, without H.
+    #[error(
+        "{n_t} tractions on {n_u} displacements, without H: the system is singular, and some tractions are one of many answers"
+    )]
+    TooManyTractions {
+        /// Columns.
+        n_t: usize,
+        /// Rows.
+        n_u: usize,
     },
     /// Pressures that nothing determines.
     #[error(

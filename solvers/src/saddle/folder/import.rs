@@ -86,6 +86,7 @@ pub fn read_folder(folder: &Path) -> Result<Imported, FolderError> {
     let b2 = b2.and_then(|b2| inspect::consistency(b2, &b1.matrix, &mut reader.findings));
     let h = reader.optional("H.mtx", Shape::square(n_t), from_b1)?;
     let h = h.and_then(|h| inspect::stabilization(h, &mut reader.findings));
+    inspect::rank(&b1.matrix, h.as_ref(), &mut reader.findings);
     let mut flow = reader.flow(n_u, from_a)?;
     let n_p = flow.as_ref().map_or(0, |f| f.t.rows());
 
@@ -167,6 +168,7 @@ pub fn inspect_blocks(
         expect("H.mtx", shape(&h), Shape::square(n_t), from_b1)?;
         blocks.h = inspect::stabilization(h, &mut findings);
     }
+    inspect::rank(&blocks.b1, blocks.h.as_ref(), &mut findings);
     if let Some(flow) = &mut blocks.flow {
         let n_p = flow.t.rows();
         let from_t = ("T.mtx", shape(&flow.t));

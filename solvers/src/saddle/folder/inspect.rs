@@ -89,6 +89,21 @@ impl Tally {
 /// Columns of one pattern that a further one is compared with: a face has three.
 const ALIKE: usize = 16;
 
+/// More columns of B1 than rows, where there is no H.
+pub(super) fn rank(
+    b1: &SparseMatrix<f64>,
+    h: Option<&SparseMatrix<f64>>,
+    findings: &mut Vec<Finding>,
+) {
+    let (n_u, n_t) = (b1.rows(), b1.cols());
+    if n_t > n_u && h.is_none() {
+        findings.push(Finding::file(
+            "B1.mtx",
+            Remark::TooManyTractions { n_t, n_u },
+        ));
+    }
+}
+
 /// B1: columns without entries, and columns that are multiples of others.
 pub(super) fn coupling(b1: &SparseMatrix<f64>, findings: &mut Vec<Finding>) {
     const FILE: &str = "B1.mtx";

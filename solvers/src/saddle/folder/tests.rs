@@ -280,6 +280,23 @@ fn coordinates_come_in_two_forms_or_are_refused() {
 }
 
 #[test]
+fn more_tractions_than_displacements_are_remarkable_without_h() {
+    let b1 = sparse(6, 8, |i, j| f64::from(u8::from(i == j % 6)));
+    let h = sparse(8, 8, |i, j| f64::from(u8::from(i == j)));
+    let mut findings = Vec::new();
+    inspect::rank(&b1, Some(&h), &mut findings);
+    assert!(findings.is_empty());
+    inspect::rank(&b1, None, &mut findings);
+    let text = findings[0].to_string();
+    assert!(
+        text.starts_with(
+            "B1.mtx: 8 tractions on 6 displacements, without H: the system is singular"
+        ),
+        "{text}"
+    );
+}
+
+#[test]
 fn what_is_remarkable_is_found_with_its_place() {
     let found = |name: &str, files: &[(&str, &str)]| -> Vec<String> {
         with_files(name, files)
