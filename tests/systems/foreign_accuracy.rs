@@ -303,7 +303,7 @@ fn converged_means_accurate_for_systems_of_other_codes() {
 }
 
 /// Two systems beside each other, and the load of the second in units of `load`.
-pub(super) fn beside(one: &SaddleBlocks, other: &SaddleBlocks, load: f64) -> SaddleBlocks {
+fn beside(one: &SaddleBlocks, other: &SaddleBlocks, load: f64) -> SaddleBlocks {
     let join = |a: &SparseMatrix<f64>, b: &SparseMatrix<f64>| {
         let [rows, columns] = [a.rows() + b.rows(), a.cols() + b.cols()];
         let mut joined = Triplets::new((rows, columns));
@@ -339,6 +339,22 @@ pub(super) fn beside(one: &SaddleBlocks, other: &SaddleBlocks, load: f64) -> Sad
     }
 }
 
+/// A system beside another one of which the load has 3 to 1,000 tolerances, and its solution, by those of both.
+pub(super) fn hidden_beside(
+    r: &mut Random,
+    [(one, x), (other, y)]: [(&SaddleBlocks, &[f64]); 2],
+    tolerance: f64,
+) -> Option<(SaddleBlocks, Vec<f64>)> {
+    let energy = |s: &SaddleBlocks, x: &[f64]| {
+        let work = s.rhs().into_iter().zip(x).map(|(b, x)| b * x);
+        work.map(f64::abs).sum::<f64>().sqrt()
+    };
+    let share = tolerance * 10f64.powf(r.between(0.5, 3.0));
+    let blocks = beside(one, other, share * energy(one, x) / energy(other, y));
+    let exact = reference(&blocks, &blocks.rhs())?;
+    Some((blocks, exact))
+}
+
 /// A system of which the load has hardly more than a tolerance hides its eigenvalues from the iteration: t was wrong by 34 tolerances where a
 /// twentieth of one was said, beside a Ritz value of 0.5.
 #[test]
@@ -354,15 +370,8 @@ fn what_a_load_hides_is_found_or_refused() {
         let (Some(x), Some(y)) = (of(&one), of(&other)) else {
             continue;
         };
-        let energy = |s: &SaddleBlocks, x: &[f64]| {
-            let work = s.rhs().into_iter().zip(x).map(|(b, x)| b * x);
-            work.map(f64::abs).sum::<f64>().sqrt()
-        };
         let tolerance = r.one_of(&TOLERANCES);
-        let share = tolerance * 10f64.powf(r.between(0.5, 3.0));
-        let load = share * energy(&one, &x) / energy(&other, &y);
-        let blocks = beside(&one, &other, load);
-        let Some(exact) = reference(&blocks, &blocks.rhs()) else {
+        let Some((blocks, exact)) = hidden_beside(r, [(&one, &x), (&other, &y)], tolerance) else {
             continue;
         };
         for name in METHODS {
