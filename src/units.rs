@@ -155,7 +155,9 @@ pub enum UnitError {
     },
     /// A number of which products leave the range of f64.
     #[error(
-        "\"{text}\" is out of range: in SI units quantities are 0 or from 1e-100 to 1e100 in size"
+        "\"{text}\" is out of range: in SI units quantities are 0 or from {:e} to {:e} in size",
+        kind::LEAST,
+        kind::MOST
     )]
     Extreme {
         /// What was written.

@@ -73,6 +73,14 @@ impl<V: Copy> Fields<V> {
     }
 }
 
+impl Fields<f64> {
+    /// The field of the largest value, with it.
+    pub fn largest(&self) -> Option<(Field, f64)> {
+        self.iter()
+            .reduce(|most, next| if next.1 > most.1 { next } else { most })
+    }
+}
+
 impl<V> Index<Field> for Fields<V> {
     type Output = V;
 

@@ -53,6 +53,13 @@ pub enum Finding {
         /// Passes with them.
         passes: usize,
     },
+    /// The last digits of the entries leave more of the answer open than the tolerance.
+    LeftOpen {
+        /// What is left open most, in words.
+        part: &'static str,
+        /// Relative change of it; infinite where the digits make the system singular. Unit: 1.
+        by: f64,
+    },
     /// Residuals in twice the digits could not be had.
     NotRefined {
         /// Why.
@@ -131,6 +138,14 @@ impl fmt::Display for Finding {
             Self::Refined { passes } => write!(
                 f,
                 "refinement: f64 holds no more digits of the residual; passes with residuals in twice the digits: {passes}"
+            ),
+            Self::LeftOpen { by, .. } if !by.is_finite() => write!(
+                f,
+                "digits: the system is singular in the digits of f64, and this is one of its answers"
+            ),
+            Self::LeftOpen { part, by } => write!(
+                f,
+                "digits: rounding of the entries to f64 leaves {by:.1e} of the {part} open, more than the tolerance"
             ),
             Self::NotRefined { failure } => write!(
                 f,

@@ -147,7 +147,13 @@ impl Solver {
             }
         };
         let Stages {
-            last: Accurate { result, error, .. },
+            last:
+                Accurate {
+                    result,
+                    error,
+                    left_open,
+                    ..
+                },
             before: stages_before,
             refinements,
             solve_s,
@@ -156,6 +162,15 @@ impl Solver {
         if refinements > 0 {
             let finding = Finding::Refined {
                 passes: refinements,
+            };
+            observer.say(&finding);
+            findings.push(finding);
+        }
+        let open = left_open.and_then(|open| open.largest());
+        if let Some((field, by)) = open.filter(|(_, by)| *by > settings.tolerance) {
+            let finding = Finding::LeftOpen {
+                part: field.name,
+                by,
             };
             observer.say(&finding);
             findings.push(finding);

@@ -10,10 +10,13 @@ mod gaps;
 mod healing;
 mod jacobian;
 mod known;
+mod lawful;
 mod newton_systems;
 mod onset;
 mod patch;
 mod profiles;
+#[path = "../systems/reference.rs"]
+mod reference;
 mod remarks;
 mod robust;
 mod scenes;

@@ -5,6 +5,7 @@
 //! `FOREIGN_CASES=2000 FOREIGN_SEED=7 cargo test --release --test systems foreign_accuracy:: -- --nocapture` tries more systems, and
 //! `FOREIGN_SKIP=1953` begins with the system of that number; `HIDDEN_CASES=1000` tries more pairs.
 
+use super::accuracy::environment;
 use super::reference::reference;
 use fracas::solve::{End, InnerRule, Problem, RightHandSide, Solve, Solved};
 use fracas_operators::random::Random;
@@ -20,7 +21,7 @@ const CASES: u64 = 200;
 const HIDDEN: u64 = 60;
 
 /// Methods, each tried with an inner solver of [`INNER`].
-const METHODS: [&str; 7] = [
+pub(super) const METHODS: [&str; 7] = [
     "racp",
     "racp:published",
     "mcp",
@@ -30,7 +31,7 @@ const METHODS: [&str; 7] = [
     "augmented_lagrangian",
 ];
 
-const INNER: [&str; 5] = ["exact", "amg", "ssor", "fsai", "jacobi"];
+pub(super) const INNER: [&str; 5] = ["exact", "amg", "ssor", "fsai", "jacobi"];
 
 const TOLERANCES: [f64; 4] = [1e-4, 1e-6, 1e-8, 1e-10];
 
@@ -52,10 +53,6 @@ pub(super) const ALLOWED: f64 = 10.0;
 
 /// Least share of all that a field is judged against. Unit: 1.
 const SHARE: f64 = 1e-6;
-
-pub(super) fn environment(name: &str, otherwise: u64) -> u64 {
-    std::env::var(name).map_or(otherwise, |value| value.parse().unwrap())
-}
 
 /// Rows of a dense matrix.
 type Dense = Vec<Vec<f64>>;

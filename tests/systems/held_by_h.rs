@@ -3,7 +3,8 @@
 //!
 //! `HELD_CASES=500 HELD_SEED=7 cargo test --release --test systems held_by_h:: -- --nocapture` tries more systems.
 
-use super::foreign_accuracy::{environment, fixed, judged};
+use super::accuracy::environment;
+use super::foreign_accuracy::{fixed, judged};
 use super::reference::reference;
 use fracas::contact::JumpStabilization;
 use fracas::scene::Scene;

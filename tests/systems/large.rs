@@ -4,8 +4,8 @@
 //! `LARGE_CASES=200 LARGE_SEED=7 cargo test --release --test systems large:: -- --nocapture` tries more systems, and `LARGE_SKIP=17` begins
 //! with that number.
 
-use super::accuracy::{flat_scene, scene};
-use super::foreign_accuracy::{environment, fixed, hidden_beside, judged, system};
+use super::accuracy::{environment, flat_scene, scene};
+use super::foreign_accuracy::{fixed, hidden_beside, judged, system};
 use super::reference::reference;
 use fracas::contact::JumpStabilization;
 use fracas::scene::Scene;

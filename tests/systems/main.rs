@@ -16,6 +16,7 @@ mod reference;
 #[path = "../../src/elasticity/sample.rs"]
 mod sample;
 mod settings;
+mod singular;
 mod stiffness_products;
 mod theorems;
 mod traction_unit;

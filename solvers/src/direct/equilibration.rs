@@ -28,14 +28,28 @@ pub(super) struct Equilibrated<F> {
 }
 
 impl<F: Factorization> Equilibrated<F> {
-    /// Scales a matrix stored by columns, factorizes it, and rejects it if it is singular to working precision.
-    pub(super) fn factor(
+    /// Scales a matrix stored by columns and factorizes it; `1/κ₁` of the scaled matrix stands beside it.
+    pub(super) fn of_any_condition(
         mut a: SparseMatrix<f64>,
         factor: impl FnOnce(&SparseMatrix<f64>) -> Result<F, SetupError>,
-    ) -> Result<Self, SetupError> {
+    ) -> Result<(Self, f64), SetupError> {
         let (rows, columns) = scales(&mut a)?;
         let factors = factor(&a)?;
         let reciprocal = reciprocal_condition(&a, &factors);
+        let equilibrated = Self {
+            rows,
+            columns,
+            factors,
+        };
+        Ok((equilibrated, reciprocal))
+    }
+
+    /// The same, and rejects a matrix that is singular to working precision.
+    pub(super) fn factor(
+        a: SparseMatrix<f64>,
+        factor: impl FnOnce(&SparseMatrix<f64>) -> Result<F, SetupError>,
+    ) -> Result<Self, SetupError> {
+        let (equilibrated, reciprocal) = Self::of_any_condition(a, factor)?;
         if reciprocal < SINGULAR {
             return Err(SetupError::Singular {
                 block: BLOCK,
@@ -45,11 +59,7 @@ impl<F: Factorization> Equilibrated<F> {
                 ),
             });
         }
-        Ok(Self {
-            rows,
-            columns,
-            factors,
-        })
+        Ok(equilibrated)
     }
 }
 

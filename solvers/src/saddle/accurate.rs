@@ -36,6 +36,9 @@ pub struct Accurate {
     pub result: Result<Report, Breakdown>,
     /// `‖e_u‖/‖u‖`, `‖e_t‖/‖t‖`, … for `e = M⁻¹r`, in [`EnergyNorms`], larger where M is poor.
     pub error: Fields<f64>,
+    /// What the last digits of the entries of 𝒜 leave open of a solution that was found, likewise relative to it: infinite where 𝒜 is singular in the
+    /// digits of f64. `None` where 𝒜 is too large to be eliminated, or its entries are not known.
+    pub left_open: Option<Fields<f64>>,
     /// Times the iteration was started.
     pub passes: usize,
     /// Those of them for a residual in twice the digits.
@@ -140,6 +143,7 @@ pub fn solve_accurately(
             }
             let Search { left, totals, .. } = &search;
             let is_met = is_met || rounding;
+            let left_open = left.left_open.filter(|_| is_enough);
             let counted = |outcome, relative| totals.report(outcome, relative, left);
             let result = match result {
                 _ if is_enough => Ok(counted(Outcome::Converged, left.relative)),
@@ -169,6 +173,7 @@ pub fn solve_accurately(
             return Accurate {
                 result,
                 error: judged.error,
+                left_open,
                 passes,
                 refinements,
             };

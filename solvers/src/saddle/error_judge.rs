@@ -98,8 +98,7 @@ impl Judged {
 
     /// What has the largest error.
     pub fn part(&self) -> &'static str {
-        let errors = self.error.iter();
-        let worst = errors.reduce(|worst, next| if next.1 > worst.1 { next } else { worst });
+        let worst = self.error.largest();
         worst.map_or("unknowns", |(field, _)| field.name)
     }
 

@@ -8,6 +8,7 @@ pub mod block_triangular;
 pub mod blocks;
 mod contact_rows;
 pub mod cost;
+mod determined;
 pub mod elimination;
 mod energy_norms;
 mod error_judge;

@@ -1,10 +1,10 @@
 //! What is left of the equations at an iterate, and what that says of its errors.
 
-use super::method::SaddleSettings;
-use super::monolithic::Direct;
+use super::determined::left_open;
 use super::{EnergyNorms, ErrorJudge, Judged, Series, TRUSTED};
+use crate::direct::{Factorization, Faer};
 use crate::krylov::{Breakdown, Criteria, KrylovMethod, Report, System};
-use crate::{Observer, Step};
+use crate::{Observer, SetupError, Step};
 use fracas_operators::twofold::add_twofold;
 use fracas_operators::{Fields, Preconditioner};
 
@@ -48,8 +48,10 @@ pub(super) struct Remainder<'a> {
     pub(super) is_near: bool,
     /// ‖M⁻¹b‖ in the energy norm of all fields, once it was asked for.
     of_b: Option<f64>,
-    /// 𝒜⁻¹ of a small system, once it was asked for; none of a singular one.
-    elimination: Option<Option<Box<dyn Preconditioner<f64>>>>,
+    /// 𝒜⁻¹ of a small system, once it was asked for.
+    elimination: Option<Result<Box<dyn Factorization>, SetupError>>,
+    /// What the last digits of the entries of 𝒜 leave open of the x that was eliminated for, relative to x; infinite where 𝒜 is singular.
+    pub(super) left_open: Option<Fields<f64>>,
     /// The residual may be mostly rounding.
     pub(super) is_rounding: bool,
     /// Products with 𝒜 that the residuals and their rounding took.
@@ -70,6 +72,7 @@ impl<'a> Remainder<'a> {
             is_near: false,
             of_b: None,
             elimination: None,
+            left_open: None,
             is_rounding: false,
             products: 0,
             solves: 0,
@@ -165,42 +168,9 @@ impl<'a> Remainder<'a> {
             // an M⁻¹ that sees neither r nor b says nothing
             energy(&e) < NEAR * of_b
         };
-        let mut size = self.norms.error(&e);
-        let is_blind = preconditioner.properties().blind;
-        let doubt = match ritz {
-            Some(ritz) if !is_blind => {
-                let [least, most] = DOUBTED;
-                let ritz = ritz.max(f64::MIN_POSITIVE);
-                ((least / ritz).ln() / (least / most).ln()).clamp(0.0, 1.0)
-            }
-            _ => 1.0,
-        };
-        let doubts =
-            (self.norms.by_chance()).map(|_, by_chance| if by_chance { 1.0 } else { doubt });
+        let doubts = self.doubts(ritz);
         let of = self.norms.solution(x);
-        let mut ritz = ritz;
-        let is_followed = self.norms.is_unsymmetric() && judge.is_in_doubt(size, of);
-        if is_followed || doubts.iter().any(|(_, doubt)| doubt > 0.0) {
-            let system = System {
-                rhs: &self.r,
-                ..*self.system
-            };
-            let series = Series::new((&e, size), &system, self.norms, &mut work);
-            self.products += 1;
-            self.solves += 1;
-            let more = series.both();
-            let all = more.iter().fold(0.0f64, |all, (_, more)| all.hypot(more));
-            let least = if is_blind { COUPLED * all } else { 0.0 };
-            let sum = if is_followed { series.sum() } else { size };
-            // what Ritz values of some iterations did not show: a further pass has to
-            let says = |ritz: &f64| *ritz < TRUSTED || !is_followed || judge.falls(&series, of);
-            ritz = ritz.filter(says);
-            size = size.map(|field, size| {
-                let more = more[field].max(least).max(size);
-                let mixed = size.powf(1.0 - doubts[field]) * more.powf(doubts[field]);
-                mixed.max(sum[field])
-            });
-        }
+        let (size, ritz) = self.followed(&e, (doubts, ritz), of, judge, &mut work);
         let judged = judge.judge(self.norms, (size, x), of, ritz);
         let is_doubted = self.norms.is_unsymmetric() || doubts.iter().any(|(_, doubt)| doubt > 0.0);
         let most = if is_doubted {
@@ -209,20 +179,85 @@ impl<'a> Remainder<'a> {
             ELIMINATED
         };
         match self.r.len() <= most && judge.accepts(&judged) {
-            true => judged.at_least(self.eliminated(of, judge)),
+            true => judged.at_least(self.eliminated((x, of), judge)),
             false => judged,
         }
     }
 
-    /// The errors of x by `𝒜⁻¹r` itself.
-    fn eliminated(&mut self, of: Fields<f64>, judge: &ErrorJudge) -> Option<Fields<f64>> {
+    /// What of M⁻¹r is doubted field by field, from none to all, with this Ritz value of M⁻¹𝒜. Unit: 1.
+    fn doubts(&self, ritz: Option<f64>) -> Fields<f64> {
+        let is_blind = self.system.preconditioner.properties().blind;
+        let doubt = match ritz {
+            Some(ritz) if !is_blind => {
+                let [least, most] = DOUBTED;
+                let ritz = ritz.max(f64::MIN_POSITIVE);
+                ((least / ritz).ln() / (least / most).ln()).clamp(0.0, 1.0)
+            }
+            _ => 1.0,
+        };
+        (self.norms.by_chance()).map(|_, by_chance| if by_chance { 1.0 } else { doubt })
+    }
+
+    /// Norms of `e = M⁻¹r`, with what follows it where that is doubted; the Ritz value stays where that bears it out.
+    fn followed(
+        &mut self,
+        e: &[f64],
+        (doubts, ritz): (Fields<f64>, Option<f64>),
+        of: Fields<f64>,
+        judge: &ErrorJudge,
+        work: &mut [f64],
+    ) -> (Fields<f64>, Option<f64>) {
+        let size = self.norms.error(e);
+        let is_followed = self.norms.is_unsymmetric() && judge.is_in_doubt(size, of);
+        if !is_followed && doubts.iter().all(|(_, doubt)| doubt <= 0.0) {
+            return (size, ritz);
+        }
+        let system = System {
+            rhs: &self.r,
+            ..*self.system
+        };
+        let series = Series::new((e, size), &system, self.norms, work);
+        self.products += 1;
+        self.solves += 1;
+        let more = series.both();
+        let all = more.iter().fold(0.0f64, |all, (_, more)| all.hypot(more));
+        let is_blind = self.system.preconditioner.properties().blind;
+        let least = if is_blind { COUPLED * all } else { 0.0 };
+        let sum = if is_followed { series.sum() } else { size };
+        // what Ritz values of some iterations did not show: a further pass has to
+        let says = |ritz: &f64| *ritz < TRUSTED || !is_followed || judge.falls(&series, of);
+        let size = size.map(|field, size| {
+            let more = more[field].max(least).max(size);
+            let mixed = size.powf(1.0 - doubts[field]) * more.powf(doubts[field]);
+            mixed.max(sum[field])
+        });
+        (size, ritz.filter(says))
+    }
+
+    /// The errors of x by `𝒜⁻¹r` itself, where f64 has digits of that.
+    fn eliminated(
+        &mut self,
+        (x, of): (&[f64], Fields<f64>),
+        judge: &ErrorJudge,
+    ) -> Option<Fields<f64>> {
         let norms = self.norms;
         let blocks = norms.entries()?;
-        let inverse = self.elimination.get_or_insert_with(|| {
-            let ready = Direct::default().ready(blocks).ok();
-            ready.map(|ready| ready.inverse)
-        });
-        let inverse = inverse.as_ref()?;
+        let matrix = blocks.assembled();
+        let inverse = (self.elimination).get_or_insert_with(|| Faer.of_any_condition(&matrix));
+        let inverse = match inverse {
+            Ok(inverse) => inverse,
+            Err(SetupError::Singular { .. }) => {
+                self.left_open = Some(norms.layout().values(f64::INFINITY));
+                return None;
+            }
+            Err(_) => return None,
+        };
+        let open = left_open(&matrix, &**inverse, norms, x);
+        let open = judge.relative(open, of);
+        self.left_open = Some(open);
+        if open.iter().any(|(_, open)| open >= 1.0) {
+            return None;
+        }
         let mut e = vec![0.0; self.r.len()];
         inverse.solve(&self.r, &mut e, &mut vec![0.0; inverse.work_len()]);
         Some(judge.relative(norms.error(&e), of))

@@ -160,13 +160,30 @@ fn lower_counts(first_column: &[usize], parents: &[isize]) -> Vec<usize> {
     counts
 }
 
-impl Symbolic for GeneralSymbolic {
-    fn factor(&self, a: &SparseMatrix<f64>) -> Result<Box<dyn Factorization>, SetupError> {
+impl GeneralSymbolic {
+    /// The factors, singular to rounding or not.
+    pub(super) fn of_any_condition(
+        &self,
+        a: &SparseMatrix<f64>,
+    ) -> Result<Box<dyn Factorization>, SetupError> {
+        let (factors, _) = Equilibrated::of_any_condition(self.by_columns(a)?, self.factors())?;
+        Ok(Box::new(Refined::new(a, factors)))
+    }
+
+    fn by_columns(&self, a: &SparseMatrix<f64>) -> Result<SparseMatrix<f64>, SetupError> {
         let by_columns = a.to_csc();
         self.pattern.values(&by_columns, "faer")?;
-        let factors = Equilibrated::factor(by_columns, |scaled| {
-            GeneralFactors::new(Arc::clone(&self.structure), &self.pattern, scaled)
-        })?;
+        Ok(by_columns)
+    }
+
+    fn factors(&self) -> impl FnOnce(&SparseMatrix<f64>) -> Result<GeneralFactors, SetupError> {
+        |scaled| GeneralFactors::new(Arc::clone(&self.structure), &self.pattern, scaled)
+    }
+}
+
+impl Symbolic for GeneralSymbolic {
+    fn factor(&self, a: &SparseMatrix<f64>) -> Result<Box<dyn Factorization>, SetupError> {
+        let factors = Equilibrated::factor(self.by_columns(a)?, self.factors())?;
         Ok(Box::new(Refined::new(a, factors)))
     }
 }

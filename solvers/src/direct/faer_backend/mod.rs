@@ -38,6 +38,17 @@ impl Faer {
     ) -> Result<(Box<dyn Factorization>, Vec<usize>), SetupError> {
         symmetric::SymmetricSymbolic::new(a, Kind::QuasiDefinite)?.independent(a, least)
     }
+
+    /// LU as for [`Kind::General`], also where the matrix is singular in the digits of f64: what its solves are worth is the caller's to know.
+    ///
+    /// # Errors
+    /// [`SetupError::OutOfMemory`], [`SetupError::Singular`] for rows and columns of zeros, and where no entry is left to pivot on.
+    pub fn of_any_condition(
+        &self,
+        a: &SparseMatrix<f64>,
+    ) -> Result<Box<dyn Factorization>, SetupError> {
+        general::GeneralSymbolic::new(a)?.of_any_condition(a)
+    }
 }
 
 impl DirectSolver for Faer {
