@@ -231,9 +231,13 @@ pub enum Problem {
     },
     /// A history that is no function of time.
     #[error(
-        "a history needs at least one [time, factor], finite and with increasing times, e.g. [[\"0 s\", 0], [\"10 s\", 1]]"
+        "a history needs at least one [time, factor], finite and with increasing times, e.g. [[\"0 s\", 0], [\"10 s\", 1]]{}",
+        early.map_or_else(String::new, |point| format!("; its point {point} is no later than the one before"))
     )]
-    BadHistory,
+    BadHistory {
+        /// The first point, from 1, that does not come after the one before it.
+        early: Option<usize>,
+    },
     /// Half of the weakening data.
     #[error(
         "fracture \"{name}\" weakens only with all of `friction_angle`, `dynamic_friction_angle` and `weakening_distance` (more than 0)"

@@ -146,8 +146,12 @@ impl Histories {
         let Some(written) = written else {
             return Ok(default);
         };
-        let points = written.iter().map(|(t, f)| (t.si(), *f)).collect();
-        let history = History::through(points).ok_or_else(|| at(path, Problem::BadHistory))?;
+        let points: Vec<_> = written.iter().map(|(t, f)| (t.si(), *f)).collect();
+        let early = points.windows(2).position(|pair| pair[1].0 <= pair[0].0);
+        let problem = Problem::BadHistory {
+            early: early.map(|before| before + 2),
+        };
+        let history = History::through(points).ok_or_else(|| at(path, problem))?;
         Ok(self.number_of(history))
     }
 

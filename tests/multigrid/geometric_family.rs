@@ -267,7 +267,7 @@ impl Sample {
     }
 }
 
-fn of_environment(name: &str, default: u64) -> u64 {
+pub(super) fn of_environment(name: &str, default: u64) -> u64 {
     std::env::var(name)
         .ok()
         .and_then(|text| text.parse().ok())

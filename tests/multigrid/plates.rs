@@ -1,6 +1,9 @@
-//! Claim: plates of thin cells between two cuts take few iterations of geometric multigrid, however thin they are.
+//! Claim: plates of thin cells between two cuts take few iterations of geometric multigrid, however thin they are, and so do slabs that bend.
+//!
+//! `SLABS=40 SLABS_SEED=7 cargo test --release --test multigrid plates:: -- --nocapture` tries more slabs.
 
-use super::geometric_family::{ENOUGH, Sample};
+use super::geometric_family::{ENOUGH, Sample, of_environment};
+use fracas_operators::random::Random;
 use fracas_solvers::amg::Amg;
 use fracas_solvers::multigrid::Geometric;
 use fracas_solvers::saddle::InnerChoice;
@@ -103,4 +106,64 @@ fn blocks_that_keep_their_nodes_are_not_coarsened() {
     let found = sample.geometric(Geometric::default()).unwrap();
     println!("blocks: {found}");
     assert!(found <= 40, "{found} iterations");
+}
+
+/// A slab with cells of 1 m in its plane, two to four much thinner ones across, cut once to three times, that what pulls at one side bends.
+fn slab(r: &mut Random) -> String {
+    let (across, thickness) = (r.whole(2, 4), r.scale(0.1, 2.0));
+    let sides = [0; 2].map(|_| r.whole(48, 64));
+    let mut toml = format!(
+        "title = 'slab'\n[mesh]\nz = {{ from = '0 m', to = '{thickness} m', cells = {across} }}\n"
+    );
+    for (axis, cells) in ["x", "y"].iter().zip(sides) {
+        let _ = writeln!(
+            toml,
+            "{axis} = {{ from = '0 m', to = '{cells} m', cells = {cells} }}"
+        );
+    }
+    let poisson = r.between(0.0, 0.45);
+    let _ = writeln!(
+        toml,
+        "[[material]]\nname = 'rock'\nyoung = '10 GPa'\npoisson = {poisson}"
+    );
+    for k in 0..r.whole(1, 3) {
+        let axis = r.below(2);
+        let (plane, at) = (["x", "y"][axis], r.whole(8, sides[axis] - 8));
+        let _ = writeln!(
+            toml,
+            "[[fracture]]\nname = 'f{k}'\nplane = '{plane}'\nat = '{at} m'\nfriction_angle = '30 deg'"
+        );
+    }
+    let opposite = match r.chance(0.3) {
+        true => "hold = 'roller'",
+        false => "traction = { z = '-1 kPa', x = '-1 MPa' }",
+    };
+    let held = r.one_of(&["x-", "y-"]);
+    let other = held.replace('-', "+");
+    toml + &format!(
+        "[[boundary]]\nside = '{held}'\nhold = 'fixed'\n[[boundary]]\nside = '{other}'\n{opposite}\n"
+    )
+}
+
+/// Wide cells cannot bend without shear, and those of every coarser grid are four times as stiff: 60 × 60 × 2 cells of 1:10 took 1,000 iterations, of
+/// 1:4 155.
+#[test]
+fn slabs_that_bend_take_few_iterations() {
+    let (cases, first) = (of_environment("SLABS", 1), of_environment("SLABS_SEED", 1));
+    let mut missed = Vec::new();
+    for seed in 0..cases {
+        let r = &mut Random::new(first.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(seed));
+        let text = slab(r);
+        // two cuts in one plane
+        let Some(sample) = Sample::new(&text) else {
+            continue;
+        };
+        let found = sample.geometric(Geometric::default()).unwrap();
+        println!("seed {first}+{seed}: {found}");
+        let amg = || sample.assembled(InnerChoice::Amg(Amg::default()));
+        if found > ENOUGH && amg().is_ok_and(|amg| found > 2 * amg) {
+            missed.push(format!("seed {first}+{seed}: {found}\n{text}"));
+        }
+    }
+    assert!(missed.is_empty(), "{}", missed.join("\n"));
 }

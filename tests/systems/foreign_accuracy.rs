@@ -300,7 +300,7 @@ fn converged_means_accurate_for_systems_of_other_codes() {
 }
 
 /// Two systems beside each other, and the load of the second in units of `load`.
-fn beside(one: &SaddleBlocks, other: &SaddleBlocks, load: f64) -> SaddleBlocks {
+pub(super) fn beside(one: &SaddleBlocks, other: &SaddleBlocks, load: f64) -> SaddleBlocks {
     let join = |a: &SparseMatrix<f64>, b: &SparseMatrix<f64>| {
         let [rows, columns] = [a.rows() + b.rows(), a.cols() + b.cols()];
         let mut joined = Triplets::new((rows, columns));

@@ -5,7 +5,7 @@
 //! with that number.
 
 use super::accuracy::{environment, flat_scene, scene};
-use super::foreign_accuracy::{fixed, hidden_beside, judged, system};
+use super::foreign_accuracy::{beside, fixed, hidden_beside, judged, system};
 use super::reference::reference;
 use fracas::contact::JumpStabilization;
 use fracas::scene::Scene;
@@ -134,4 +134,105 @@ fn converged_means_accurate_for_large_systems() {
     );
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert!(3 * converged > tried, "{converged} of {tried} converged");
+}
+
+/// A chain of springs, and tractions between some of its nodes.
+fn chain(r: &mut Random) -> SaddleBlocks {
+    let n = r.whole(1_000, 6_000) as usize;
+    let m = (f64::from(n as u32) * r.between(0.1, 0.6)) as usize;
+    let coupling = r.between(-0.99, 0.99);
+    let [mut a, mut b1] = [(n, n), (n, m)].map(Triplets::new);
+    for i in 0..n {
+        a.add_triplet(i, i, 2.0);
+        if i + 1 < n {
+            a.add_triplet(i, i + 1, coupling);
+            a.add_triplet(i + 1, i, coupling);
+        }
+    }
+    let is_jump = r.chance(0.5);
+    for j in 0..m {
+        b1.add_triplet(j, j, 1.0);
+        if is_jump {
+            b1.add_triplet(n - 1 - j / 2, j, -1.0);
+        }
+    }
+    let mut loads = |count: usize| (0..count).map(|_| r.between(-1.0, 1.0)).collect();
+    SaddleBlocks {
+        rhs_u: loads(n),
+        rhs_t: loads(m),
+        a: a.to_csr(),
+        b1: b1.to_csr(),
+        b2: None,
+        h: None,
+        coordinates: None,
+        flow: None,
+    }
+}
+
+/// Tractions of which the last pushes as all others together, but for a share of 1e-4 to 0.1, and the load of equal and opposite ones.
+fn alike(r: &mut Random) -> SaddleBlocks {
+    let others = r.whole(1, 2) as usize;
+    let own = r.scale(1e-4, 0.1);
+    let (n, m) = (others + 1, others + 1);
+    let [mut a, mut b1] = [(n, n), (n, m)].map(Triplets::new);
+    (0..n).for_each(|i| a.add_triplet(i, i, 2.0));
+    for k in 0..others {
+        b1.add_triplet(k, k, 1.0);
+        b1.add_triplet(k, others, 1.0);
+    }
+    b1.add_triplet(others, others, own);
+    let mut rhs_u = vec![0.0; n];
+    rhs_u[others] = -own;
+    SaddleBlocks {
+        rhs_u,
+        rhs_t: vec![0.0; m],
+        a: a.to_csr(),
+        b1: b1.to_csr(),
+        b2: None,
+        h: None,
+        coordinates: None,
+        flow: None,
+    }
+}
+
+/// Eight steps of the power method saw nothing of the largest eigenvalue of what such tractions move together, among thousands of others, and what
+/// looks for the smallest found that one.
+#[test]
+fn tractions_that_push_nearly_alike_are_found_among_thousands() {
+    let first = environment("LARGE_SEED", 1);
+    let cases = environment("LARGE_CASES", CASES);
+    let (mut tried, mut converged, mut wrong) = (0, 0, Vec::new());
+    for seed in 0..cases {
+        let r = &mut Random::new(first.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(seed));
+        let (mut one, other) = (chain(r), alike(r));
+        if r.chance(0.3) {
+            let rows: SparseMatrix<f64> = one.b1.transpose_view().to_csr();
+            one.b2 = Some(rows.map(|b| b * 1.25));
+        }
+        let tolerance = r.one_of(&TOLERANCES);
+        // both in the norm of C_0; a chain has tractions of about 1
+        let share = tolerance * 10f64.powf(r.between(0.5, 3.0));
+        let blocks = beside(&one, &other, share * (one.n_t() as f64).sqrt());
+        let Some(exact) = reference(&blocks, &blocks.rhs()) else {
+            continue;
+        };
+        for _ in 0..3 {
+            let (method, inner) = (r.one_of(&METHODS), r.one_of(&INNER));
+            tried += 1;
+            let Some(right) = judged(&blocks, &exact, &fixed(method, inner, tolerance)) else {
+                continue;
+            };
+            converged += 1;
+            if let Err(text) = right {
+                println!("seed {first}+{seed}, {inner}: {text}");
+                wrong.push(format!("seed {first}+{seed}, {text}"));
+            }
+        }
+    }
+    println!(
+        "{tried} solves, {converged} converged, {} wrong",
+        wrong.len()
+    );
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(4 * converged > tried, "{converged} of {tried} converged");
 }

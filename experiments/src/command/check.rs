@@ -100,8 +100,10 @@ fn write_friction(body: &Body, out: &mut dyn Write) -> anyhow::Result<()> {
             write!(out, ", cohesion {}", told(cohesion, "MPa"))?;
         }
         if is_there(dynamic) {
+            // least values: a `profile` may do both
+            let way = if dynamic[0] > angle[0] { "up" } else { "down" };
             let (dynamic, distance) = (told(dynamic, "deg"), told(distance, "m"));
-            write!(out, ", down to {dynamic} over {distance} of slip")?;
+            write!(out, ", {way} to {dynamic} over {distance} of slip")?;
         }
         writeln!(out)?;
     }

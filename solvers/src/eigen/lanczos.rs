@@ -355,6 +355,36 @@ fn ritz(alphas: &[f64], betas: &[f64], next: f64) -> Result<(Extreme, Extreme), 
     Ok((bar(0), bar(k - 1)))
 }
 
+/// Largest eigenvalue of a symmetric tridiagonal matrix by bisection on the count of negative pivots.
+pub(crate) fn largest_of_tridiagonal(diagonal: &[f64], off: &[f64]) -> f64 {
+    let n = diagonal.len();
+    let radius = |i: usize| {
+        let left = if i > 0 { off[i - 1].abs() } else { 0.0 };
+        let right = if i + 1 < n { off[i].abs() } else { 0.0 };
+        left + right
+    };
+    let mut high = (0..n).map(|i| diagonal[i] + radius(i)).fold(0.0, f64::max);
+    let mut low = diagonal.iter().copied().fold(0.0, f64::max);
+    let above = |x: f64| {
+        // x exceeds every eigenvalue if all pivots of x − T are positive
+        let mut pivot = 1.0;
+        (0..n).all(|i| {
+            let coupling = if i > 0 { off[i - 1] * off[i - 1] } else { 0.0 };
+            pivot = x - diagonal[i] - coupling / pivot;
+            pivot > 0.0
+        })
+    };
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if above(middle) {
+            high = middle
+        } else {
+            low = middle
+        }
+    }
+    high
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

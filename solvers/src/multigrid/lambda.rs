@@ -1,5 +1,6 @@
 //! The largest eigenvalue of D⁻¹A, and a bound of the smallest one of M⁻¹A.
 
+use crate::eigen::lanczos::largest_of_tridiagonal;
 use fracas_operators::Real;
 use fracas_operators::random::signed;
 use fracas_operators::vector::{axpy, dot, xpby};
@@ -152,36 +153,6 @@ fn residual(theta: f64, diagonal: &[f64], off: &[f64]) -> f64 {
     // two parts that nothing couples leave 0/0: no residual then
     let residual = beta / f64::sqrt(square);
     if residual.is_finite() { residual } else { 0.0 }
-}
-
-/// Largest eigenvalue of a symmetric tridiagonal matrix by bisection on the count of negative pivots.
-fn largest_of_tridiagonal(diagonal: &[f64], off: &[f64]) -> f64 {
-    let n = diagonal.len();
-    let radius = |i: usize| {
-        let left = if i > 0 { off[i - 1].abs() } else { 0.0 };
-        let right = if i + 1 < n { off[i].abs() } else { 0.0 };
-        left + right
-    };
-    let mut high = (0..n).map(|i| diagonal[i] + radius(i)).fold(0.0, f64::max);
-    let mut low = diagonal.iter().copied().fold(0.0, f64::max);
-    let above = |x: f64| {
-        // x exceeds every eigenvalue if all pivots of x − T are positive
-        let mut pivot = 1.0;
-        (0..n).all(|i| {
-            let coupling = if i > 0 { off[i - 1] * off[i - 1] } else { 0.0 };
-            pivot = x - diagonal[i] - coupling / pivot;
-            pivot > 0.0
-        })
-    };
-    for _ in 0..40 {
-        let middle = 0.5 * (low + high);
-        if above(middle) {
-            high = middle
-        } else {
-            low = middle
-        }
-    }
-    high
 }
 
 #[cfg(test)]

@@ -50,7 +50,7 @@ pub struct EnergyNorms<'a> {
     stiffness: Cow<'a, Stiffness>,
     /// The blocks, where residuals may be had in twice the digits.
     entries: Option<&'a SaddleBlocks>,
-    /// B1, where its entries are known and B2 = B1ᵀ.
+    /// B1, where its entries are known.
     b1: Option<&'a SparseMatrix<f64>>,
     /// Jumps count in the norm of e_u.
     jumps: bool,
@@ -155,13 +155,10 @@ impl<'a> EnergyNorms<'a> {
     #[must_use]
     pub fn with_entries(mut self, blocks: &'a SaddleBlocks) -> Self {
         self.entries = Some(blocks);
-        match blocks.b2 {
-            None => self.with_b1(&blocks.b1),
-            Some(_) => self,
-        }
+        self.with_b1(&blocks.b1)
     }
 
-    /// Knows what tractions move together, where B2 = B1ᵀ: [`probe`](super::probe()) looks at it.
+    /// Knows what tractions move together: [`probe`](super::probe()) looks at it.
     #[must_use]
     pub fn with_b1(mut self, b1: &'a SparseMatrix<f64>) -> Self {
         self.b1 = Some(b1);
@@ -221,7 +218,7 @@ impl<'a> EnergyNorms<'a> {
         OfTractions::new(self.operator, (&self.c, h), &self.diagonal)
     }
 
-    /// What `B1ᵀ diag(A)⁻¹ B1 + H` holds of what the diagonal of C_0 + H holds, where the entries of B1 are known, and B2 = B1ᵀ.
+    /// What `B1ᵀ diag(A)⁻¹ B1 + H` holds of what the diagonal of C_0 + H holds, where the entries of B1 are known.
     pub(super) fn of_moving_tractions(&self) -> Option<OfTractions<'_>> {
         let b1 = self.b1?;
         Some(self.of_tractions().moving(b1, &self.stiffness))

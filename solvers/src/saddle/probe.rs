@@ -129,7 +129,7 @@ fn leave_unmoving(system: &System<'_, f64>, norms: &EnergyNorms<'_>, w: &mut [f6
 /// around an edge may, beside an H far smaller than C_0: t was wrong by 4e-5 where 2e-7 was said.
 ///
 /// # Cost
-/// None where h is below 49 c_0 everywhere and the entries are not known; else 69 products with `C_0 + H` or `B1ᵀ diag(A)⁻¹ B1 + H`, and
+/// None where h is below 49 c_0 everywhere and the entries are not known; else 90 to 140 products with `C_0 + H` or `B1ᵀ diag(A)⁻¹ B1 + H`, and
 /// where there are such tractions up to 20 with 𝒜 and solves with M, about five where M holds them.
 fn may_hide(
     system: &System<'_, f64>,

@@ -118,8 +118,9 @@ pub enum Remark {
     },
     /// Tractions that touch no displacement.
     #[error(
-        "{count} empty {} no displacement (every node of the face constrained?); without H the system is singular",
-        by_number(*count, "column: a traction that touches", "columns: tractions that touch")
+        "{count} empty {} no displacement (every node of the face constrained?); only H can determine {}",
+        by_number(*count, "column: a traction that touches", "columns: tractions that touch"),
+        by_number(*count, "it", "them")
     )]
     EmptyColumns {
         /// How many.
