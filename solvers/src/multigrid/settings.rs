@@ -20,7 +20,8 @@ pub struct Geometric {
     /// Unknowns at which coarsening ends.
     pub coarsest: usize,
     /// Unknowns up to which a grid that coarsens no further is factorized; algebraic multigrid, which takes more iterations the more
-    /// blocks hang on each other, solves larger ones.
+    /// blocks hang on each other, solves larger ones. A body of so many, five times as many where it has at most four cells across, is factorized
+    /// itself where a cycle hardly sees something.
     pub direct: usize,
     /// Factor on the result: RACP gains from eigenvalues of `S̃_u⁻¹S_u` *around* 1, a V-cycle leaves them in (0, 1].
     pub over_correction: f64,

@@ -16,6 +16,9 @@ const MISSED: f64 = 1.0 / 3.0;
 /// than a thousandth of its share of that mode once in a thousand times. With a twentieth one of 40 such systems was missed. Unit: 1.
 const RAISED: f64 = 1000.0;
 
+/// Most products of the polynomial, which suffice where the largest eigenvalue is 1,000 times the limit: it may be beyond all numbers. Unit: 1.
+const MOST_DEGREE: usize = 250;
+
 /// `D^(−1/2) (C + H) D^(−1/2)`, D the diagonal of C_0 + H, and C = C_0 or all of `B1ᵀ diag(A)⁻¹ B1`: how much of what D holds, C + H holds,
 /// traction by traction.
 pub(super) struct OfTractions<'n> {
@@ -96,6 +99,7 @@ impl<'n> OfTractions<'n> {
         let (centre, radius) = (0.5 * (high + low), 0.5 * (high - low));
         let raised = RAISED * (tractions[0] / limit).sqrt();
         let degree = (raised.acosh() / (centre / radius).acosh()).ceil() as usize;
+        let degree = degree.min(MOST_DEGREE);
         let mut before = y.clone();
         y.iter_mut()
             .zip(&before)
