@@ -32,7 +32,8 @@ const FEW: f64 = 8.0;
 /// `‖e_u‖² = e_uᵀA e_u + (B2 e_u)ᵀ (C_0 + diag H)⁻¹ (B2 e_u)` and `‖e_t‖² = e_tᵀ (C_0 + H) e_t`, `C_0 = diag(B1ᵀ diag(A)⁻¹ B1)`.
 ///
 /// The norm of e_u is the energy norm, and sees the motion of blocks that A leaves free by their jumps; that of e_t is the energy
-/// of what the tractions move, and that of pressures likewise `‖e_p‖² = e_pᵀ diag(Q1ᵀ diag(A)⁻¹ Q1) e_p`: T may be singular or indefinite, and
+/// of what the tractions move. Where H has a negative entry on its diagonal it is that of `C_0 + |diag H|`: C_0 + H may then lose all of a large
+/// error. That of pressures is likewise `‖e_p‖² = e_pᵀ diag(Q1ᵀ diag(A)⁻¹ Q1) e_p`: T may be singular or indefinite, and
 /// where it is large its energy does not see that all pressures are wrong by the same. None depends on units, on the method, or on how stiff the rock is that a prescribed
 /// displacement holds.
 ///
@@ -46,6 +47,8 @@ pub struct EnergyNorms<'a> {
     c: Vec<f64>,
     /// Diagonal of C_0 + H.
     diagonal: Vec<f64>,
+    /// `C_0 + |diag H|`, where H has a negative entry on its diagonal.
+    of_indefinite: Option<Vec<f64>>,
     strain: Option<StrainNorm<'a>>,
     stiffness: Cow<'a, Stiffness>,
     /// The blocks, where residuals may be had in twice the digits.
@@ -103,12 +106,17 @@ impl<'a> EnergyNorms<'a> {
             *c = of_itself(*h);
         }
         let diagonal = c.iter().zip(&of_h).map(|(c, h)| c + h.max(0.0)).collect();
+        let mut negative = [of_h.iter().filter(|h| **h < 0.0).count() as f64];
+        operator.sum_over_parts(&mut negative);
+        let sizes = || c.iter().zip(&of_h).map(|(c, h)| c + h.abs()).collect();
+        let of_indefinite = (negative[0] > 0.0).then(sizes);
         Self {
             operator,
             layout: Layout::new([(U, stiffness.len()), (T, c.len())]),
             h,
             c,
             diagonal,
+            of_indefinite,
             strain: None,
             stiffness,
             entries: None,
@@ -295,10 +303,14 @@ impl<'a> EnergyNorms<'a> {
         (energy.max(0.0) + springs).sqrt()
     }
 
-    /// `√(tᵀ(C_0 + H)t)`.
+    /// `√(tᵀ(C_0 + H)t)`, with |diag H| for H where that has a negative entry.
     fn tractions(&self, t: &[f64]) -> f64 {
-        let c: f64 = t.iter().zip(&self.c).map(|(t, c)| c * t * t).sum();
-        let h = self.h.as_ref().map_or(0.0, |h| energy(&**h, t));
+        let weights = self.of_indefinite.as_ref().unwrap_or(&self.c);
+        let c: f64 = t.iter().zip(weights).map(|(t, c)| c * t * t).sum();
+        let h = match (&self.h, &self.of_indefinite) {
+            (Some(h), None) => energy(&**h, t),
+            _ => 0.0,
+        };
         let [c, h] = self.sums([c, h]);
         (c + h.max(0.0)).sqrt()
     }
