@@ -17,6 +17,8 @@ pub use kind::{
     Viscosity,
 };
 
+pub(crate) use kind::MOST;
+
 /// A number with a unit: value = number · factor(unit).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quantity {

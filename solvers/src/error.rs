@@ -25,7 +25,8 @@ pub enum SetupError {
     },
     /// A diagonal entry that must be divided by is zero, negative or missing.
     #[error(
-        "block {block} has the diagonal entry {value:e} in row {row} (counted from 1); {method} needs a positive one"
+        "block {block} has the diagonal entry {value:e} in row {row} (counted from 1); {method} needs a positive one{}",
+        held_by_b1(block, *value)
     )]
     BadDiagonal {
         /// `A`, `S_u`, …
@@ -109,5 +110,13 @@ impl SetupError {
             Self::NotApplicable { .. } | Self::NotBuilt { .. } | Self::OutOfMemory { .. } => {}
         }
         self
+    }
+}
+
+/// What to take where a block needs what A does not hold.
+fn held_by_b1(block: &str, value: f64) -> &'static str {
+    match (block, value) {
+        ("A", 0.0) => "; if B1 holds what moves there, take racp, mcp or direct",
+        _ => "",
     }
 }

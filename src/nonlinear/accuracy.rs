@@ -1,6 +1,6 @@
 //! How far an iterate is from the solution at its states.
 
-use super::krylov::small_eigenvalue;
+use super::krylov::{eigenvalue_of_freed, small_eigenvalue};
 use super::linear::Linear;
 use super::newton::{Attempt, Iterate};
 use super::{ContactJacobian, ContactProblem, Event, Failure, LinearFailure};
@@ -22,6 +22,10 @@ pub(super) struct Accuracy<'s> {
     attempt: &'s Attempt<'s>,
     norms: EnergyNorms<'s>,
     judge: ErrorJudge,
+    /// Which M said the errors before.
+    by: Option<usize>,
+    /// It was another one than that of the errors before them.
+    renewed: bool,
     /// Largest norm of every field so far.
     pub(super) size: Fields<f64>,
     /// They know of this attempt.
@@ -37,6 +41,8 @@ impl<'s> Accuracy<'s> {
             attempt,
             norms: attempt.norms(),
             judge: ErrorJudge::new(problem.body().solver.tolerance),
+            by: None,
+            renewed: false,
             size: attempt.size,
             seen: false,
         })
@@ -104,6 +110,12 @@ impl<'s> Accuracy<'s> {
             true => (vec![0.0; whole.len()], Some(1.0)).into(),
             false => solve(&residual, (&self.norms, &in_doubt))?,
         };
+        // errors by one M say nothing of what a pass has gained by another
+        let before = std::mem::replace(&mut self.by, found.by);
+        self.renewed = before.is_some() && before != found.by;
+        if self.renewed {
+            self.begin();
+        }
         let size = (found.size).unwrap_or_else(|| self.norms.error(&found.e));
         let mut judged = (self.judge).judge(&self.norms, (size, &whole), self.size, found.ritz);
         if let Some(followed) = found.followed {
@@ -128,6 +140,11 @@ impl<'s> Accuracy<'s> {
         (!enough && judged.estimate.is_finite()).then(|| judged.step(tolerance))
     }
 
+    /// Whether the last errors are by another M than those before: what steps gain is then seen by the next ones.
+    pub(super) fn is_renewed(&self) -> bool {
+        self.renewed
+    }
+
     /// Whether errors that rounding leaves are taken.
     pub(super) fn is_enough(&self, judged: Judged) -> bool {
         let settings = self.attempt.problem.body().solver;
@@ -150,6 +167,10 @@ impl<'s> Accuracy<'s> {
     }
 }
 
+/// Times that errors by M⁻¹r may be smaller than the tolerance where a look at freed jumps still says something: beyond, none of them has been
+/// seen to hide as much. Unit: 1.
+const HIDES: [f64; 4] = [1.0, FOLLOWS, FOLLOWS * FOLLOWS, FOLLOWS * FOLLOWS * FOLLOWS];
+
 /// Whether errors of this size by M⁻¹r may be too large by what follows.
 pub(super) type Doubt<'a> = dyn Fn(Fields<f64>) -> bool + 'a;
 
@@ -159,10 +180,26 @@ pub(super) struct Estimate {
     pub(super) e: Vec<f64>,
     /// The Ritz value of M⁻¹J nearest to zero.
     pub(super) ritz: Option<f64>,
+    /// It has been looked for at freed jumps.
+    looked: bool,
+    /// Which M, where others may follow.
+    by: Option<usize>,
     /// Norms of e, where M⁻¹r may be doubted.
     size: Option<Fields<f64>>,
     /// Norms of the error with what follows e, where J is not symmetric and those of e are in doubt.
     followed: Option<Fields<f64>>,
+}
+
+/// What is known of the eigenvalues of M⁻¹J.
+pub(super) struct Seen<'a> {
+    /// The Ritz value nearest to zero.
+    pub(super) ritz: Option<f64>,
+    /// Smaller ones have been looked for.
+    pub(super) probed: bool,
+    /// Faces of which M holds jumps that are free, where none have been looked for there.
+    pub(super) freed: &'a [usize],
+    /// M has just been made, and no iteration has seen it.
+    pub(super) is_new: bool,
 }
 
 /// Of e and its Ritz value alone.
@@ -171,6 +208,8 @@ impl From<(Vec<f64>, Option<f64>)> for Estimate {
         Self {
             e,
             ritz,
+            looked: false,
+            by: None,
             size: None,
             followed: None,
         }
@@ -188,21 +227,28 @@ impl Estimate {
         in_doubt(of(1.0)) || in_doubt(of(FOLLOWS))
     }
 
-    /// By a solve with M; the Ritz value is that of those `seen`, and of a [look](small_eigenvalue) where none was had and M is of one level.
+    /// By a solve with M; the Ritz value is that of those `seen`, and of a [look](small_eigenvalue) where none was had and M is of one level, or
+    /// at what is free since M was made ([`eigenvalue_of_freed`]).
     pub(super) fn new(
         system: &System<'_, f64>,
         (norms, in_doubt): (&EnergyNorms<'_>, &Doubt<'_>),
-        (is_symmetric, (seen, probed)): (bool, (Option<f64>, bool)),
+        (is_symmetric, seen): (bool, Seen<'_>),
         observer: &mut dyn Observer,
     ) -> Self {
         let inverse = system.preconditioner;
         let mut e = vec![0.0; system.rhs.len()];
         inverse.solve(system.rhs, &mut e, &mut vec![0.0; inverse.work_len()]);
-        let ritz = match probed {
-            true => seen,
-            false => least([seen, small_eigenvalue(system, norms, observer)]),
-        };
         let size = norms.error(&e);
+        let mut ritz = seen.ritz;
+        if !seen.probed {
+            ritz = least([ritz, small_eigenvalue(system, norms, observer)]);
+        }
+        let times = |factor: f64| in_doubt(size.map(|_, size| size * factor));
+        let looks = !seen.freed.is_empty() && (seen.is_new || HIDES.into_iter().any(times));
+        if looks {
+            let of_freed = eigenvalue_of_freed(system, norms, seen.freed, observer);
+            ritz = least([ritz, of_freed]);
+        }
         let is_doubtful = !is_symmetric && in_doubt(size);
         let followed = is_doubtful.then(|| {
             let mut work = vec![0.0; system.operator.work_len().max(inverse.work_len())];
@@ -211,6 +257,8 @@ impl Estimate {
         Self {
             e,
             ritz,
+            looked: looks,
+            by: None,
             size: Some(size),
             followed,
         }
@@ -230,6 +278,8 @@ impl Linear {
         observer: &mut dyn Observer,
     ) -> Result<Estimate, LinearFailure> {
         self.untold |= self.prepare(problem, jacobian, states, observer)?;
+        let freed = self.freed(states);
+        let mut is_new = false;
         loop {
             let inverse = self.inverse(problem, jacobian, states)?;
             let system = System {
@@ -237,16 +287,25 @@ impl Linear {
                 preconditioner: &inverse,
                 rhs: residual,
             };
-            let seen = (self.smallest_ritz, self.probed);
-            let found = Estimate::new(&system, judged, (jacobian.is_symmetric(), seen), observer);
+            let seen = Seen {
+                ritz: self.smallest_ritz,
+                probed: self.probed,
+                freed: if self.looked { &[] } else { &freed },
+                is_new,
+            };
+            let mut found =
+                Estimate::new(&system, judged, (jacobian.is_symmetric(), seen), observer);
             drop(inverse);
+            found.by = Some(self.builds);
             (self.smallest_ritz, self.probed) = (found.ritz, true);
+            self.looked |= found.looked;
             let is_doubtful = self.is_of_others(states) && found.may_hide(judged.1);
             if !is_doubtful || !self.build_own(problem, jacobian, states, observer)? {
                 return Ok(found);
             }
             self.untold = true;
             self.other_states();
+            is_new = true;
         }
     }
 }

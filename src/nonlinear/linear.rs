@@ -52,8 +52,12 @@ pub(super) struct Linear {
     pub(super) smallest_ritz: Option<f64>,
     /// Smaller ones have been looked for.
     pub(super) probed: bool,
+    /// So have those at jumps that are free since M was made.
+    pub(super) looked: bool,
     /// A preconditioner for its states has been built in this step.
     built: bool,
+    /// Preconditioners built.
+    pub(super) builds: usize,
     /// One was built while errors were judged: the next system tells of it.
     pub(super) untold: bool,
     pub(super) resources: Resources,
@@ -81,7 +85,9 @@ impl Linear {
             beyond: 0.0,
             smallest_ritz: None,
             probed: false,
+            looked: false,
             built: false,
+            builds: 0,
             untold: false,
             resources: Resources::default(),
             assembled: Assembled::default(),
@@ -128,7 +134,7 @@ impl Linear {
 
     /// Systems are those of other states from now on.
     pub(super) fn other_states(&mut self) {
-        (self.smallest_ritz, self.probed) = (None, false);
+        (self.smallest_ritz, self.probed, self.looked) = (None, false, false);
     }
 
     /// What the next step finds: iterations per digit of the first system, and what the preconditioner beside the all-stick
@@ -150,6 +156,15 @@ impl Linear {
         let layout = problem.saddle().layout();
         let max_iterations = self.max_krylov;
         let at = (jacobian, states);
+        let meet_laws = |x: &mut [f64]| {
+            let open = |f: &usize| states[*f] == ContactState::Open;
+            let ([x_t], [b_t]) = (layout.split_mut([T], x), layout.split([T], rhs));
+            for f in (0..states.len()).filter(open) {
+                for i in 3 * f..3 * f + 3 {
+                    x_t[i] = -b_t[i] / problem.law_entry(f);
+                }
+            }
+        };
         let solved = self.around(
             problem,
             at,
@@ -158,13 +173,7 @@ impl Linear {
                 // laws of open faces are met at the start, and every iterate keeps them
                 x.fill(0.0);
                 if jacobian.is_symmetric() {
-                    let open = |f: &usize| states[*f] == ContactState::Open;
-                    let ([x_t], [b_t]) = (layout.split_mut([T], x), layout.split([T], rhs));
-                    for f in (0..states.len()).filter(open) {
-                        for i in 3 * f..3 * f + 3 {
-                            x_t[i] = -b_t[i] / problem.law_entry(f);
-                        }
-                    }
+                    meet_laws(x);
                 }
                 let system = System {
                     operator: jacobian,
@@ -181,7 +190,12 @@ impl Linear {
                 krylov::solve(&system, asked, x, observer, work)
             },
         );
-        solved.or_else(|failure| self.factorize_contact(problem, at, rhs, x, failure))
+        let solved = solved.or_else(|failure| self.factorize_contact(problem, at, rhs, x, failure));
+        // GMRES keeps them to rounding
+        if jacobian.is_symmetric() {
+            meet_laws(x);
+        }
+        solved
     }
 
     /// Whether a preconditioner for the states at hand is worth its set-up.
@@ -201,15 +215,6 @@ impl Linear {
         solver.racp.is_none() && solver.inner == RunInner::Exact
     }
 
-    /// Whether no S̃_u was made for these states.
-    pub(super) fn is_of_others(&self, states: &[ContactState]) -> bool {
-        let is_other = |ready: &Option<Ready>| {
-            let of = ready.as_ref().map(|ready| ready.of.states.as_slice());
-            of != Some(states)
-        };
-        is_other(&self.stick) && is_other(&self.present.ready)
-    }
-
     /// RACP around the S̃_u made for the states nearest to these.
     pub(super) fn inverse<'s>(
         &'s self,
@@ -217,15 +222,7 @@ impl Linear {
         jacobian: &'s ContactJacobian<'_>,
         states: &[ContactState],
     ) -> Result<RacpInverse<'s>, LinearFailure> {
-        let far = |ready: &Option<Ready>| match ready {
-            Some(ready) => ready.distance(states),
-            None => usize::MAX,
-        };
-        let nearest = match far(&self.present.ready) < far(&self.stick) {
-            true => &self.present.ready,
-            false => &self.stick,
-        };
-        let Some(Ready { inverse: s_u, .. }) = nearest else {
+        let Some(Ready { inverse: s_u, .. }) = self.nearest(states) else {
             unreachable!("prepared before");
         };
         let tangent = |f: usize| match &jacobian.faces {
@@ -340,6 +337,7 @@ impl Linear {
         if observer.observe(&step).is_break() {
             return Err(MatrixFreeError::Stopped.into());
         }
+        self.builds += 1;
         let of = Prepared { states, c };
         Ok(Ready { of, inverse })
     }

@@ -50,6 +50,7 @@ mod record;
 mod remarks;
 mod returning;
 mod rounds;
+mod serving;
 mod simulation;
 mod springs;
 mod stability;

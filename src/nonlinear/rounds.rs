@@ -252,8 +252,9 @@ impl Search<'_, '_> {
                     let stands = (&states[..], h);
                     let errors = self.judged(attempt, stands, (x, &at))?;
                     judged = errors.map(|(judged, _)| judged);
+                    let is_renewed = (self.accuracy.as_ref()).is_some_and(Accuracy::is_renewed);
                     let last = match errors.and_then(|(_, left)| left) {
-                        Some(step) if converged => step,
+                        Some(step) if converged || is_renewed => step,
                         Some(_) | None if !attempt.keeps_fluid(&at) => {
                             let failure = until.missed(residual, taken);
                             return Ok(unsolved(states, failure, (log, round)));

@@ -7,6 +7,7 @@ use super::{
     SurfaceProblem, TableProblem,
 };
 use crate::mesh::MeshError;
+use crate::units::MOST;
 use fracas_solvers::words::by_number;
 
 /// A place in a scene file.
@@ -237,6 +238,15 @@ pub enum Problem {
     BadHistory {
         /// The first point, from 1, that does not come after the one before it.
         early: Option<usize>,
+    },
+    /// A factor of which products leave the range of f64.
+    #[error(
+        "the factor {factor:e} of a history is out of range: factors are at most {:e} in size",
+        MOST
+    )]
+    LargeFactor {
+        /// As written.
+        factor: f64,
     },
     /// Half of the weakening data.
     #[error(

@@ -2,7 +2,7 @@
 
 use super::Problem;
 use super::located::{Located, at};
-use crate::units::{Duration, Measure};
+use crate::units::{Duration, MOST, Measure};
 
 /// Relative difference of slopes that counts as rounding. Unit: 1.
 const STRAIGHT: f64 = 1e-9;
@@ -136,7 +136,7 @@ impl Histories {
         Self(vec![History::constant()])
     }
 
-    /// The number of a history that is written at `path`, or `default` where none is.
+    /// The number of a history that is written at `path`, or `default` where none is; factors are bounded as quantities are.
     pub(super) fn number(
         &mut self,
         written: Option<&Vec<(Measure<Duration>, f64)>>,
@@ -147,6 +147,12 @@ impl Histories {
             return Ok(default);
         };
         let points: Vec<_> = written.iter().map(|(t, f)| (t.si(), *f)).collect();
+        let is_large = |factor: f64| factor.is_finite() && factor.abs() > MOST;
+        if let Some(k) = points.iter().position(|(_, factor)| is_large(*factor)) {
+            let (place, factor) = (k.to_string(), points[k].1);
+            let path = [path, &[place.as_str(), "1"]].concat();
+            return Err(at(&path, Problem::LargeFactor { factor }));
+        }
         let early = points.windows(2).position(|pair| pair[1].0 <= pair[0].0);
         let problem = Problem::BadHistory {
             early: early.map(|before| before + 2),

@@ -43,6 +43,7 @@ mod used;
 mod weight;
 mod weight_above;
 mod wells;
+mod whole_lists;
 
 use std::path::{Path, PathBuf};
 

@@ -5,6 +5,7 @@ use std::ops::Range;
 use serde::de::DeserializeOwned;
 use toml::de::{DeTable, DeValue};
 
+use super::whole_lists::WholeLists;
 use super::{Place, SceneError};
 use crate::nearest::nearest;
 
@@ -78,9 +79,11 @@ impl Source {
         self.place(span)
     }
 
-    /// Deserializes the text.
+    /// Deserializes the text; entries of lists that the type has no place for are errors.
     pub(super) fn parse<T: DeserializeOwned>(&self) -> Result<T, SceneError> {
-        let parsed = toml::from_str(&self.text).map_err(|e| self.explain(&e))?;
+        let parsed = toml::de::Deserializer::parse(&self.text)
+            .and_then(|document| T::deserialize(WholeLists(document)))
+            .map_err(|e| self.explain(&e))?;
         let root = DeTable::parse(&self.text).ok();
         let beyond = root.and_then(|root| root.get_ref().iter().find_map(|(_, v)| beyond(v)));
         match beyond {
@@ -116,10 +119,28 @@ impl Source {
         }
         SceneError::Syntax {
             place,
-            // serde names Rust's types
-            message: message.replace("a nonzero u32", "a positive whole number"),
+            message: in_plain_words(message),
         }
     }
+}
+
+/// A message of serde that does not end with the name of a type of Rust.
+fn in_plain_words(message: &str) -> String {
+    const COUNT: &str = "a whole number, 0 or more";
+    for (name, words) in [
+        ("a nonzero u32", "a whole number from 1 to 4294967295"),
+        ("usize", COUNT),
+        ("u64", COUNT),
+        ("u32", "a whole number from 0 to 4294967295"),
+        ("u8", "a whole number from 0 to 255"),
+        ("f64", "a number"),
+    ] {
+        let start = message.strip_suffix(name).unwrap_or_default();
+        if start.ends_with(", expected ") {
+            return format!("{start}{words}");
+        }
+    }
+    message.into()
 }
 
 /// Where an integer is written that the 64 bits with sign of TOML do not hold.
@@ -132,5 +153,71 @@ fn beyond(value: &toml::Spanned<DeValue<'_>>) -> Option<Range<usize>> {
         DeValue::Array(array) => array.iter().find_map(beyond),
         DeValue::Table(table) => table.iter().find_map(|(_, v)| beyond(v)),
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+
+    /// What is said of a text of keys with values of this type.
+    fn said<T: DeserializeOwned>(text: &str) -> String {
+        let source = Source::new(text, "s.toml");
+        match source.parse::<BTreeMap<String, T>>() {
+            Ok(_) => panic!("accepted {text}"),
+            Err(error) => error.to_string(),
+        }
+    }
+
+    #[test]
+    fn no_type_of_rust_is_named() {
+        let count = "expected a whole number, 0 or more\n";
+        let negative = said::<usize>("n = -1");
+        let start = format!("s.toml:1:5: invalid value: integer `-1`, {count}");
+        assert!(negative.starts_with(&start), "{negative}");
+        let text = said::<u64>("n = 'one'");
+        assert!(text.contains(count), "{text}");
+        for (text, end) in [
+            (said::<u32>("n = 5000000000"), "from 0 to 4294967295\n"),
+            (said::<u8>("n = 256"), "from 0 to 255\n"),
+            (
+                said::<std::num::NonZeroU32>("n = 0"),
+                "from 1 to 4294967295\n",
+            ),
+        ] {
+            let end = format!(", expected a whole number {end}");
+            assert!(text.contains(&end), "{text}");
+        }
+        let text = said::<f64>("n = 'f64'");
+        let start = "s.toml:1:5: invalid type: string \"f64\", expected a number\n";
+        assert!(text.starts_with(start), "{text}");
+        let text = said::<String>("n = 1");
+        assert!(text.contains(", expected a string\n"), "{text}");
+        assert_eq!(in_plain_words("the type is usize"), "the type is usize");
+    }
+
+    #[test]
+    fn what_follows_the_last_entry_of_a_list_is_refused() {
+        #[derive(serde::Deserialize)]
+        #[serde(rename_all = "lowercase")]
+        enum Choice {
+            #[allow(dead_code)]
+            Pair(Option<[f64; 2]>),
+        }
+        let pair = said::<(f64, f64)>("n = [1, 2, 'x']");
+        let start = "s.toml:1:5: a list of 2 entries was expected, this one has 3\n";
+        assert!(pair.starts_with(start), "{pair}");
+        let nested = said::<Vec<Option<[u8; 1]>>>("a = [[7]]\nb = [\n[8],\n  [9, {}, []]]");
+        let start = "s.toml:4:3: a list of 1 entry was expected, this one has 3\n";
+        assert!(nested.starts_with(start), "{nested}");
+        let chosen = said::<Choice>("c = { pair = [1, 2, 3] }");
+        let start = "s.toml:1:14: a list of 2 entries was expected, this one has 3\n";
+        assert!(chosen.starts_with(start), "{chosen}");
+        let short = said::<(f64, f64)>("n = [1]");
+        assert!(short.starts_with("s.toml:1:5: invalid length 1"), "{short}");
+        let whole = Source::new("a = [1, 2]\nb = []\nc = [3]", "s.toml");
+        let whole: BTreeMap<String, Vec<u8>> = whole.parse().unwrap();
+        assert_eq!(whole.values().map(Vec::len).sum::<usize>(), 3);
     }
 }

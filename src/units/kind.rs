@@ -11,7 +11,7 @@ use super::{Dimension, Quantity, UnitError};
 
 /// Smallest and largest size of a quantity but 0, in SI units: of larger and smaller ones products leave the range of f64 (1e±308).
 pub(super) const LEAST: f64 = 1e-100;
-pub(super) const MOST: f64 = 1e100;
+pub(crate) const MOST: f64 = 1e100;
 
 /// What a quantity means: its dimension and the values that it may take.
 pub trait Kind {

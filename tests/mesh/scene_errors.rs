@@ -490,6 +490,111 @@ fn keys_that_would_change_nothing_are_refused() {
     }
 }
 
+#[test]
+fn entries_that_a_list_has_no_place_for_are_refused() {
+    let wanted = |wanted: usize, found: usize| {
+        format!("a list of {wanted} entries was expected, this one has {found}\n")
+    };
+    for (from, to, place, sentence) in [
+        (
+            "hold = \"fixed\"",
+            "pressure = \"1 MPa\"\nhistory = [[\"0 s\", 0, 9], [\"1 day\", 1, \"x\"]]",
+            "s.toml:21:12: ",
+            wanted(2, 3),
+        ),
+        (
+            "poisson = 0.25",
+            "poisson = 0.25\npressure_change = \"1 MPa\"\npressure_history = [[\"0 s\", 0, 3]]",
+            "s.toml:13:21: ",
+            wanted(2, 3),
+        ),
+        (
+            "poisson = 0.25",
+            "poisson = 0.25\npore_pressure = { points = [[\"0 s\", \"1 MPa\"], [\"1 day\", \"2 MPa\", \"oops\", 7]] }",
+            "s.toml:12:47: ",
+            wanted(2, 4),
+        ),
+        (
+            "at = \"2 m\"",
+            "at = \"2 m\"\nz = [\"0 m\", \"1 m\", \"junk\"]",
+            "s.toml:17:5: ",
+            wanted(2, 3),
+        ),
+        (
+            "side = \"x-\"",
+            "side = \"x-\"\nz = [\"0 m\", \"1 m\", 2]",
+            "s.toml:20:5: ",
+            wanted(2, 3),
+        ),
+        (
+            "poisson = 0.25",
+            "poisson = 0.25\nlayers = [['0 m', '1 m'], ['1 m', '2 m', 'x']]",
+            "s.toml:12:27: ",
+            wanted(2, 3),
+        ),
+        (
+            "poisson = 0.25",
+            "poisson = 0.25\nboxes = [{ y = ['0 m', '1 m', '2 m', '3 m'] }]",
+            "s.toml:12:16: ",
+            wanted(2, 4),
+        ),
+        (
+            "cells = 2 }\nz",
+            "size = \"1 m\", growth = 1.2, fine = [\"0 m\", \"1 m\", \"2 m\"] }\nz",
+            "s.toml:5:68: ",
+            wanted(2, 3),
+        ),
+        (
+            "at = \"2 m\"",
+            "at = \"2 m\"\nconductivity_along = { direction = [0, 0, 1, \"x\"], conductivity = \"1 m3\" }",
+            "s.toml:17:36: ",
+            wanted(3, 4),
+        ),
+        (
+            "[[boundary]]",
+            "[[source]]\nfracture = \"F\"\nat = [\"2 m\", \"1 m\", \"1 m\", \"2 m\"]\n[[boundary]]",
+            "s.toml:20:6: ",
+            wanted(3, 4),
+        ),
+    ] {
+        let text = refused(from, to);
+        assert!(text.starts_with(&(place.to_owned() + &sentence)), "{text}");
+    }
+    let scene = Scene::from_toml(SCENE, "s.toml").unwrap();
+    let longer = scene.with_overrides(&["fracture.F.z=[\"0 m\", \"1 m\", 7]"]);
+    let text = longer.unwrap_err().to_string();
+    assert!(text.contains(&wanted(2, 3)), "{text}");
+    let text = refused(
+        "hold = \"fixed\"",
+        "hold = \"fixed\"\n[solver]\nmax_cuts = -1",
+    );
+    let start = "s.toml:22:12: invalid value: integer `-1`, expected a whole number, 0 or more\n";
+    assert!(text.starts_with(start), "{text}");
+}
+
+#[test]
+fn factors_of_which_products_are_no_numbers_are_refused() {
+    let time = "[time]\nend = \"2 s\"\nsteps = 2\n";
+    let history = |factor: &str| format!("history = [[\"0 s\", 0], [\"1 s\", {factor}]]\n");
+    let loaded = |factor: &str| {
+        let pressure = format!("pressure = \"1 MPa\"\n{}", history(factor));
+        let moved = format!("[[boundary]]\nside = \"x+\"\n{pressure}");
+        built("", "", &(moved + time))
+    };
+    for factor in ["1e300", "-2e100"] {
+        let text = loaded(factor).unwrap_err().to_string();
+        let start = format!(
+            "s.toml:24:32: the factor {factor} of a history is out of range: factors are at most 1e100 in size\n"
+        );
+        assert!(text.starts_with(&start), "{text}");
+    }
+    assert!(loaded("1e100").is_ok());
+    assert!(loaded("1e-200").is_ok());
+    let of_time = built("", "", &(time.to_owned() + &history("1e101")));
+    let text = of_time.unwrap_err().to_string();
+    assert!(text.starts_with("s.toml:24:32: the factor 1e101"), "{text}");
+}
+
 /// Builds the scene with a piece of text replaced and sections added.
 fn built(from: &str, to: &str, more: &str) -> Result<Body, SceneError> {
     let text = SCENE.replacen(from, to, 1) + more;

@@ -33,7 +33,7 @@ pub(super) const METHODS: [&str; 7] = [
 
 pub(super) const INNER: [&str; 5] = ["exact", "amg", "ssor", "fsai", "jacobi"];
 
-const TOLERANCES: [f64; 4] = [1e-4, 1e-6, 1e-8, 1e-10];
+pub(super) const TOLERANCES: [f64; 4] = [1e-4, 1e-6, 1e-8, 1e-10];
 
 /// Seeds of systems that were called converged once and were not, most with B2 ≠ B1ᵀ, of which Ritz values and M⁻¹r said too little.
 const WRONG_ONCE: [(u64, u64); 6] = [
@@ -164,12 +164,15 @@ pub(super) fn system(r: &mut Random) -> SaddleBlocks {
 }
 
 /// Errors of u and t, each relative to the solution's. Of u: `√(eᵀA e + (B2 e)ᵀ (C_0 + |diag H|)⁻¹ (B2 e))` over `√(uᵀA u)` where A is definite, that of
-/// `|diag A|` elsewhere; of t that of `C_0 + H`, `C_0 = diag(B1ᵀ |diag A|⁻¹ B1)`, as `solve` says it, and of `C_0 + |diag H|` where H has a negative entry
-/// on its diagonal.
+/// `|diag A|` elsewhere; of t that of `C_0 + H`, `C_0 = diag(B1ᵀ |diag A|⁻¹ B1)`, as `solve` says it, and of `C_0 + |diag H|` where one or two rows
+/// show that H is indefinite.
 pub(super) fn errors(blocks: &SaddleBlocks, x: &[f64], exact: &[f64]) -> [f64; 2] {
     let n = blocks.n_u();
     let diagonal = |m: &SparseMatrix<f64>, i| m.get(i, i).map_or(0.0, |v: &f64| v.abs());
-    let a: Vec<f64> = (0..n).map(|i| diagonal(&blocks.a, i)).collect();
+    let mut a: Vec<f64> = (0..n).map(|i| diagonal(&blocks.a, i)).collect();
+    let positive = a.iter().copied().filter(|a| *a > 0.0);
+    let least = positive.fold(f64::INFINITY, f64::min);
+    (a.iter_mut().filter(|a| **a == 0.0)).for_each(|a| *a = least);
     let mut c: Vec<f64> = (0..blocks.n_t())
         .map(|j| blocks.h.as_ref().map_or(0.0, |h| diagonal(h, j)))
         .collect();
@@ -179,9 +182,15 @@ pub(super) fn errors(blocks: &SaddleBlocks, x: &[f64], exact: &[f64]) -> [f64; 2
         c_0[j as usize] += b * b / a[i as usize];
     }
     c.iter_mut().zip(&c_0).for_each(|(c, c_0)| *c += c_0);
-    let is_semidefinite =
-        |h: &&SparseMatrix<f64>| (0..h.rows()).all(|i| h.get(i, i).is_none_or(|v| *v >= 0.0));
-    let of_t = |t: &[f64]| match blocks.h.as_ref().filter(is_semidefinite) {
+    let may_be_semidefinite = |h: &&SparseMatrix<f64>| {
+        let at = |i: usize, j: usize| h.get(i, j).copied().unwrap_or(0.0);
+        (0..h.rows()).all(|i| at(i, i) >= 0.0)
+            && h.iter().all(|(_, (i, j))| {
+                let (i, j) = (i as usize, j as usize);
+                (0.5 * (at(i, j) + at(j, i))).powi(2) <= (1.0 + 1e-8) * at(i, i) * at(j, j)
+            })
+    };
+    let of_t = |t: &[f64]| match blocks.h.as_ref().filter(may_be_semidefinite) {
         Some(h) => {
             let terms = h
                 .iter()
@@ -191,7 +200,7 @@ pub(super) fn errors(blocks: &SaddleBlocks, x: &[f64], exact: &[f64]) -> [f64; 2
         None => weighted(&c, t),
     };
     // scaled A = MMᵀ + a multiple of 1, with one negative entry on the diagonal where it is not definite
-    let is_definite = (0..n).all(|i| blocks.a.get(i, i).is_some_and(|v| *v > 0.0));
+    let is_definite = (0..n).all(|i| blocks.a.get(i, i).is_none_or(|v| *v > 0.0));
     let energy = |u: &[f64]| match is_definite {
         true => (blocks.a.iter())
             .map(|(a, (i, j))| a * u[i as usize] * u[j as usize])

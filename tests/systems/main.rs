@@ -5,9 +5,11 @@ use fracas::mesh;
 
 mod accuracy;
 mod exact_schur;
+mod far_from_normal;
 mod foreign_accuracy;
 mod foreign_systems;
 mod giving_way;
+mod held_by_b1;
 mod held_by_h;
 mod inf_sup;
 mod large;

@@ -56,7 +56,8 @@ pub struct Accurate {
 /// solve `𝒜z = r`, x ← x + z, with x in twice the digits until it is returned: iterative refinement (Demmel et al., ACM TOMS 32, 2006).
 ///
 /// Eigenvalues of M⁻¹𝒜 close to zero, of which b has little, are not seen by the iteration. Where M is of one level, or in f32
-/// around entries that spread over its digits, or where H leaves a traction all but free, a [`probe`] looks for them.
+/// around entries that spread over its digits, or where H leaves a traction all but free, a [`probe`] looks for them; of a large system that is not
+/// symmetric it sees how far 𝒜⁻¹ grows beyond M⁻¹.
 ///
 /// # Cost
 /// Beyond the iterations, per look at the errors two products with 𝒜 and one solve with M, one more of each where M is
@@ -78,6 +79,7 @@ pub fn solve_accurately(
         norms,
         criteria,
         is_probed: measure == Measure::Residual,
+        hidden: None,
         errors: ErrorJudge::new(tolerance),
         left: Remainder::new(system, norms),
         totals: Totals::default(),
@@ -193,6 +195,8 @@ struct Search<'a> {
     criteria: &'a Criteria,
     /// Small eigenvalues were looked for, or need not be.
     is_probed: bool,
+    /// What stands for a Ritz value where M⁻¹𝒜 is far from normal.
+    hidden: Option<f64>,
     errors: ErrorJudge,
     left: Remainder<'a>,
     totals: Totals,
@@ -226,8 +230,10 @@ impl Search<'_> {
                 observer,
             );
             self.totals.add(probed);
+            self.hidden = probed.hidden;
         }
-        (self.left).judged(x, &mut self.errors, self.totals.smallest_ritz)
+        let ritz = least([self.totals.smallest_ritz, self.hidden]);
+        (self.left).judged(x, &mut self.errors, ritz)
     }
 
     /// Whether these errors are small. Around a poor M of one level, whose Ritz values come late, a further look confirms it, where the

@@ -1,7 +1,7 @@
 //! Norms in which an error of (u, t) is judged, each part against that of the solution.
 
 use super::of_tractions::OfTractions;
-use super::{SaddleBlocks, T, U};
+use super::{SaddleBlocks, Stiffness, T, U};
 use fracas_operators::random::signed;
 use fracas_operators::sparse::{CsrView, SparseMatrix};
 use fracas_operators::vector::dot;
@@ -11,6 +11,9 @@ use std::borrow::Cow;
 /// `√(vᵀKv)` of the displacements of a solution with the prescribed ones in their places; K = stiffness in full numbering.
 pub type StrainNorm<'a> = Box<dyn Fn(&[f64]) -> f64 + 'a>;
 
+/// An operator, and its diagonal.
+pub type WithDiagonal<'a> = (Box<dyn LinearOperator<f64> + 'a>, Vec<f64>);
+
 /// Most of the norm of (u, t) that a part which all but vanishes is judged against. Unit: 1.
 const LEAST_SHARE: f64 = 1e-6;
 
@@ -18,11 +21,11 @@ const LEAST_SHARE: f64 = 1e-6;
 /// 45 times that of f64. Unit: 1.
 const ROUNDING: f64 = 1e-14;
 
-/// Spread of the diagonal of A that is too much for f32: 2²⁰ of its 2²⁴. Unit: 1.
-const SINGLE: f64 = 1_048_576.0;
-
 /// Spread of the diagonal of A below which rounding is small in any direction: ε times 2¹⁰ is 2e-13. Unit: 1.
 const ALIKE: f64 = 1024.0;
+
+/// Square of an off-diagonal entry over the product of its diagonal ones, above which it is no rounding of a semidefinite matrix. Unit: 1.
+const MINOR: f64 = 1.0 + 1e-8;
 
 /// Most unknowns of a field of which an estimate may be small by chance: k independent values are all below a tenth of what they mostly
 /// are once in 10ᵏ times. Of 18,000 systems of other codes three were called converged with one to three tractions wrong by 10 to 16
@@ -32,7 +35,7 @@ const FEW: f64 = 8.0;
 /// `‖e_u‖² = e_uᵀA e_u + (B2 e_u)ᵀ (C_0 + diag H)⁻¹ (B2 e_u)` and `‖e_t‖² = e_tᵀ (C_0 + H) e_t`, `C_0 = diag(B1ᵀ diag(A)⁻¹ B1)`.
 ///
 /// The norm of e_u is the energy norm, and sees the motion of blocks that A leaves free by their jumps; that of e_t is the energy
-/// of what the tractions move. Where H has a negative entry on its diagonal it is that of `C_0 + |diag H|`: C_0 + H may then lose all of a large
+/// of what the tractions move. Where two rows of H show that it is indefinite it is that of `C_0 + |diag H|`: C_0 + H may then lose all of a large
 /// error. That of pressures is likewise `‖e_p‖² = e_pᵀ diag(Q1ᵀ diag(A)⁻¹ Q1) e_p`: T may be singular or indefinite, and
 /// where it is large its energy does not see that all pressures are wrong by the same. None depends on units, on the method, or on how stiff the rock is that a prescribed
 /// displacement holds.
@@ -47,12 +50,14 @@ pub struct EnergyNorms<'a> {
     c: Vec<f64>,
     /// Diagonal of C_0 + H.
     diagonal: Vec<f64>,
-    /// `C_0 + |diag H|`, where H has a negative entry on its diagonal.
+    /// `C_0 + |diag H|`, where H is seen to be indefinite.
     of_indefinite: Option<Vec<f64>>,
     strain: Option<StrainNorm<'a>>,
     stiffness: Cow<'a, Stiffness>,
     /// The blocks, where residuals may be had in twice the digits.
     entries: Option<&'a SaddleBlocks>,
+    /// Their B2 is other than B1ᵀ, or their H than Hᵀ.
+    is_unsymmetric: bool,
     /// B1, where its entries are known.
     b1: Option<&'a SparseMatrix<f64>>,
     /// Jumps count in the norm of e_u.
@@ -78,17 +83,27 @@ impl<'a> EnergyNorms<'a> {
         c: Vec<f64>,
         stiffness: Cow<'a, Stiffness>,
     ) -> Self {
-        let of_h = |h: &'a SparseMatrix<f64>| -> (Box<dyn LinearOperator<f64> + 'a>, Vec<f64>) {
+        let of_h = |h: &'a SparseMatrix<f64>| -> WithDiagonal<'a> {
             let diagonal = h.diag_iter().map(|h| h.copied().unwrap_or(0.0));
             (Box::new(CsrView::new(h)), diagonal.collect())
         };
-        Self::of_parts(operator, h.map(of_h), c, stiffness)
+        let is_indefinite = h.is_some_and(is_indefinite);
+        Self::assembled(operator, (h.map(of_h), is_indefinite), c, stiffness)
     }
 
-    /// The same for an H that is an operator, with its diagonal: of ranks, each of which has its rows of everything.
+    /// The same for a positive semidefinite H that is an operator, with its diagonal: of ranks, each of which has its rows of everything.
     pub fn of_parts(
         operator: &'a dyn LinearOperator<f64>,
-        h: Option<(Box<dyn LinearOperator<f64> + 'a>, Vec<f64>)>,
+        h: Option<WithDiagonal<'a>>,
+        c: Vec<f64>,
+        stiffness: Cow<'a, Stiffness>,
+    ) -> Self {
+        Self::assembled(operator, (h, false), c, stiffness)
+    }
+
+    fn assembled(
+        operator: &'a dyn LinearOperator<f64>,
+        (h, is_indefinite): (Option<WithDiagonal<'a>>, bool),
         mut c: Vec<f64>,
         stiffness: Cow<'a, Stiffness>,
     ) -> Self {
@@ -106,10 +121,8 @@ impl<'a> EnergyNorms<'a> {
             *c = of_itself(*h);
         }
         let diagonal = c.iter().zip(&of_h).map(|(c, h)| c + h.max(0.0)).collect();
-        let mut negative = [of_h.iter().filter(|h| **h < 0.0).count() as f64];
-        operator.sum_over_parts(&mut negative);
         let sizes = || c.iter().zip(&of_h).map(|(c, h)| c + h.abs()).collect();
-        let of_indefinite = (negative[0] > 0.0).then(sizes);
+        let of_indefinite = is_indefinite.then(sizes);
         Self {
             operator,
             layout: Layout::new([(U, stiffness.len()), (T, c.len())]),
@@ -120,6 +133,7 @@ impl<'a> EnergyNorms<'a> {
             strain: None,
             stiffness,
             entries: None,
+            is_unsymmetric: false,
             b1: None,
             jumps: true,
             others: Vec::new(),
@@ -163,6 +177,8 @@ impl<'a> EnergyNorms<'a> {
     #[must_use]
     pub fn with_entries(mut self, blocks: &'a SaddleBlocks) -> Self {
         self.entries = Some(blocks);
+        self.is_unsymmetric =
+            blocks.b2.is_some() || blocks.h.as_ref().is_some_and(|h| !is_symmetric(h));
         self.with_b1(&blocks.b1)
     }
 
@@ -178,9 +194,10 @@ impl<'a> EnergyNorms<'a> {
         self.entries
     }
 
-    /// Whether B2 is known to be other than B1ᵀ: then M⁻¹𝒜 may be far from normal, and a Ritz value be of another size than what it keeps small.
+    /// Whether B2 is known to be other than B1ᵀ, or H other than Hᵀ: then M⁻¹𝒜 may be far from normal, and a Ritz value be of another size than what it
+    /// keeps small.
     pub fn is_unsymmetric(&self) -> bool {
-        self.entries.is_some_and(|blocks| blocks.b2.is_some())
+        self.is_unsymmetric
     }
 
     /// Judges e_u against `norm` of the solution: where displacements are prescribed, `‖u‖_A` of the free ones alone is mostly
@@ -303,7 +320,7 @@ impl<'a> EnergyNorms<'a> {
         (energy.max(0.0) + springs).sqrt()
     }
 
-    /// `√(tᵀ(C_0 + H)t)`, with |diag H| for H where that has a negative entry.
+    /// `√(tᵀ(C_0 + H)t)`, with |diag H| for an indefinite H.
     fn tractions(&self, t: &[f64]) -> f64 {
         let weights = self.of_indefinite.as_ref().unwrap_or(&self.c);
         let c: f64 = t.iter().zip(weights).map(|(t, c)| c * t * t).sum();
@@ -324,58 +341,33 @@ pub(super) fn of_itself(h_ii: f64) -> f64 {
     }
 }
 
+/// True where a row or two of H show that its symmetric part is indefinite: `h_ii < 0`, or `¼(h_ij + h_ji)² > h_ii h_jj`.
+fn is_indefinite(h: &SparseMatrix<f64>) -> bool {
+    let at = |i: usize, j: usize| h.get(i, j).copied().unwrap_or(0.0);
+    h.iter().any(|(v, (i, j))| {
+        let (i, j) = (i as usize, j as usize);
+        match i == j {
+            true => *v < 0.0,
+            false => (0.5 * (v + at(j, i))).powi(2) > MINOR * at(i, i) * at(j, j),
+        }
+    })
+}
+
+/// True where H is Hᵀ to rounding.
+fn is_symmetric(h: &SparseMatrix<f64>) -> bool {
+    let at = |i: usize, j: usize| h.get(i, j).copied().unwrap_or(0.0);
+    h.iter().all(|(v, (i, j))| {
+        let (i, j) = (i as usize, j as usize);
+        let size = v.abs().max((at(i, i) * at(j, j)).abs().sqrt());
+        (v - at(j, i)).abs() <= ALIKE * f64::EPSILON * size
+    })
+}
+
 /// `vᵀMv` of this part.
 fn energy(m: &dyn LinearOperator<f64>, v: &[f64]) -> f64 {
     let mut image = vec![0.0; v.len()];
     m.apply(v, &mut image, &mut vec![0.0; m.work_len()]);
     dot(v, &image)
-}
-
-/// The diagonal of A to a factor of two, in a byte per entry.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Stiffness {
-    largest: f64,
-    /// Times that the largest entry is halved.
-    halvings: Vec<u8>,
-}
-
-impl Stiffness {
-    /// Of positive entries, none of them above `largest`; an entry of 0 counts as 2⁻²⁵⁵ of that.
-    pub fn new(largest: f64, entries: impl Iterator<Item = f64>) -> Self {
-        // a quotient of infinity saturates
-        let halvings = entries.map(|a| (largest / a).log2().round() as u8);
-        Self {
-            largest,
-            halvings: halvings.collect(),
-        }
-    }
-
-    /// n_u.
-    pub fn len(&self) -> usize {
-        self.halvings.len()
-    }
-
-    /// True for none.
-    pub fn is_empty(&self) -> bool {
-        self.halvings.is_empty()
-    }
-
-    /// Largest over smallest entry, to a factor of √2.
-    pub fn spread(&self) -> f64 {
-        f64::from(self.halvings.iter().copied().max().unwrap_or(0)).exp2()
-    }
-
-    /// True where f32 may hold no digit of the softest rock beside the stiffest: tractions within soft rock were wrong by 3e-4 with
-    /// errors of 5e-10 said.
-    pub fn exceeds_single(&self) -> bool {
-        self.spread() >= SINGLE
-    }
-
-    /// Diagonal entries, each to a factor of √2.
-    pub fn entries(&self) -> impl Iterator<Item = f64> {
-        let entry = |halvings: &u8| self.largest * (-f64::from(*halvings)).exp2();
-        self.halvings.iter().map(entry)
-    }
 }
 
 /// 0 where there is no error, infinite where there is nothing to compare it with.
@@ -409,22 +401,19 @@ impl SaddleBlocks {
         c
     }
 
-    /// The diagonal of `Qᵀ diag(A)⁻¹ Q`.
+    /// The diagonal of `Qᵀ diag(A)⁻¹ Q`; the least of the other entries stands for one of A that is 0.
     fn compliance(&self, q: &SparseMatrix<f64>) -> Vec<f64> {
         let mut c = vec![0.0; q.cols()];
+        let entry = |i| self.a.get(i, i).map_or(0.0, |a| a.abs());
+        let positive = (0..self.n_u()).map(entry).filter(|a| *a > 0.0);
+        let least = positive.fold(f64::INFINITY, f64::min);
         for (i, row) in q.outer_iterator().enumerate() {
-            let diagonal = self.a.get(i, i).map_or(0.0, |a| a.abs());
-            if diagonal > 0.0 {
-                row.iter().for_each(|(j, b)| c[j] += b * b / diagonal);
-            }
+            let diagonal = match entry(i) {
+                0.0 => least,
+                diagonal => diagonal,
+            };
+            row.iter().for_each(|(j, b)| c[j] += b * b / diagonal);
         }
         c
-    }
-
-    /// The size of the diagonal of A.
-    pub fn stiffness(&self) -> Stiffness {
-        let entry = |i| self.a.get(i, i).map_or(0.0, |a| a.abs());
-        let entries = (0..self.n_u()).map(entry);
-        Stiffness::new(entries.clone().fold(0.0, f64::max), entries)
     }
 }

@@ -1,6 +1,6 @@
 //! A saddle point whose symmetric A is kept by half, for RACP around algebraic multigrid.
 
-use super::energy_norms::Stiffness;
+use super::Stiffness;
 use super::{
     EnergyNorms, InnerChoice, Racp, Ready, SaddleBlocks, SaddleMethod, SaddleOperator, SaddleSystem,
 };

@@ -30,7 +30,7 @@ const ELIMINATED: usize = 1_000;
 
 /// The same where M is poor, or 𝒜 is not symmetric and no Ritz value is a bound (u was wrong by 2.1e-3 where 1.7e-5 was said, with 36 unknowns and
 /// SSOR inside; by 17 tolerances with 1,026 and exact S_u). Unit: 1.
-const ELIMINATED_IN_DOUBT: usize = 5_000;
+pub(super) const ELIMINATED_IN_DOUBT: usize = 5_000;
 
 /// What is left of the equations at an iterate.
 pub(super) struct Remainder<'a> {

@@ -14,7 +14,8 @@ use rayon::prelude::*;
 /// Supports up to this size go through a dense eigenvalue solver, larger ones through Lanczos.
 const DENSE_SUPPORT: usize = 240;
 
-/// `C_ii = ‖r(b_i)‖₂² / ‖A|_{b_i}‖₂`, b_i = column i of B, A restricted to its support; for an empty column `|H_ii|`, or 1.
+/// `C_ii = ‖r(b_i)‖₂² / ‖A|_{b_i}‖₂`, b_i = column i of B, A restricted to its support; for an empty column `|H_ii|`, or 1. Where A vanishes on the
+/// support, B alone holds what moves there, and the largest ‖A|_{b_j}‖₂ of other columns, or 1, stands for that norm.
 ///
 /// # Units
 /// [m⁴] / [N/m], like BᵀA⁻¹B: C scales with B² and with 1/A.
@@ -37,28 +38,20 @@ pub(super) fn local(
         .par_iter()
         .map(|&i| spectral_norm(a, columns.support(i)))
         .collect::<Result<Vec<f64>, _>>()?;
+    let largest = norms.iter().copied().fold(0.0, f64::max);
+    let of_none = if largest > 0.0 { largest } else { 1.0 };
     let mut run = 0;
     let diagonal = (0..n_t).map(|i| {
         while first_of_run.get(run + 1).is_some_and(|&next| next <= i) {
             run += 1;
         }
-        let norm = norms[run];
-        if columns.support(i).is_empty() {
-            Ok(of_itself(blocks.h_ii(i)))
-        } else if norm > 0.0 {
-            Ok(columns.norm_squared(i) / norm)
-        } else {
-            Err(SetupError::BadDiagonal {
-                block: "A",
-                row: columns.support(i)[0] + 1,
-                value: norm,
-                method: "the local augmentation (norm of A on the support of a column of B)",
-            })
+        match norms[run] {
+            _ if columns.support(i).is_empty() => of_itself(blocks.h_ii(i)),
+            0.0 => columns.norm_squared(i) / of_none,
+            norm => columns.norm_squared(i) / norm,
         }
     });
-    Ok(AugmentationMatrix::diagonal(
-        diagonal.collect::<Result<_, _>>()?,
-    ))
+    Ok(AugmentationMatrix::diagonal(diagonal.collect()))
 }
 
 /// ‖A|_s‖₂ of the symmetric A.

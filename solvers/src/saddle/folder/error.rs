@@ -240,6 +240,22 @@ pub enum FolderError {
         /// The value on the other side of the diagonal.
         mirrored: f64,
     },
+    /// An entry of which products leave the range of f64.
+    #[error(
+        "{file}, row {row}, column {column}: the entry {value:e} is out of range; choose units in which entries are 0 or from {:e} to {:e} in size",
+        super::entries::LEAST,
+        super::entries::MOST
+    )]
+    Extreme {
+        /// The file.
+        file: String,
+        /// Row, counted from 1.
+        row: usize,
+        /// Column, counted from 1.
+        column: usize,
+        /// Its value.
+        value: f64,
+    },
     /// A row of the coordinates that is not `x y z component`.
     #[error("{file}, row {row}: the component is {value}, expected 0, 1 or 2 (x, y, z)")]
     Component {

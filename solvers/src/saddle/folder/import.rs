@@ -2,7 +2,7 @@
 
 use super::finding::{Finding, Remark};
 use super::manifest::Manifest;
-use super::{FolderError, announced, coordinates, inspect, rigid_body, sizes};
+use super::{FolderError, announced, coordinates, entries, inspect, rigid_body, sizes};
 use crate::saddle::{FlowBlocks, SaddleBlocks};
 use fracas_operators::Shape;
 use fracas_operators::matrix_market::{SparseFile, Symmetry, read_dense, read_sparse, read_vector};
@@ -46,7 +46,7 @@ pub(super) const FILES: [&str; 13] = [
 /// A few seconds for 16 million entries; 12 bytes per entry of A and 16 MB at the peak.
 ///
 /// # Errors
-/// [`FolderError`]: a file is missing or defective, sizes contradict each other, A is not symmetric.
+/// [`FolderError`]: a file is missing or defective, sizes contradict each other, entries are beyond 1e±100, A is not symmetric.
 pub fn read_folder(folder: &Path) -> Result<Imported, FolderError> {
     match std::fs::metadata(folder) {
         Ok(found) if found.is_dir() => {}
@@ -128,6 +128,7 @@ pub fn read_folder(folder: &Path) -> Result<Imported, FolderError> {
         coordinates,
         flow,
     };
+    entries::right_hand_sides(&blocks)?;
     let exists = |file: &str| Ok(reader.present(file)?.is_some());
     announced::contradictions(folder, &manifest, &blocks, &exists)?;
     Ok(Imported {
@@ -142,10 +143,14 @@ pub fn read_folder(folder: &Path) -> Result<Imported, FolderError> {
 /// zeros are left out.
 ///
 /// # Errors
-/// [`FolderError::Sizes`], [`FolderError::NotSquare`], [`FolderError::Empty`], [`FolderError::Asymmetric`].
+/// [`FolderError::Sizes`], [`FolderError::NotSquare`], [`FolderError::Empty`], [`FolderError::Extreme`], [`FolderError::Asymmetric`].
 pub fn inspect_blocks(
     mut blocks: SaddleBlocks,
 ) -> Result<(SaddleBlocks, Vec<Finding>), FolderError> {
+    for (name, block) in blocks.matrices() {
+        block.map_or(Ok(()), |m| entries::matrix(&format!("{name}.mtx"), m))?;
+    }
+    entries::right_hand_sides(&blocks)?;
     let mut findings = Vec::new();
     let shape = |matrix: &SparseMatrix<f64>| Shape::new(matrix.rows(), matrix.cols());
     let from_a = ("A.mtx", shape(&blocks.a));
@@ -282,6 +287,7 @@ impl Reader<'_> {
             return Ok(None);
         };
         let read = read_sparse(&path)?;
+        entries::matrix(file, &read.matrix)?;
         if let Some(d) = read.duplicates {
             let remark = Remark::DuplicatesSummed {
                 count: d.count,

@@ -19,6 +19,7 @@
 mod announced;
 mod compare;
 mod coordinates;
+mod entries;
 mod error;
 mod export;
 mod finding;

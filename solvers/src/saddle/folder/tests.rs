@@ -252,6 +252,68 @@ fn nan_and_broken_files_keep_their_line() {
 }
 
 #[test]
+fn entries_of_which_products_are_no_numbers_are_refused_with_their_place() {
+    let [u, t] = [6, 3].map(|n| move |entry: &str| format!("{ARRAY}{n} 1\n{}", entry.repeat(n)));
+    for (file, text, place) in [
+        (
+            "A.mtx",
+            format!("{REAL}6 6 1\n1 1 -1e101\n"),
+            "row 1, column 1: the entry -1e101",
+        ),
+        (
+            "B1.mtx",
+            format!("{REAL}6 3 1\n4 3 1e-101\n"),
+            "row 4, column 3: the entry 1e-101",
+        ),
+        (
+            "B2.mtx",
+            format!("{REAL}3 6 2\n1 2 1\n3 5 1e200\n"),
+            "row 3, column 5: the entry 1e200",
+        ),
+        (
+            "H.mtx",
+            format!("{REAL}3 3 1\n2 3 1e150\n"),
+            "row 2, column 3: the entry 1e150",
+        ),
+        (
+            "rhs_u.mtx",
+            u("1e308\n"),
+            "row 1, column 1: the entry 1e308",
+        ),
+        (
+            "rhs_t.mtx",
+            t("-1e101\n"),
+            "row 1, column 1: the entry -1e101",
+        ),
+    ] {
+        let message = refusal("extreme", &[(file, &text)]);
+        let start = format!(
+            "{file}, {place} is out of range; choose units in which entries are 0 or from 1e-100 to 1e100 in size"
+        );
+        assert!(message.starts_with(&start), "{message}");
+    }
+    // beside a load small ones are zeros, alone they are out of range
+    let small = t("1e-200\n");
+    let sides = [("rhs_t.mtx", small.as_str())];
+    assert!(with_files("small", &sides).is_ok());
+    let none = u("0\n");
+    let message = refusal("alone", &[sides[0], ("rhs_u.mtx", &none)]);
+    let start = "rhs_t.mtx, row 1, column 1: the entry 1e-200 is out of range";
+    assert!(message.starts_with(start), "{message}");
+    let within = format!("{REAL}3 3 3\n1 1 1e100\n2 2 1e-200\n3 3 0\n");
+    assert!(with_files("within", &[("H.mtx", &within)]).is_ok());
+    let blocks = SaddleBlocks {
+        b1: system().b1.map(|v| 1e101 * v),
+        ..system()
+    };
+    let message = inspect_blocks(blocks).unwrap_err().to_string();
+    assert!(
+        message.starts_with("B1.mtx, row 1, column 1: the entry 3.3"),
+        "{message}"
+    );
+}
+
+#[test]
 fn coordinates_come_in_two_forms_or_are_refused() {
     let by_node = format!("{ARRAY}2 3\n0\n1\n0.1\n0.1\n-1e-3\n-1e-3\n");
     let read = with_files("nodes", &[("coords.mtx", &by_node)]).unwrap();
@@ -509,6 +571,16 @@ fn what_is_wrong_with_flow_is_named_with_its_place() {
         nan.contains("Q2.mtx, line 3") && nan.contains("not a finite number"),
         "{nan}"
     );
+    let large = said("flow_large", "T.mtx", &format!("{REAL}2 2 1\n2 2 1e300\n"));
+    let start = "T.mtx, row 2, column 2: the entry 1e300 is out of range";
+    assert!(large.starts_with(start), "{large}");
+    let large = said(
+        "flow_rate",
+        "rhs_p.mtx",
+        &format!("{ARRAY}2 1\n1\n-1e200\n"),
+    );
+    let start = "rhs_p.mtx, row 2, column 1: the entry -1e200 is out of range";
+    assert!(large.starts_with(start), "{large}");
     let n_p = said("flow_n_p", "manifest.json", "{\"n_p\": 5}");
     assert!(n_p.contains("says n_p = 5"), "{n_p}");
 }
